@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+/// Memory of tensors: counted buffers that are kept for reuse when nobody needs them any more.
+///
+/// Fresh pages cost more than the arithmetic that fills them (64 MiB: 26 ms). A loop that repeats the same computation
+/// finds all its buffers in the pool from the second round on and takes nothing from the system.
+#pragma once
+
+#include <array>    // free lists
+#include <atomic>   // reference counts
+#include <bit>      // bit_width
+#include <cstddef>  // byte
+#include <cstdint>  // sizes
+#include <cstdlib>  // aligned_alloc
+#include <memory>   // owner of foreign memory
+#include <new>      // bad_alloc
+#include <utility>  // exchange
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Header of a buffer. The data follow it, 64 bytes aligned, or lie elsewhere (memory-mapped weights).
+struct alignas(64) Buffer {
+  std::atomic<std::int64_t> references{1};
+  void* data = nullptr;
+  int bucket = -1;                     // -1: not from a pool
+  Buffer* next = nullptr;              // in a free list
+  std::shared_ptr<const void> owner;   // keeps foreign memory alive
+  std::shared_ptr<const void> packed;  // the same numbers in the layout of a kernel (see Dense::attach)
+};
+
+}  // namespace detail
+
+/// Free buffers of this thread, in buckets of four sizes per power of two.
+class BufferPool {
+ public:
+  static BufferPool& local() {
+    thread_local BufferPool pool;
+    return pool;
+  }
+
+  detail::Buffer* take(std::size_t bytes) {
+    const int bucket = bucket_of(bytes);
+    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
+    if (head != nullptr) {
+      detail::Buffer* b = std::exchange(head, head->next);
+      b->references.store(1, std::memory_order_relaxed);
+      return b;
+    }
+    ++system_allocations_;
+    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
+    if (memory == nullptr) throw std::bad_alloc();
+    auto* b = new (memory) detail::Buffer;
+    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
+    b->bucket = bucket;
+    return b;
+  }
+
+  void give_back(detail::Buffer* b) {
+    b->packed.reset();
+    b->next = std::exchange(free_[static_cast<std::size_t>(b->bucket)], b);
+  }
+
+  /// Returns all free buffers to the system.
+  void trim() {
+    for (auto& head : free_) {
+      while (head != nullptr) release(std::exchange(head, head->next));
+    }
+  }
+
+  /// How often this pool had to ask the system. Stands still in a loop that has settled.
+  std::int64_t system_allocations() const { return system_allocations_; }
+
+  static void release(detail::Buffer* b) {
+    b->~Buffer();
+    std::free(b);
+  }
+
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
+
+ private:
+  BufferPool() = default;
+  ~BufferPool() { trim(); }
+
+  // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
+  static int bucket_of(std::size_t bytes) {
+    const std::size_t units = (bytes + 63) / 64 < 4 ? 4 : (bytes + 63) / 64;
+    const int shift = static_cast<int>(std::bit_width(units)) - 3;
+    const std::size_t quarter = (units + (std::size_t{1} << shift) - 1) >> shift;  // 4 ... 8
+    return shift * 4 + static_cast<int>(quarter) - 4;
+  }
+  static std::size_t bucket_bytes(int bucket) {
+    return static_cast<std::size_t>(64 * (4 + bucket % 4)) << static_cast<unsigned>(bucket / 4);
+  }
+
+  std::array<detail::Buffer*, 4 * 62> free_{};
+  std::int64_t system_allocations_ = 0;
+};
+
+namespace detail {
+
+/// Shared handle of a buffer.
+class BufferHandle {
+ public:
+  BufferHandle() = default;
+  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::local().take(bytes)) {}
+  /// Memory that belongs to somebody else and is only read.
+  BufferHandle(const void* data, std::shared_ptr<const void> owner) : buffer_(new (std::align_val_t{64}) Buffer) {
+    buffer_->data = const_cast<void*>(data);
+    buffer_->owner = std::move(owner);
+  }
+  BufferHandle(const BufferHandle& o) : buffer_(o.buffer_) {
+    if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
+  }
+  BufferHandle(BufferHandle&& o) noexcept : buffer_(std::exchange(o.buffer_, nullptr)) {}
+  BufferHandle& operator=(BufferHandle o) noexcept {
+    std::swap(buffer_, o.buffer_);
+    return *this;
+  }
+  ~BufferHandle() {
+    if (buffer_ == nullptr || buffer_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    if (buffer_->bucket >= 0)
+      BufferPool::local().give_back(buffer_);
+    else
+      ::operator delete (destroyed(buffer_), std::align_val_t{64});
+  }
+
+  void* data() const { return buffer_ == nullptr ? nullptr : buffer_->data; }
+  /// Nobody else sees this memory, and it may be written.
+  bool unique() const {
+    return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
+  }
+  std::shared_ptr<const void>& packed() const { return buffer_->packed; }
+  explicit operator bool() const { return buffer_ != nullptr; }
+
+ private:
+  static void* destroyed(Buffer* b) {
+    b->~Buffer();
+    return b;
+  }
+  Buffer* buffer_ = nullptr;
+};
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+/// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
+#pragma once
+
+#include <optional>  // no generator, no dropout
+
+#include <motionlang/core/rng.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
+///
+///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
+struct Context {
+  std::optional<Philox> dropout{};
+  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
+
+  /// The generator of the next dropout mask. Only when `dropout` is set.
+  Philox next_mask() const { return dropout->split(drawn++); }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

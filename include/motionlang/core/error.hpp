@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+/// Errors: one hierarchy, one id for each kind of failure, one place that throws.
+///
+/// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
+/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
+/// the module path. The list of ids is `error_ids` below; every one has a test.
+#pragma once
+
+#include <charconv>     // to_chars: messages without streams and without the locale
+#include <concepts>     // integral, floating_point
+#include <cstdlib>      // abort
+#include <stdexcept>    // runtime_error
+#include <string>       // string
+#include <string_view>  // string_view
+#include <vector>       // diagnostics path
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Base of every exception of the library. `id()` is stable between versions; the text is not.
+class error : public std::runtime_error {
+ public:
+  error(int id, const std::string& message) : std::runtime_error(message), id_(id) {}
+  int id() const noexcept { return id_; }
+
+ private:
+  int id_;
+};
+
+struct config_error : error {
+  using error::error;
+  static constexpr std::string_view family = "config";
+};  // 1xx
+struct shape_error : error {
+  using error::error;
+  static constexpr std::string_view family = "shape";
+};  // 2xx
+struct numeric_error : error {
+  using error::error;
+  static constexpr std::string_view family = "numeric";
+};  // 3xx
+struct io_error : error {
+  using error::error;
+  static constexpr std::string_view family = "io";
+};  // 4xx
+struct timeline_error : error {
+  using error::error;
+  static constexpr std::string_view family = "timeline";
+};  // 5xx
+
+/// Thrown when a progress callback asks to stop. Not a failure, hence not an `error`.
+struct cancelled : std::runtime_error {
+  cancelled() : std::runtime_error("cancelled by the caller") {}
+};
+
+struct ErrorId {
+  int id;
+  std::string_view meaning;
+};
+
+// clang-format off
+/// Every id with its meaning.
+inline constexpr ErrorId error_ids[] = {
+    // config: a value that cannot work, whatever the data
+    {101, "a size or an option is out of its range"},
+    {102, "two options contradict each other"},
+    {103, "a name is unknown (joint, body part, option, backend)"},
+    {104, "a diffusion schedule has a beta outside (0, 1]"},
+    {105, "a respacing specification cannot be satisfied"},
+    {106, "a skeleton is malformed (order of parents, number of roots, repeated names)"},
+    {107, "a configuration file has a value of the wrong kind"},
+    // shape: sizes of tensors
+    {201, "inner sizes of a product differ"},
+    {202, "shapes cannot be broadcast together"},
+    {203, "an axis or an index is out of range"},
+    {204, "two operands must have the same size along an axis"},
+    {205, "the number of values does not fit the shape"},
+    {206, "the rank is not the one that the type states"},
+    {207, "sequence offsets do not fit the rows"},
+    // numeric: values
+    {301, "a value is NaN or infinite"},
+    {302, "a value lies outside the domain of the function"},
+    // io: files
+    {401, "a file cannot be opened, read or written"},
+    {402, "a file ends too early"},
+    {403, "a file is malformed"},
+    {404, "a file asks for a feature that is not supported"},
+    {405, "a file declares a size that it cannot have"},
+    {406, "tensor names are missing or unexpected"},
+    {407, "a tensor has another shape or type than expected"},
+    // timeline: texts over time
+    {501, "a line has too few fields"},
+    {502, "a time is not a number"},
+    {503, "a body part is unknown"},
+    {504, "an interval is empty or ends before it starts"},
+    {505, "no text covers a stretch of the timeline"},
+    {506, "a text owns no body part at its own start or end"},
+    {507, "the timeline has no line"},
+    {508, "a crop is longer than the denoiser accepts"},
+};
+// clang-format on
+
+namespace detail {
+
+inline void append(std::string& out, std::string_view s) { out += s; }
+inline void append(std::string& out, char c) { out += c; }
+template <std::same_as<bool> T>  // a template, or string literals would convert to bool
+void append(std::string& out, T b) {
+  out += b ? "true" : "false";
+}
+template <class N>
+requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
+         !std::same_as<N, char>) void append(std::string& out, N n) {
+  char digits[64];
+  out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
+}
+/// Anything with a `to_string` found by name lookup (shapes, enumerations).
+template <class T>
+requires requires(const T& t) {
+  { to_string(t) } -> std::convertible_to<std::string>;
+}
+void append(std::string& out, const T& t) { out += to_string(t); }
+
+/// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
+struct ModulePath {
+  static std::vector<std::string>& names() {
+    thread_local std::vector<std::string> path;
+    return path;
+  }
+};
+
+}  // namespace detail
+
+/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
+template <class... T>
+std::string concat_text(const T&... parts) {
+  std::string out;
+  (detail::append(out, parts), ...);
+  return out;
+}
+
+/// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+struct ModuleScope {
+#ifdef MOTIONLANG_DIAGNOSTICS
+  template <class... T>
+  explicit ModuleScope(const T&... name) {
+    detail::ModulePath::names().push_back(concat_text(name...));
+  }
+  ~ModuleScope() { detail::ModulePath::names().pop_back(); }
+#else
+  template <class... T>
+  explicit ModuleScope(const T&...) {}
+  ~ModuleScope() {}
+#endif
+  ModuleScope(const ModuleScope&) = delete;
+  ModuleScope& operator=(const ModuleScope&) = delete;
+};
+
+/// The one place that throws. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+template <class E, class... T>
+[[noreturn]] void raise(int id, const T&... parts) {
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
+#ifdef MOTIONLANG_DIAGNOSTICS
+  const auto& path = detail::ModulePath::names();
+  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+#endif
+#ifdef MOTIONLANG_THROW
+  MOTIONLANG_THROW(E(id, text));
+  std::abort();
+#else
+  throw E(id, text);
+#endif
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

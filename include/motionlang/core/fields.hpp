@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+/// Member lists: what a module is made of, and how to walk over it.
+///
+///     struct Linear { Tensor<B, 2> weight; Tensor<B, 1> bias;
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
+///       } };
+///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
+///
+/// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here.
+#pragma once
+
+#include <optional>  // members that a model may lack
+#include <string>    // paths
+#include <tuple>     // the list
+#include <utility>   // index_sequence
+#include <vector>    // repeated members
+
+#include <motionlang/core/concepts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <class M, class T>
+struct Field {
+  const char* name;
+  T M::*member;
+};
+
+/// Pairs (name, pointer to member) to a tuple of `Field`.
+constexpr std::tuple<> fields() { return {}; }
+template <class M, class T, class... Rest>
+constexpr auto fields(const char* name, T M::*member, Rest... rest) {
+  return std::tuple_cat(std::tuple<Field<M, T>>{{name, member}}, fields(rest...));
+}
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_vector = false;
+template <class T>
+inline constexpr bool is_vector<std::vector<T>> = true;
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+inline std::string join_path(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + "." + name;
+}
+
+/// Walks over one member, or over the same member of several objects of the same structure.
+template <class F, class First, class... Others>
+void visit_member(const std::string& path, F& f, First& first, Others&... others) {
+  using T = std::remove_const_t<First>;
+  if constexpr (Module<T>) {
+    visit_fields(path, f, first, others...);
+  } else if constexpr (is_vector<T>) {
+    if (((others.size() != first.size()) || ...)) {
+      raise<shape_error>(204, "zip: numbers of ", path, " differ: ", Index(first.size()), ", ",
+                         Index(others.size())...);
+    }
+    for (std::size_t i = 0; i < first.size(); ++i)
+      visit_member(join_path(path, std::to_string(i)), f, first[i], others[i]...);
+  } else if constexpr (is_optional<T>) {
+    if (((others.has_value() != first.has_value()) || ...)) raise<shape_error>(204, "zip: only one side has ", path);
+    if (first) visit_member(path, f, *first, (*others)...);
+  } else {
+    f(path, first, others...);
+  }
+}
+
+template <class F, class First, class... Others>
+void visit_fields(const std::string& prefix, F& f, First& first, Others&... others) {
+  // The others may be the same template over another backend: fields are matched by position.
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit_member(join_path(prefix, std::get<I>(First::fields()).name), f, first.*(std::get<I>(First::fields()).member),
+                  others.*(std::get<I>(Others::fields()).member)...),
+     ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<decltype(First::fields())>>{});
+}
+
+}  // namespace detail
+
+/// Calls f(path, leaf) for every leaf below the module, in the order of the fields.
+template <class M, class F>
+requires Module<std::remove_const_t<M>>
+void visit(M& module, F f) { detail::visit_fields("", f, module); }
+
+/// Calls f(path, leaf of a, leaf of b) for two modules of the same structure, perhaps over different backends.
+template <class M, class N, class F>
+requires Module<std::remove_const_t<M>> && Module<std::remove_const_t<N>>
+void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
+
+/// Number of leaves.
+template <Module M>
+Index count_leaves(const M& module) {
+  Index n = 0;
+  visit(module, [&](const std::string&, const auto&) { ++n; });
+  return n;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

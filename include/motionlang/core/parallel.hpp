@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+/// A small pool of threads and `parallel_for`.
+///
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
+/// and many give the same bits. Workers spin for a few microseconds after a task and then sleep, so that the many short
+/// regions of a transformer layer cost well below a microsecond each while an idle program costs nothing.
+#pragma once
+
+#include <algorithm>           // clamp
+#include <atomic>              // task counter
+#include <condition_variable>  // sleeping workers
+#include <exception>           // exception_ptr: errors in tasks reach the caller
+#include <memory>              // the workers
+#include <mutex>               // sleeping workers
+#include <thread>              // workers
+#include <utility>             // exchange
+#include <vector>              // workers
+
+#include <motionlang/core/error.hpp>
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+class ThreadPool {
+ public:
+  static ThreadPool& instance() {
+    static ThreadPool pool;
+    return pool;
+  }
+
+  int size() const { return static_cast<int>(workers_.size()) + 1; }
+
+  void resize(int threads) {
+    stop();
+    workers_.reserve(static_cast<std::size_t>(threads - 1));
+    stopping_ = false;
+    for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = round_.load()] { work(seen); });
+  }
+
+  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+  void run(Index count, void (*task)(const void*, Index), const void* context) {
+    if (count == 1 || workers_.empty() || inside_) {
+      for (Index i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::scoped_lock only_one_caller(caller_);
+    task_ = task;
+    context_ = context;
+    count_ = count;
+    next_.store(0, std::memory_order_relaxed);
+    pending_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
+    {
+      std::scoped_lock lock(sleep_);
+      round_.fetch_add(1, std::memory_order_release);
+    }
+    if (asleep_.load() > 0) wake_.notify_all();
+    take_tasks();
+    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+ private:
+  static constexpr int spins_before_sleep = 20000;
+
+  ThreadPool() { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); }
+  ~ThreadPool() { stop(); }
+
+  static void pause(int spins) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
+  }
+
+  void stop() {
+    {
+      std::scoped_lock lock(sleep_);
+      stopping_ = true;
+      round_.fetch_add(1);
+    }
+    wake_.notify_all();
+    for (auto& w : workers_) w.join();
+    workers_.clear();
+  }
+
+  void work(unsigned seen) {
+    inside_ = true;
+    for (;;) {
+      int spins = 0;
+      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
+      if (round_.load(std::memory_order_acquire) == seen) {
+        std::unique_lock lock(sleep_);
+        ++asleep_;
+        wake_.wait(lock, [&] { return round_.load() != seen; });
+        --asleep_;
+      }
+      ++seen;
+      if (stopping_) return;
+      take_tasks();
+      pending_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  void take_tasks() {
+    const bool outer = std::exchange(inside_, true);
+    for (Index i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < count_;) {
+      try {
+        task_(context_, i);
+      } catch (...) {
+        std::scoped_lock lock(sleep_);
+        if (!failure_) failure_ = std::current_exception();
+        next_.store(count_, std::memory_order_relaxed);
+      }
+    }
+    inside_ = outer;
+  }
+
+  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::vector<std::thread> workers_;
+  std::mutex caller_, sleep_;
+  std::condition_variable wake_;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0}, asleep_{0};
+  std::atomic<Index> next_{0};
+  std::atomic<bool> stopping_{false};
+  void (*task_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  Index count_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+inline void set_thread_count(int threads) {
+  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
+  detail::ThreadPool::instance().resize(threads);
+}
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::ThreadPool::instance().run(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
+/// derivatives (Dual), for eight poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+///
+///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
+#pragma once
+
+#include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/kinematics/skeleton.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Local rotations of all joints and the position of the root.
+template <ScalarLike S>
+struct Pose {
+  Vec3<S> root{};
+  std::vector<Quaternion<S>> local;
+
+  /// All rotations the identity, the root where the skeleton puts it.
+  static Pose rest(const Skeleton& skeleton) {
+    return {vec_cast<S>(skeleton.offset(0)),
+            std::vector<Quaternion<S>>(static_cast<std::size_t>(skeleton.size()), Quaternion<S>::identity())};
+  }
+};
+
+/// Positions and rotations of all joints in the world.
+template <ScalarLike S>
+struct JointTransforms {
+  std::vector<Vec3<S>> position;
+  std::vector<Matrix3<S>> rotation;
+};
+
+/// local     one rotation per joint, in any representation
+/// result    resized to the number of joints; pass the same object again to avoid allocations
+/// Throws    shape_error 204 if the number of rotations is not the number of joints
+template <Rotation R, ScalarLike S>
+void forward_kinematics(const Skeleton& skeleton, std::span<const R> local, const Vec3<S>& root,
+                        JointTransforms<S>& result) {
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  if (local.size() != joints) {
+    raise<shape_error>(204, "forward_kinematics: ", local.size(), " rotations for ", joints, " joints");
+  }
+  result.position.resize(joints);
+  result.rotation.resize(joints);
+  result.position[0] = root;
+  result.rotation[0] = to_matrix(local[0]);
+  for (std::size_t j = 1; j < joints; ++j) {
+    const auto p = static_cast<std::size_t>(skeleton.parents[j]);
+    result.position[j] = result.position[p] + result.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
+    result.rotation[j] = result.rotation[p] * to_matrix(local[j]);
+  }
+}
+
+template <Rotation R, ScalarLike S>
+JointTransforms<S> forward_kinematics(const Skeleton& skeleton, std::span<const R> local, const Vec3<S>& root) {
+  JointTransforms<S> result;
+  forward_kinematics(skeleton, local, root, result);
+  return result;
+}
+
+template <ScalarLike S>
+JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& pose) {
+  return forward_kinematics(skeleton, std::span<const Quaternion<S>>(pose.local), pose.root);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

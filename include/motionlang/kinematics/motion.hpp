@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
+///
+/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
+/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
+/// to the last printed digit.
+#pragma once
+
+#include <motionlang/kinematics/forward.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct Motion {
+  Skeleton skeleton;
+  double fps = 20;
+  std::vector<Vec3<double>> root;         // (frames)
+  std::vector<Quaternion<double>> local;  // (frames, joints), joint fastest
+  std::string name{};                     // of the clip, for messages and files
+
+  Index frames() const { return static_cast<Index>(root.size()); }
+  double seconds() const { return static_cast<double>(frames()) / fps; }
+
+  std::span<const Quaternion<double>> rotations(Index frame) const {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
+  }
+  std::span<Quaternion<double>> rotations(Index frame) {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
+  }
+  const Vec3<double>& root_at(Index frame) const { return root[static_cast<std::size_t>(frame)]; }
+
+  /// Joint positions and rotations of one frame in the world.
+  void world(Index frame, JointTransforms<double>& result) const {
+    forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
+  }
+  /// Joint positions of all frames, (frames, joints).
+  std::vector<Vec3<double>> positions() const {
+    std::vector<Vec3<double>> out;
+    out.reserve(local.size());
+    JointTransforms<double> t;
+    for (Index f = 0; f < frames(); ++f) {
+      world(f, t);
+      out.insert(out.end(), t.position.begin(), t.position.end());
+    }
+    return out;
+  }
+  /// Throws shape_error 205 if the arrays do not fit, numeric_error 301 on a value that is not finite.
+  void validate() const {
+    skeleton.validate();
+    if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
+      raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
+                         skeleton.size(), " joints");
+    }
+    if (!(fps > 0)) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    for (std::size_t f = 0; f < root.size(); ++f) {
+      const auto& r = root[f];
+      if (!std::isfinite(r.x + r.y + r.z))
+        raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
+    }
+    for (std::size_t i = 0; i < local.size(); ++i) {
+      const auto& q = local[i];
+      if (!std::isfinite(q.w + q.x + q.y + q.z)) {
+        const std::size_t joints = skeleton.parents.size();
+        raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
+                             i / joints, " is not finite");
+      }
+    }
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

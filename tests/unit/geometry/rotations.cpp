@@ -1,0 +1,185 @@
+// Rotations: every representation, at the identity, near it, at random, and near and at half a turn.
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <vector>
+
+#include <motionlang/core/dual.hpp>
+#include <motionlang/core/lane.hpp>
+#include <motionlang/core/rng.hpp>
+#include <motionlang/geometry/euler.hpp>
+#include <motionlang/geometry/pytorch3d.hpp>
+#include <motionlang/geometry/slerp.hpp>
+
+namespace ml = motionlang;
+
+namespace {
+
+template <class S>
+constexpr double tolerance = sizeof(S) == 4 ? 2e-6 : 2e-14;
+
+/// Rotation vectors that hurt: 0, tiny, random, close to pi, exactly pi about several axes.
+template <class S>
+std::vector<ml::Vec3<S>> rotation_vectors() {
+  std::vector<ml::Vec3<S>> out{
+      {S(0), S(0), S(0)}, {S(1e-8), S(0), S(0)}, {S(0), S(-1e-8), S(1e-8)}, {S(1e-4), S(1e-4), S(0)}};
+  const double pi = std::numbers::pi;
+  ml::Philox rng{.seed = 3};
+  for (int i = 0; i < 40; ++i) {
+    std::vector<double> n(3);
+    rng.normal(std::span<double>(n));
+    const auto axis = ml::normalized(ml::Vec3{n[0], n[1], n[2]});
+    for (double angle : {rng.uniform() * pi, 0.5 * pi, pi - 1e-3, pi - 1e-7, pi})
+      out.push_back(ml::vec_cast<S>(angle * axis));
+  }
+  for (const auto& a : {ml::Vec3{pi, 0.0, 0.0}, ml::Vec3{0.0, -pi, 0.0}, ml::Vec3{0.0, 0.0, pi},
+                        pi * std::sqrt(0.5) * ml::Vec3{1.0, -1.0, 0.0}}) {
+    out.push_back(ml::vec_cast<S>(a));
+  }
+  return out;
+}
+
+template <class S>
+double difference(const ml::Matrix3<S>& a, const ml::Matrix3<S>& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < 9; ++i) worst = std::max(worst, std::abs(double(a.m[i]) - double(b.m[i])));
+  return worst;
+}
+
+template <class S>
+double length(const ml::Vec3<S>& v) {
+  return double(ml::norm(v));
+}
+
+constexpr const char* all_orders[] = {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX",
+                                      "XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ"};
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("every representation gives the same matrix back", S, float, double) {
+  for (const auto& v : rotation_vectors<S>()) {
+    const auto q = ml::to_quaternion(ml::AxisAngle<S>{v});
+    const auto r = ml::to_matrix(q);
+    CHECK(double(ml::dot(q, q)) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(difference(r * ml::transpose(r), ml::Matrix3<S>::identity()) < tolerance<S>);
+    CHECK(difference(r, ml::exp_so3(v)) < 2 * tolerance<S>);
+    CHECK(difference(r, ml::to_matrix(ml::to_quaternion(r))) < 2 * tolerance<S>);
+    CHECK(difference(r, ml::to_matrix(ml::to_axis_angle(r))) < 4 * tolerance<S>);
+    CHECK(difference(r, ml::exp_so3(ml::log_so3(r))) < 4 * tolerance<S>);
+    CHECK(difference(r, ml::to_matrix(ml::to_rotation6d_rows(r))) < 2 * tolerance<S>);
+    CHECK(difference(r, ml::to_matrix(ml::to_rotation6d_columns(r))) < 2 * tolerance<S>);
+    for (const char* letters : all_orders) {
+      const auto e = ml::to_euler(r, ml::EulerOrder::parse(letters));
+      CHECK_MESSAGE(difference(r, ml::to_matrix(e)) < 4 * tolerance<S>, letters, " ", v.x, " ", v.y, " ", v.z);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("the logarithm inverts the exponential, also at pi", S, float, double) {
+  for (const auto& v : rotation_vectors<S>()) {
+    const auto back = ml::log_so3(ml::exp_so3(v));
+    const double err = std::min(length(back - v), length(back + v));  // at pi both signs are right
+    CHECK(err < (length(v) > 3.14 ? 200 : 4) * tolerance<S>);
+    if (length(v) < 3.1) CHECK(length(back - v) < 10 * tolerance<S>);
+  }
+}
+
+TEST_CASE_TEMPLATE("gimbal lock keeps the rotation and the requested last angle", S, float, double) {
+  const double pi = std::numbers::pi;
+  for (const char* letters : all_orders) {
+    const auto order = ml::EulerOrder::parse(letters);
+    const bool proper = order.axis[0] == order.axis[2];
+    for (double middle : proper ? std::vector{0.0, pi} : std::vector{pi / 2, -pi / 2}) {
+      for (double first : {-2.0, 0.3}) {
+        const auto r = ml::to_matrix(ml::EulerAngles<S>{S(first), S(middle), S(1.1), order});
+        const auto e = ml::to_euler(r, order, 0.7);
+        CHECK(double(e.c) == doctest::Approx(0.7));
+        CHECK_MESSAGE(difference(r, ml::to_matrix(e)) < 1e3 * tolerance<S>, letters, " ", middle, " ", first);
+      }
+    }
+  }
+}
+
+TEST_CASE("the angle conventions are those of the exchange formats") {  // spec: exchange-formats, table 1.3
+  const auto r = ml::to_matrix(ml::EulerAngles<double>{0.5, 0.3, -0.7, ml::EulerOrder::parse("ZXY")});
+  CHECK(std::asin(r(2, 1)) == doctest::Approx(0.3));
+  CHECK(std::atan2(-r(0, 1), r(1, 1)) == doctest::Approx(0.5));
+  CHECK(std::atan2(-r(2, 0), r(2, 2)) == doctest::Approx(-0.7));
+  CHECK_THROWS_WITH_AS(ml::EulerOrder::parse("ZZX"), doctest::Contains("[motionlang.config.103]"), ml::config_error);
+  CHECK_THROWS_AS(ml::EulerOrder::parse("ABC"), ml::config_error);
+}
+
+TEST_CASE("quarter turns go the right way: active, right-handed, column vectors") {
+  const auto q = ml::from_axis_angle(ml::Vec3{0.0, 0.0, 1.0}, std::numbers::pi / 2);
+  const auto v = ml::rotate(q, ml::Vec3{1.0, 0.0, 0.0});
+  CHECK(length(v - ml::Vec3{0.0, 1.0, 0.0}) < 1e-15);
+  CHECK(length(ml::to_matrix(q) * ml::Vec3{1.0, 0.0, 0.0} - v) < 1e-15);
+}
+
+TEST_CASE("slerp has the ends, the middle and a constant speed") {
+  const auto vectors = rotation_vectors<double>();
+  for (std::size_t i = 0; i + 7 < vectors.size(); i += 5) {
+    const auto a = ml::to_quaternion(ml::AxisAngle<double>{vectors[i]}),
+               b = ml::to_quaternion(ml::AxisAngle<double>{vectors[i + 7]});
+    const double full = ml::distance(a, b);
+    CHECK(ml::distance(ml::slerp(a, b, 0.0), a) < 1e-7);
+    CHECK(ml::distance(ml::slerp(a, b, 1.0), b) < 1e-7);
+    for (double t : {0.25, 0.5, 0.9})
+      CHECK(ml::distance(a, ml::slerp(a, b, t)) == doctest::Approx(t * full).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("the shortest rotation between directions, also opposite ones") {
+  const std::vector<ml::Vec3<double>> directions{{1, 0, 0},  {0, 1, 0},      {0, 0, -1},
+                                                 {-1, 0, 0}, {0.6, -0.8, 0}, {-0.6, 0.8, 0}};
+  for (const auto& a : directions) {
+    for (const auto& b : directions) {
+      const auto q = ml::rotation_between(a, b);
+      CHECK(length(ml::rotate(q, a) - b) < 1e-6);
+      CHECK(2 * std::acos(std::min(1.0, std::abs(q.w))) == doctest::Approx(std::acos(ml::dot(a, b))).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("derivatives stay right through the small-angle branches") {
+  using D = ml::Dual<double>;
+  for (const auto& v : rotation_vectors<double>()) {
+    if (length(v) > 3.1) continue;  // the logarithm has no derivative at pi
+    const ml::Vec3<double> d{0.3, -0.5, 0.8};
+    const ml::Vec3<D> x{D(v.x, d.x), D(v.y, d.y), D(v.z, d.z)};
+    // log(exp(x)) = x, so its derivative along d is d
+    const auto back = ml::log_so3(ml::exp_so3(x));
+    CHECK(length(ml::Vec3{back.x.derivative, back.y.derivative, back.z.derivative} - d) < 1e-6);
+    const auto via_quaternion = ml::to_axis_angle(ml::to_quaternion(ml::AxisAngle<D>{x})).v;
+    CHECK(length(ml::Vec3{via_quaternion.x.derivative, via_quaternion.y.derivative, via_quaternion.z.derivative} - d) <
+          1e-6);
+  }
+}
+
+TEST_CASE_TEMPLATE("eight poses in a register are eight poses", S, float, double) {
+  using L = ml::Lane<S>;
+  const auto vectors = rotation_vectors<S>();
+  for (std::size_t at = 0; at + L::size <= vectors.size(); at += L::size) {
+    ml::Vec3<L> v;
+    for (int i = 0; i < L::size; ++i)
+      v.x[i] = vectors[at + i].x, v.y[i] = vectors[at + i].y, v.z[i] = vectors[at + i].z;
+    const auto m = ml::to_matrix(ml::to_rotation6d_rows(ml::exp_so3(v)));
+    const auto w = ml::log_so3(m);
+    for (int i = 0; i < L::size; ++i) {
+      const auto want = ml::exp_so3(vectors[at + i]);
+      ml::Matrix3<S> got;
+      for (std::size_t k = 0; k < 9; ++k) got.m[k] = m.m[k][i];
+      CHECK(difference(got, want) < 4 * tolerance<S>);
+      CHECK(difference(ml::exp_so3(ml::Vec3<S>{w.x[i], w.y[i], w.z[i]}), want) < 10 * tolerance<S>);
+    }
+  }
+}
+
+TEST_CASE("the published formulas agree with ours away from their weak spots") {
+  for (const auto& v : rotation_vectors<double>()) {
+    if (length(v) < 1e-3 || length(v) > 3.1) continue;
+    const auto r = ml::exp_so3(v);
+    CHECK(length(ml::pytorch3d::matrix_to_axis_angle(r) - v) < 1e-9);
+    CHECK(difference(ml::pytorch3d::rodrigues(v), r) < 1e-7);
+  }
+}
