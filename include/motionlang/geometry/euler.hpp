@@ -59,8 +59,8 @@ Matrix3<S> to_matrix(const EulerAngles<S>& e) {
 }
 
 /// The angles of a rotation. The middle one lies in [-pi/2, pi/2] for three different axes, in [0, pi] for a proper
-/// order (ZXZ). The argument of the arc function is clamped. Where the first and last axis coincide (gimbal lock) the
-/// last angle is `last` and the first takes up the rest.
+/// order (ZXZ). Arc tangents only, so nothing needs clamping. Where the first and last axis coincide (gimbal lock,
+/// within 1e-6) the last angle is `last` and the first takes up the rest.
 template <class R>
 requires Rotation<R>
 auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
@@ -70,7 +70,7 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
   const bool proper = i == k;
   const int l = proper ? 3 - i - j : k;
   const double sign = (j - i + 3) % 3 == 1 ? 1.0 : -1.0;  // of the permutation (i, j, l)
-  const S plus = S(sign), lock = S(1e-9);
+  const S plus = S(sign), lock = S(1e-6);
   EulerAngles<S> e{.order = order};
   // Product for three axes: m(i, k) = sign sin b, first angle from column k, last from row i. For a proper order: m(i,
   // i) = cos b.

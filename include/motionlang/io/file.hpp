@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+/// Whole files: read, map into memory, and write so that a reader never sees half of one.
+#pragma once
+
+#include <fcntl.h>     // open
+#include <sys/mman.h>  // mmap
+#include <sys/stat.h>  // fstat
+#include <unistd.h>    // close, fsync, getpid
+
+#include <cerrno>      // errno
+#include <cstddef>     // byte
+#include <cstdio>      // rename, remove
+#include <cstring>     // strerror
+#include <filesystem>  // paths
+#include <memory>      // shared_ptr
+#include <span>        // contents
+#include <string>      // contents
+
+#include <motionlang/core/error.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& path, int flags, mode_t mode = 0)
+      : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
+    if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
+  }
+  ~Descriptor() { ::close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  std::size_t size(const std::filesystem::path& path) const {
+    struct stat s {};
+    if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
+    return static_cast<std::size_t>(s.st_size);
+  }
+
+ private:
+  int fd_;
+};
+
+}  // namespace detail
+
+/// A file mapped into memory for reading. Pages are loaded when they are touched.
+class MappedFile {
+ public:
+  /// Throws io_error 401.
+  static std::shared_ptr<const MappedFile> open(const std::filesystem::path& path) {
+    return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  }
+  ~MappedFile() {
+    if (size_ != 0) ::munmap(data_, size_);
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+
+ private:
+  explicit MappedFile(const std::filesystem::path& path) {
+    const detail::Descriptor file(path, O_RDONLY);
+    size_ = file.size(path);
+    if (size_ == 0) return;  // an empty mapping is an error of mmap
+    data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
+    if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+  }
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// The whole file as text. Throws io_error 401.
+inline std::string read_file(const std::filesystem::path& path) {
+  const auto file = MappedFile::open(path);
+  return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
+}
+
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Throws io_error
+/// 401.
+inline void write_file(const std::filesystem::path& path, std::span<const std::byte> contents) {
+  const std::filesystem::path temporary = path.string() + ".part-" + std::to_string(::getpid());
+  auto failed = [&](const char* what) {
+    const int reason = errno;
+    std::remove(temporary.c_str());
+    raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
+  };
+  {
+    const detail::Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    while (!contents.empty()) {
+      const ssize_t n = ::write(file.get(), contents.data(), contents.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) failed("write");
+      contents = contents.subspan(static_cast<std::size_t>(n));
+    }
+    if (::fsync(file.get()) != 0) failed("flush");
+  }
+  if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");
+}
+inline void write_file(const std::filesystem::path& path, std::string_view contents) {
+  write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
