@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+/// Reads words, numbers and lines of a text and says where it stands when something is wrong. For formats made of words
+/// between blanks (BVH, ASF, AMC); knows no format itself.
+#pragma once
+
+#include <charconv>     // from_chars: numbers without the locale
+#include <cmath>        // isfinite
+#include <concepts>     // integral
+#include <string>       // messages
+#include <string_view>  // the text
+
+#include <motionlang/core/error.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// ASCII letters only, whatever the locale.
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+constexpr bool same_word(std::string_view a, std::string_view lower_case) {
+  if (a.size() != lower_case.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (lower(a[i]) != lower_case[i]) return false;
+  }
+  return true;
+}
+
+/// A position in a text. Blank is everything up to and including the space, so CR, LF and CRLF end lines alike.
+/// Throws io_error 402 where the text ends too early, 403 where it is malformed; messages begin "name:line:column: ".
+class TextScanner {
+ public:
+  TextScanner(std::string_view text, std::string_view name) : text_(text), name_(name) {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // byte order mark
+  }
+
+  bool at_end() {
+    skip_blanks();
+    return at_ == text_.size();
+  }
+  std::size_t bytes_left() const { return text_.size() - at_; }
+
+  /// The next word without moving; empty at the end of the text. A brace is a word of its own.
+  std::string_view peek() {
+    skip_blanks();
+    std::size_t end = at_;
+    if (end < text_.size() && is_brace(text_[end])) return text_.substr(at_, 1);
+    while (end < text_.size() && !is_blank(text_[end]) && !is_brace(text_[end])) ++end;
+    return text_.substr(at_, end - at_);
+  }
+  /// The next word. Throws io_error 402 at the end of the text.
+  std::string_view word(std::string_view wanted) {
+    const std::string_view w = peek();
+    if (w.empty()) fail(402, "the text ends where ", wanted, " should be");
+    last_ = at_;
+    at_ += w.size();
+    return w;
+  }
+  /// Steps over `lower_case` if it is the next word, in any case.
+  bool skip(std::string_view lower_case) {
+    const std::string_view w = peek();
+    if (!same_word(w, lower_case)) return false;
+    last_ = at_;
+    at_ += w.size();
+    return true;
+  }
+  /// Steps over these characters (no blanks among them), as "Frames:" of "Frames:12"; leading blanks are skipped.
+  bool skip_prefix(std::string_view lower_case) {
+    skip_blanks();
+    if (!same_word(text_.substr(at_, lower_case.size()), lower_case)) return false;
+    last_ = at_;
+    at_ += lower_case.size();
+    return true;
+  }
+  void expect(std::string_view lower_case) {
+    const std::string_view w = word(lower_case);
+    if (!same_word(w, lower_case)) fail(403, "expected '", lower_case, "', found '", shortened(w), "'");
+  }
+
+  /// A finite number; a leading plus sign is accepted, a value too small for a double is 0.
+  double number(std::string_view wanted) {
+    const std::string_view w = word(wanted);
+    double value = 0;
+    const auto [end, problem] = from_digits(w, value);
+    const bool whole = end == w.data() + w.size();
+    if (whole && problem == std::errc::result_out_of_range && (w.find("e-") != w.npos || w.find("E-") != w.npos))
+      return 0;
+    if (problem != std::errc{} || !whole || !std::isfinite(value)) {
+      fail(403, "expected ", wanted, ", found '", shortened(w), "'");
+    }
+    return value;
+  }
+  /// A whole number that is not negative.
+  template <std::integral I>
+  I count(std::string_view wanted) {
+    const std::string_view w = word(wanted);
+    I value = 0;
+    const auto [end, problem] = from_digits(w, value);
+    if (problem != std::errc{} || end != w.data() + w.size() || value < 0) {
+      fail(403, "expected ", wanted, ", found '", shortened(w), "'");
+    }
+    return value;
+  }
+
+  /// The rest of the line, without the blanks around it; moves to the line's end.
+  std::string_view rest_of_line() {
+    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
+    std::string_view line = text_.substr(at_, end - at_);
+    at_ = end;
+    while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+    return line;
+  }
+
+  /// Throws with the place of the last word that was read.
+  template <class... T>
+  [[noreturn]] void fail(int id, const T&... parts) const {
+    const auto [line, column] = place(id == 402 ? text_.size() : last_);
+    raise<io_error>(id, name_, ":", line, ":", column, ": ", parts...);
+  }
+
+  /// A word for a message: cut after 40 characters.
+  static std::string shortened(std::string_view w) {
+    return std::string(w.substr(0, 40)) + (w.size() > 40 ? "..." : "");
+  }
+
+ private:
+  struct Place {
+    std::size_t line, column;
+  };
+  static bool is_blank(char c) { return static_cast<unsigned char>(c) <= ' '; }
+  static bool is_brace(char c) { return c == '{' || c == '}'; }
+  void skip_blanks() {
+    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  }
+  template <class N>
+  static std::from_chars_result from_digits(std::string_view w, N& value) {
+    if (w.size() > 1 && w[0] == '+' && w[1] != '-') w.remove_prefix(1);
+    return std::from_chars(w.data(), w.data() + w.size(), value);
+  }
+  Place place(std::size_t offset) const {
+    std::size_t line = 1, start = 0;
+    for (std::size_t i = 0; i < offset; ++i) {
+      if (text_[i] == '\n' || (text_[i] == '\r' && (i + 1 == text_.size() || text_[i + 1] != '\n'))) {
+        ++line;
+        start = i + 1;
+      }
+    }
+    return {line, offset - start + 1};
+  }
+
+  std::string_view text_;
+  std::string name_;
+  std::size_t at_ = 0;
+  std::size_t last_ = 0;  // where the last word began
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
