@@ -30,9 +30,6 @@ namespace detail {
 
 inline constexpr double degree = std::numbers::pi / 180;
 
-/// More rotations than a day of motion has (1.6 GB); a small hostile file cannot ask for more.
-inline constexpr std::size_t max_bvh_rotations = 50'000'000;
-
 /// Frame times are printed with few digits: 0.0166667 s means 60 frames per second.
 inline double frames_per_second(double frame_time) {
   const double fps = 1 / frame_time, whole = std::round(fps);
@@ -157,7 +154,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   const detail::BvhTable table(file);
   auto joints = detail::bvh_joints(file, options.root);
   const auto frames = static_cast<std::size_t>(file.frames);
-  if (frames > detail::max_bvh_rotations / joints.size()) {
+  if (frames > detail::max_text_rotations / joints.size()) {
     raise<io_error>(405, file.name, ": ", frames, " frames of ", joints.size(), " joints");
   }
   const auto carriers = detail::take_carriers(joints, table);

@@ -49,9 +49,6 @@ struct Bvh {
 
 namespace detail {
 
-/// More joints than any file has; keeps a hostile one from making the search for names slow.
-inline constexpr std::size_t max_bvh_nodes = 4096;
-
 class BvhParser {
  public:
   BvhParser(std::string_view text, std::string_view name) : scan_(text, name) { bvh_.name = name; }
@@ -102,7 +99,7 @@ class BvhParser {
       name += w;
     }
     if (name.empty()) scan_.fail(403, "a joint without a name");
-    if (bvh_.nodes.size() == max_bvh_nodes) scan_.fail(405, "more than ", max_bvh_nodes, " joints");
+    if (bvh_.nodes.size() == max_text_joints) scan_.fail(405, "more than ", max_text_joints, " joints");
     bvh_.nodes.push_back({.name = std::move(name), .parent = parent, .end_site = end_site});
     has_offset_.push_back(false);
     return static_cast<int>(bvh_.nodes.size()) - 1;

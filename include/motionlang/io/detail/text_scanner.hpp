@@ -13,6 +13,10 @@
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
+/// What a text can make us allocate: more joints, and more rotations (frames x joints, 1.6 GB), than real files have.
+inline constexpr std::size_t max_text_joints = 4096;
+inline constexpr std::size_t max_text_rotations = 50'000'000;
+
 /// ASCII letters only, whatever the locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 constexpr bool same_word(std::string_view a, std::string_view lower_case) {
@@ -99,6 +103,12 @@ class TextScanner {
     return value;
   }
 
+  /// The next word of this line; empty where the line ends.
+  std::string_view word_on_line() {
+    while (at_ < text_.size() && is_blank(text_[at_]) && text_[at_] != '\n' && text_[at_] != '\r') ++at_;
+    if (at_ == text_.size() || is_blank(text_[at_])) return {};
+    return word("");
+  }
   /// The rest of the line, without the blanks around it; moves to the line's end.
   std::string_view rest_of_line() {
     const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());

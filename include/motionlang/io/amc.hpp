@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+/// The original files of the CMU motion capture database: ASF (Acclaim skeleton) and AMC (Acclaim motion). Reading
+/// only.
+///
+///     L = C M C^-1,   C, M: products of axis rotations, the axis named first is turned about first (R = Rz Ry Rx)
+/// C is the bone's "axis", M has the angles of its degrees of freedom. A joint of the motion is the start of a bone: it
+/// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
+#pragma once
+
+#include <filesystem>  // paths
+
+#include <motionlang/io/detail/asf_parser.hpp>
+#include <motionlang/io/file.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct AmcReadOptions {
+  double fps = 120;  // the format does not say it
+};
+
+/// Reads the text of an ASF file. Throws io_error 402 (too short), 403 (malformed), 405 (too many bones).
+inline AsfSkeleton parse_asf(std::string_view text, std::string_view name = "ASF text") {
+  return detail::AsfParser(text, name).parse();
+}
+/// Throws io_error 401 and as parse_asf.
+inline AsfSkeleton read_asf(const std::filesystem::path& path) { return parse_asf(read_file(path), path.string()); }
+
+/// One joint for each bone, at its start; metres.
+inline Skeleton to_skeleton(const AsfSkeleton& asf) {
+  Skeleton skeleton;
+  for (const AsfBone& bone : asf.bones) {
+    const bool below_root = bone.parent > 0;  // the root itself has no extent: its children start where it stands
+    const Vec3<double> start = below_root ? asf.bones[static_cast<std::size_t>(bone.parent)].end : Vec3<double>{};
+    skeleton.names.push_back(bone.name);
+    skeleton.parents.push_back(bone.parent);
+    skeleton.offsets.push_back(asf.metres_per_unit * (bone.parent < 0 ? bone.end : start));
+  }
+  skeleton.validate();
+  return skeleton;
+}
+
+namespace detail {
+
+class AmcParser {
+ public:
+  AmcParser(std::string_view text, std::string_view name, const AsfSkeleton& asf)
+      : scan_(text, name), asf_(asf), unit_(asf.degrees ? std::numbers::pi / 180 : 1) {
+    motion_.name = name;
+    motion_.skeleton = to_skeleton(asf);
+  }
+
+  Motion parse(double fps) && {
+    motion_.fps = fps;
+    while (!scan_.at_end()) {
+      const std::string_view word = scan_.word("a bone");
+      if (word[0] == '#') {
+        scan_.rest_of_line();
+      } else if (word[0] == ':') {
+        header(word);
+      } else if (word.find_first_not_of("0123456789") == word.npos) {
+        new_frame();
+      } else {
+        values(word);
+      }
+    }
+    motion_.validate();
+    return std::move(motion_);
+  }
+
+ private:
+  void header(std::string_view word) {
+    if (same_word(word, ":degrees")) unit_ = std::numbers::pi / 180;
+    if (same_word(word, ":radians")) unit_ = 1;
+    scan_.rest_of_line();
+  }
+  void new_frame() {
+    const std::size_t joints = asf_.bones.size();
+    if (motion_.local.size() + joints > max_text_rotations) {
+      scan_.fail(405, "more than ", motion_.frames(), " frames of ", joints, " bones");
+    }
+    motion_.root.push_back(motion_.skeleton.offset(0));
+    motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
+  }
+  /// The numbers of one bone in the current frame.
+  void values(std::string_view name) {
+    const int number = asf_.find(name);
+    if (number < 0) scan_.fail(403, "the skeleton has no bone '", TextScanner::shortened(name), "'");
+    if (motion_.root.empty()) scan_.fail(403, "numbers of '", name, "' before the first frame");
+    const AsfBone& bone = asf_.bones[static_cast<std::size_t>(number)];
+    Vec3<double> translation{};
+    Quaternion<double> turn = Quaternion<double>::identity();
+    for (const AsfChannel& channel : bone.channels) {
+      const double v = scan_.number("a value of the motion");
+      if (channel.kind == AsfChannel::Kind::rotation) turn = about_axis(channel.axis, unit_ * v) * turn;
+      if (channel.kind == AsfChannel::Kind::translation) {
+        (channel.axis == 0 ? translation.x : channel.axis == 1 ? translation.y : translation.z) = v;
+      }
+    }
+    motion_.rotations(motion_.frames() - 1)[static_cast<std::size_t>(number)] = bone.axis * turn * inverse(bone.axis);
+    if (number == 0) motion_.root.back() = motion_.skeleton.offset(0) + asf_.metres_per_unit * translation;
+  }
+
+  TextScanner scan_;
+  const AsfSkeleton& asf_;
+  double unit_;  // radians per unit of the angles
+  Motion motion_;
+};
+
+}  // namespace detail
+
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that a frame does not name rest; translations
+/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone), 405 (more rotations than
+/// memory should be given to), config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
+inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
+                        std::string_view name = "AMC text") {
+  return detail::AmcParser(text, name, asf).parse(options.fps);
+}
+/// Throws io_error 401 and as parse_amc.
+inline Motion read_amc(const std::filesystem::path& path, const AsfSkeleton& asf, const AmcReadOptions& options = {}) {
+  return parse_amc(read_file(path), asf, options, path.string());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
