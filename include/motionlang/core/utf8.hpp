@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+#pragma once
+
+#include <cstddef>      // size_t
+#include <string>       // output
+#include <string_view>  // input
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What `decode_utf8` returns for bytes that are not UTF-8.
+inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
+
+/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
+/// Needs at < text.size().
+constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::size_t start = at++;
+  const unsigned char first = byte(start);
+  if (first < 0x80) return first;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || length > text.size() - start) return invalid_code_point;
+  char32_t c = first & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(start + i) & 0xC0u) != 0x80u) return invalid_code_point;
+    c = c << 6 | (byte(start + i) & 0x3Fu);
+  }
+  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (c < smallest[length] || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF) return invalid_code_point;
+  at = start + length;
+  return c;
+}
+
+/// Whether the whole text is UTF-8.
+constexpr bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    if (decode_utf8(text, at) == invalid_code_point) return false;
+  }
+  return true;
+}
+
+/// Appends the bytes of a code point (up to U+10FFFF).
+inline void append_utf8(std::string& out, char32_t c) {
+  const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
+  if (c < 0x80) {
+    put(c);
+  } else if (c < 0x800) {
+    put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
+  } else if (c < 0x10000) {
+    put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  } else {
+    put(0xF0 | c >> 18), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
