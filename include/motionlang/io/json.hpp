@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+/// JSON documents: reading with positions in the messages, and typed access that names the way to a wrong value. The
+/// only header that includes nlohmann/json.hpp; it costs a translation unit 1.5 s, so include it in few.
+///
+///     const nlohmann::json document = read_json("config.json");
+///     const JsonView config(document, "config.json");
+///     const int width = config["model"]["latent_dim"].as<int>();
+///     const double rate = config["optim"].value_or("lr", 1e-4);
+#pragma once
+
+#include <algorithm>    // count
+#include <cmath>        // isfinite
+#include <concepts>     // kinds of numbers
+#include <filesystem>   // files
+#include <map>          // objects of one kind
+#include <string>       // texts
+#include <string_view>  // names
+#include <utility>      // in_range
+#include <vector>       // lists
+
+#include <nlohmann/json.hpp>
+
+#include <motionlang/core/shape.hpp>
+#include <motionlang/io/file.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Deepest nesting that is read: what works on documents later recurses.
+inline constexpr int max_json_depth = 256;
+
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
+inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
+  const auto fail = [&](std::size_t byte, std::string_view what) {
+    const std::string_view before = text.substr(0, std::min(byte, text.size()));
+    const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
+    raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
+                    ": ", what);
+  };
+  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
+    return true;
+  };
+  try {
+    return nlohmann::json::parse(text, shallow);
+  } catch (const nlohmann::json::parse_error& e) {
+    const std::string_view message = e.what();
+    const std::size_t detail = message.rfind(": ");  // behind id and position
+    fail(e.byte == 0 ? 0 : e.byte - 1, detail == message.npos ? message : message.substr(detail + 2));
+  }
+  return {};
+}
+
+/// Reads a file. Throws io_error 401, 403.
+inline nlohmann::json read_json(const std::filesystem::path& path) {
+  return parse_json(read_file(path), path.string());
+}
+
+/// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
+/// Every access to a value of the wrong kind throws config_error 107 with that way.
+class JsonView {
+ public:
+  explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
+      : value_(&document), path_(std::move(name)) {}
+  JsonView(nlohmann::json&&, std::string = {}) = delete;  // a view does not keep its document
+
+  const nlohmann::json& json() const { return *value_; }
+  const std::string& path() const { return path_; }
+
+  bool is_null() const { return value_->is_null(); }
+  bool is_object() const { return value_->is_object(); }
+  bool is_array() const { return value_->is_array(); }
+  bool is_string() const { return value_->is_string(); }
+  bool is_number() const { return value_->is_number(); }
+
+  /// Whether this is an object with that member.
+  bool contains(const std::string& key) const { return value_->is_object() && value_->contains(key); }
+  JsonView operator[](const std::string& key) const {
+    if (!value_->is_object()) fail("an object");
+    const auto member = value_->find(key);
+    if (member == value_->end()) raise<config_error>(107, path_, ": has no member '", key, "'");
+    return {*member, path_ + (is_root_ ? ": " : ".") + key, Inner{}};
+  }
+  JsonView operator[](Index i) const {
+    if (i < 0 || i >= size()) raise<config_error>(107, path_, ": no element ", i, " among ", size());
+    return {(*value_)[static_cast<std::size_t>(i)], concat_text(path_, is_root_ ? ": [" : "[", i, "]"), Inner{}};
+  }
+  /// Number of elements of an array.
+  Index size() const {
+    if (!value_->is_array()) fail("an array");
+    return static_cast<Index>(value_->size());
+  }
+  /// Names of the members of an object, sorted.
+  std::vector<std::string> keys() const {
+    if (!value_->is_object()) fail("an object");
+    std::vector<std::string> out;
+    for (const auto& member : value_->items()) out.push_back(member.key());
+    return out;
+  }
+
+  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is no integer
+  /// and an integer has to fit.
+  template <class T>
+  T as() const {
+    T out{};
+    get(out);
+    return out;
+  }
+  /// The member `key` if it is there and not null, else `otherwise`.
+  template <class T>
+  T value_or(const std::string& key, T otherwise) const {
+    return contains(key) && !(*value_)[key].is_null() ? (*this)[key].as<T>() : otherwise;
+  }
+  std::string value_or(const std::string& key, const char* otherwise) const {
+    return value_or(key, std::string(otherwise));
+  }
+
+ private:
+  struct Inner {};
+  JsonView(const nlohmann::json& value, std::string path, Inner)
+      : value_(&value), path_(std::move(path)), is_root_(false) {}
+
+  [[noreturn]] void fail(std::string_view wanted) const {
+    raise<config_error>(107, path_, ": expected ", wanted, ", found ", value_->type_name());
+  }
+
+  void get(bool& out) const {
+    if (!value_->is_boolean()) fail("true or false");
+    out = value_->get<bool>();
+  }
+  void get(std::string& out) const {
+    if (!value_->is_string()) fail("a string");
+    out = value_->get_ref<const std::string&>();
+  }
+  template <std::floating_point T>
+  void get(T& out) const {
+    if (!value_->is_number()) fail("a number");
+    out = value_->get<T>();
+  }
+  template <std::integral T>
+  void get(T& out) const {
+    if (value_->is_number_float()) return get_whole(out);
+    if (!value_->is_number_integer()) fail("an integer");
+    const bool fits = value_->is_number_unsigned() ? std::in_range<T>(value_->get<std::uint64_t>())
+                                                   : std::in_range<T>(value_->get<std::int64_t>());
+    if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
+    out = value_->get<T>();
+  }
+  /// 20.0 where 20 is due: Python writes such numbers.
+  template <std::integral T>
+  void get_whole(T& out) const {
+    const auto number = value_->get<double>();
+    if (!(std::abs(number) < 0x1p53) || number != std::trunc(number)) fail("an integer");
+    if (!std::in_range<T>(static_cast<std::int64_t>(number))) fail("a smaller integer");
+    out = static_cast<T>(number);
+  }
+  template <class T>
+  void get(std::vector<T>& out) const {
+    for (Index i = 0; i < size(); ++i) out.push_back((*this)[i].as<T>());
+  }
+  template <class T>
+  void get(std::map<std::string, T>& out) const {
+    for (const std::string& key : keys()) out[key] = (*this)[key].template as<T>();
+  }
+
+  const nlohmann::json* value_;
+  std::string path_;
+  bool is_root_ = true;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+/// A tensor as a file holds it: name, element type, shape, bytes. Every reader of arrays yields these and every writer
+/// takes them; nothing is converted until somebody asks for values.
+#pragma once
+
+#include <array>        // table of element types
+#include <bit>          // bit_width
+#include <concepts>     // integral, floating_point
+#include <cstddef>      // byte
+#include <cstdint>      // element types
+#include <cstring>      // memcpy: elements may be unaligned
+#include <optional>     // unknown names, direct views
+#include <span>         // bytes
+#include <string>       // names
+#include <string_view>  // names of element types
+#include <utility>      // in_range
+#include <vector>       // converted values
+
+#include <motionlang/core/half.hpp>
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
+enum class DType : std::uint8_t {
+  BOOL,
+  U8,
+  I8,
+  U16,
+  I16,
+  U32,
+  I32,
+  U64,
+  I64,
+  F16,
+  BF16,
+  F32,
+  F64,
+  F8_E5M2,
+  F8_E4M3,
+  F8_E8M0,
+  F8_E4M3FNUZ,
+  F8_E5M2FNUZ,
+  F4,
+  F6_E2M3,
+  F6_E3M2,
+  C64
+};
+
+struct DTypeInfo {
+  std::string_view name;
+  int bits;
+};
+inline constexpr std::array<DTypeInfo, 22> dtype_table{
+    {{"BOOL", 8}, {"U8", 8},      {"I8", 8},      {"U16", 16},    {"I16", 16},        {"U32", 32},
+     {"I32", 32}, {"U64", 64},    {"I64", 64},    {"F16", 16},    {"BF16", 16},       {"F32", 32},
+     {"F64", 64}, {"F8_E5M2", 8}, {"F8_E4M3", 8}, {"F8_E8M0", 8}, {"F8_E4M3FNUZ", 8}, {"F8_E5M2FNUZ", 8},
+     {"F4", 4},   {"F6_E2M3", 6}, {"F6_E3M2", 6}, {"C64", 64}}};
+
+constexpr const DTypeInfo& info(DType t) { return dtype_table[static_cast<std::size_t>(t)]; }
+inline std::string to_string(DType t) { return std::string(info(t).name); }
+constexpr std::optional<DType> parse_dtype(std::string_view name) {
+  for (std::size_t i = 0; i < dtype_table.size(); ++i) {
+    if (dtype_table[i].name == name) return static_cast<DType>(i);
+  }
+  return std::nullopt;
+}
+/// Whether values of this type are whole numbers.
+constexpr bool is_integer(DType t) { return t <= DType::I64; }
+
+/// The element type that holds a C++ number.
+template <class T>
+requires std::integral<T> || std::floating_point<T>
+consteval DType dtype_of() {
+  if constexpr (std::same_as<T, bool>) return DType::BOOL;
+  if constexpr (std::floating_point<T>) return sizeof(T) == 4 ? DType::F32 : DType::F64;
+  constexpr std::array table{DType::U8, DType::U16, DType::U32, DType::U64};
+  constexpr auto size = static_cast<unsigned>(std::bit_width(sizeof(T)) - 1);
+  return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
+}
+
+/// Row-major, without strides. Does not own its bytes.
+struct TensorView {
+  std::string name;
+  DType dtype = DType::F32;
+  Shape shape;
+  std::span<const std::byte> bytes;
+};
+
+/// A view of numbers in memory, for writing.
+template <class T>
+TensorView tensor_view(std::string name, const Shape& shape, std::span<const T> values) {
+  if (static_cast<std::size_t>(shape.count()) != values.size()) {
+    raise<shape_error>(205, "tensor_view: ", values.size(), " values for '", name, "' of shape ", shape);
+  }
+  return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
+}
+
+/// The numbers themselves, without a copy: if the view holds Ts and they are aligned.
+template <class T>
+std::optional<std::span<const T>> direct(const TensorView& view) {
+  if (view.dtype != dtype_of<T>() || reinterpret_cast<std::uintptr_t>(view.bytes.data()) % alignof(T) != 0) {
+    return std::nullopt;
+  }
+  return std::span(reinterpret_cast<const T*>(view.bytes.data()), view.bytes.size() / sizeof(T));
+}
+
+namespace detail {
+
+template <class Stored, class T, class Decode>
+void convert(const TensorView& view, std::span<T> out, Decode decode) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Stored s;
+    std::memcpy(&s, view.bytes.data() + i * sizeof(Stored), sizeof(Stored));
+    out[i] = decode(s);
+  }
+}
+
+template <class Stored, class T>
+void convert_numbers(const TensorView& view, std::span<T> out) {
+  convert<Stored>(view, out, [&](Stored s) {
+    if constexpr (std::integral<Stored> && std::integral<T>) {
+      if (!std::in_range<T>(s)) {
+        raise<io_error>(407, "tensor '", view.name, "': ", s, " does not fit the integer that is asked for");
+      }
+    }
+    return static_cast<T>(s);
+  });
+}
+
+}  // namespace detail
+
+/// Copies all values, converted to T. Numbers of every kind become float or double; only whole numbers become integers.
+/// Throws shape_error 205 if the sizes differ, io_error 404 for an element type that cannot be read, 407 if the values
+/// are not of the kind of T or do not fit.
+template <class T>
+void copy_values(const TensorView& view, std::span<T> out) {
+  if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
+    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " has not ", out.size(), " values");
+  }
+  if constexpr (std::integral<T>) {
+    if (!is_integer(view.dtype)) {
+      raise<io_error>(407, "tensor '", view.name, "' holds ", view.dtype, ", not whole numbers");
+    }
+  }
+  switch (view.dtype) {
+    case DType::BOOL:
+      return detail::convert<std::uint8_t>(view, out, [](std::uint8_t b) { return static_cast<T>(b != 0); });
+    case DType::U8:
+      return detail::convert_numbers<std::uint8_t>(view, out);
+    case DType::I8:
+      return detail::convert_numbers<std::int8_t>(view, out);
+    case DType::U16:
+      return detail::convert_numbers<std::uint16_t>(view, out);
+    case DType::I16:
+      return detail::convert_numbers<std::int16_t>(view, out);
+    case DType::U32:
+      return detail::convert_numbers<std::uint32_t>(view, out);
+    case DType::I32:
+      return detail::convert_numbers<std::int32_t>(view, out);
+    case DType::U64:
+      return detail::convert_numbers<std::uint64_t>(view, out);
+    case DType::I64:
+      return detail::convert_numbers<std::int64_t>(view, out);
+    case DType::F16:
+      return detail::convert<std::uint16_t>(view, out, [](auto h) { return static_cast<T>(half_to_float(h)); });
+    case DType::BF16:
+      return detail::convert<std::uint16_t>(view, out, [](auto b) { return static_cast<T>(bfloat16_to_float(b)); });
+    case DType::F32:
+      return detail::convert_numbers<float>(view, out);
+    case DType::F64:
+      return detail::convert_numbers<double>(view, out);
+    default:
+      raise<io_error>(404, "tensor '", view.name, "': elements of type ", view.dtype, " are not supported");
+  }
+}
+
+template <class T>
+std::vector<T> values_of(const TensorView& view) {
+  std::vector<T> out(static_cast<std::size_t>(view.shape.count()));
+  copy_values(view, std::span<T>(out));
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
