@@ -1,0 +1,117 @@
+// AMASS files: round trip, both spellings and layouts, the turn to Z up, and files that must be refused.
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include <motionlang/geometry/so3.hpp>
+#include <motionlang/io/amass.hpp>
+
+#include "../../support/synthetic_motion.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+ml::NpyArray matrix(ml::Index rows, ml::Index columns, double value = 0) {
+  const std::vector<double> values(static_cast<std::size_t>(rows * columns), value);
+  return ml::NpyArray::of(std::span<const double>(values), {rows, columns});
+}
+
+double largest_distance(const ml::Motion& a, const ml::Motion& b) {
+  const auto p = a.positions(), q = b.positions();
+  REQUIRE(p.size() == q.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) worst = std::max(worst, ml::norm(p[i] - q[i]));
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a motion comes back") {
+  const TemporaryFolder folder;
+  for (const int frames : {1, 40}) {
+    const ml::Motion motion = synthetic::walk({.frames = frames, .fps = 30, .turn = 1.0});
+    ml::write_amass(folder / "clip.npz", motion, {.gender = "female", .betas = {1, 2}}, {0.0, -0.22, 0.03});
+    const ml::AmassClip clip = ml::read_amass(folder / "clip.npz", {0.0, -0.22, 0.03});
+    CHECK(clip.motion.name == "clip");
+    CHECK(clip.motion.fps == 30);
+    CHECK(clip.motion.skeleton == ml::smpl24_skeleton());
+    CHECK(clip.body.gender == "female");
+    CHECK(clip.body.betas == std::vector<double>{1, 2});
+    CHECK(largest_distance(motion, clip.motion) < 1e-12);
+  }
+}
+
+TEST_CASE("the file is Z up, with zero fingers and the pelvis offset taken off") {
+  const TemporaryFolder folder;
+  ml::Motion motion{ml::humanml3d22_skeleton(), 20, {{1, 2, 3}}, {}, ""};
+  motion.local.assign(22, ml::Quaternion<double>::identity());
+  ml::write_amass(folder / "a.npz", motion, {}, {0.25, 0.5, 0});
+  const auto npz = ml::NpzArchive::open(folder / "a.npz");
+  CHECK(npz.read("trans").to<double>() == std::vector<double>{0.75, -3.5, 2});
+  const auto poses = npz.read("poses");
+  CHECK(poses.shape == std::vector<ml::Index>{1, 156});
+  std::vector<double> expected(156, 0.0);
+  expected[0] = std::numbers::pi / 2;  // upright in a Z up world: the root is turned by +90 degrees about x
+  const auto values = poses.to<double>();
+  for (std::size_t i = 0; i < 156; ++i) CHECK(values[i] == doctest::Approx(expected[i]));
+  CHECK(npz.read("betas").to<double>() == std::vector<double>(16, 0.0));
+  CHECK(npz.read("gender").text() == "neutral");
+  CHECK(npz.read("mocap_framerate").value<double>() == 20);
+  CHECK(npz.read("mocap_frame_rate").value<double>() == 20);
+}
+
+TEST_CASE("layouts of SMPL, SMPL-H and SMPL-X; optional arrays") {
+  const TemporaryFolder folder;
+  for (const ml::Index columns : {66, 72, 156, 165}) {
+    ml::write_npz(folder / "x.npz", std::vector<ml::NamedArray>{{"poses", matrix(3, columns)},
+                                                                {"trans", matrix(3, 3, 2)},
+                                                                {"mocap_frame_rate", ml::NpyArray::scalar(120.0)}});
+    const auto clip = ml::read_amass(folder / "x.npz");
+    CHECK(clip.motion.frames() == 3);
+    CHECK(clip.motion.fps == 120);
+    CHECK(clip.body.gender == "neutral");
+    CHECK(clip.motion.root_at(2) == ml::Vec3{2.0, 2.0, -2.0});
+    CHECK(ml::distance(clip.motion.rotations(0)[0], ml::AxisAngle<double>{{-std::numbers::pi / 2, 0, 0}}) < 1e-12);
+  }
+}
+
+TEST_CASE("files and skeletons that are refused") {
+  const TemporaryFolder folder;
+  auto refused = [&](std::vector<ml::NamedArray> arrays, const char* id) {
+    ml::write_npz(folder / "bad.npz", arrays);
+    CHECK_THROWS_WITH_AS(ml::read_amass(folder / "bad.npz"), doctest::Contains(id), ml::error);
+  };
+  const ml::NamedArray fps{"mocap_framerate", ml::NpyArray::scalar(60.0)};
+  refused({{"trans", matrix(3, 3)}, fps}, "406");
+  refused({{"poses", matrix(3, 156)}, {"trans", matrix(3, 3)}}, "406");
+  refused({{"poses", matrix(3, 65)}, {"trans", matrix(3, 3)}, fps}, "407");
+  refused({{"poses", matrix(3, 156)}, {"trans", matrix(2, 3)}, fps}, "407");
+  refused({{"poses", ml::NpyArray::scalar(1.0)}, {"trans", matrix(2, 3)}, fps}, "407");
+  refused({{"poses", ml::NpyArray::text("none")}, {"trans", matrix(2, 3)}, fps}, "407");
+  refused({{"poses", matrix(3, 156)}, {"trans", matrix(3, 3)}, {"mocap_framerate", ml::NpyArray::scalar(0.0)}}, "403");
+  refused({{"poses", matrix(3, 156)}, {"trans", matrix(3, 3, std::nan(""))}, fps}, "301");
+
+  ml::Motion kit{ml::kit21_skeleton(), 20, {{0, 0, 0}}, {}, ""};
+  kit.local.assign(21, ml::Quaternion<double>::identity());
+  CHECK_THROWS_WITH_AS(ml::write_amass(folder / "kit.npz", kit), doctest::Contains("106"), ml::config_error);
+  CHECK_FALSE(std::filesystem::exists(folder / "kit.npz"));
+}
+
+TEST_CASE("joint positions") {
+  const TemporaryFolder folder;
+  const ml::Motion motion = synthetic::walk({.frames = 5});
+  ml::write_joints_npy(folder / "joints.npy", motion);
+  const auto array = ml::read_npy(folder / "joints.npy");
+  CHECK(array.type() == "<f4");
+  CHECK(array.shape == std::vector<ml::Index>{5, 24, 3});
+  CHECK(array.to<float>()[2] == static_cast<float>(motion.root_at(0).y));  // Z up
+  const auto back = ml::read_joints_npy(folder / "joints.npy");
+  const auto expected = motion.positions();
+  REQUIRE(back.positions.size() == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) CHECK(ml::norm(back.positions[i] - expected[i]) < 1e-6);
+  ml::write_npy(folder / "flat.npy", matrix(3, 3));
+  CHECK_THROWS_WITH_AS(ml::read_joints_npy(folder / "flat.npy"), doctest::Contains("407"), ml::io_error);
+}
