@@ -90,7 +90,7 @@ inline constexpr ErrorId error_ids[] = {
     {406, "tensor names are missing or unexpected"},
     {407, "a tensor has another shape or type than expected"},
     // timeline: texts over time
-    {501, "a line has too few fields"},
+    {501, "a line has too few or too many fields"},
     {502, "a time is not a number"},
     {503, "a body part is unknown"},
     {504, "an interval is empty or ends before it starts"},
@@ -98,6 +98,8 @@ inline constexpr ErrorId error_ids[] = {
     {506, "a text owns no body part at its own start or end"},
     {507, "the timeline has no line"},
     {508, "a crop is longer than the denoiser accepts"},
+    {509, "several timelines where one is expected"},
+    {510, "a text cannot be written on a line"},
 };
 // clang-format on
 

@@ -1,0 +1,535 @@
+// SPDX-License-Identifier: MIT
+/// Autodiff<B>: a backend that computes with B and remembers how, so that `backward` gives gradients (reverse mode).
+///
+/// Each operation below stands next to its derivative (vjp: vector-Jacobian product): g is the gradient of the result,
+/// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
+/// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
+/// Gradients are returned as a value and live on the inner backend.
+#pragma once
+
+#include <memory>         // nodes
+#include <unordered_map>  // gradients by variable
+#include <utility>        // move
+#include <vector>         // operands
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/tensor/fused.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct Autodiff {
+  using inner = B;
+  using scalar = typename B::scalar;
+  using Value = typename B::tensor;
+
+  class Node;
+  struct tensor {
+    Value value{};
+    std::shared_ptr<Node> node{};  // none for constants
+  };
+
+  /// Collects the gradients of a node's operands.
+  class Sink {
+   public:
+    /// Operands that are constants need no gradient: skip the work.
+    bool needs(std::size_t i) const { return node_->inputs[i] != nullptr; }
+    void add(std::size_t i, Value g) const {
+      if (!needs(i)) return;
+      auto& slot = (*gradients_)[static_cast<std::size_t>(node_->inputs[i]->order)];
+      slot.second = slot.first ? B::add(std::move(slot.second), std::move(g)) : std::move(g);
+      slot.first = true;
+    }
+
+   private:
+    friend struct Autodiff;
+    const Node* node_ = nullptr;
+    std::vector<std::pair<bool, Value>>* gradients_ = nullptr;
+  };
+
+  /// One operation of the graph, or a variable (no inputs, no vjp).
+  class Node {
+   public:
+    std::vector<std::shared_ptr<Node>> inputs;
+    Index order = -1;  // place in the walk that is going on
+    bool variable = true;
+
+    Node() = default;
+    Node(const Node&) = delete;
+    Node& operator=(const Node&) = delete;
+    virtual ~Node() { release_inputs(); }
+    virtual void vjp(const Value&, const Sink&) const {}
+    virtual void forget() {}  // drops what the vjp keeps
+    virtual bool forgotten() const { return false; }
+
+    /// Without recursion: a chain of two million operations must not overflow the stack.
+    void release_inputs() {
+      std::vector<std::shared_ptr<Node>> waiting = std::move(inputs);
+      while (!waiting.empty()) {
+        std::shared_ptr<Node> last = std::move(waiting.back());
+        waiting.pop_back();
+        if (last != nullptr && last.use_count() == 1) {
+          for (auto& i : last->inputs) waiting.push_back(std::move(i));
+          last->inputs.clear();
+        }
+      }
+    }
+  };
+
+  static tensor variable(Value value) { return {std::move(value), std::make_shared<Node>()}; }
+  static const Value& value(const tensor& a) { return a.value; }
+
+  // ---- data
+  // -------------------------------------------------------------------------------------------------------------
+  static tensor full(const Shape& s, scalar v) { return {B::full(s, v), nullptr}; }
+  static tensor from_span(std::span<const scalar> values, const Shape& s) { return {B::from_span(values, s), nullptr}; }
+  static auto to_span(const tensor& a) { return B::to_span(a.value); }
+  static Shape shape(const tensor& a) { return B::shape(a.value); }
+
+  // ---- elementwise, broadcasting
+  // ------------------------------------------------------------------------------------------
+  static tensor add(const tensor& a, const tensor& b) {
+    return record(
+        B::add(a.value, b.value),
+        [sa = shape(a), sb = shape(b)](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(g, sa));
+          if (s.needs(1)) s.add(1, unbroadcast(g, sb));
+        },
+        a, b);
+  }
+  static tensor sub(const tensor& a, const tensor& b) {
+    return record(
+        B::sub(a.value, b.value),
+        [sa = shape(a), sb = shape(b)](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(g, sa));
+          if (s.needs(1)) s.add(1, unbroadcast(times(g, -1), sb));
+        },
+        a, b);
+  }
+  static tensor mul(const tensor& a, const tensor& b) {
+    return record(
+        B::mul(a.value, b.value),
+        [x = a.value, y = b.value](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(B::mul(g, y), B::shape(x)));
+          if (s.needs(1)) s.add(1, unbroadcast(B::mul(g, x), B::shape(y)));
+        },
+        a, b);
+  }
+  static tensor div(const tensor& a, const tensor& b) {
+    Value q = B::div(a.value, b.value);
+    return record(
+        q,
+        [q, y = b.value, sa = shape(a)](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(B::div(g, y), sa));
+          if (s.needs(1)) s.add(1, unbroadcast(times(B::div(B::mul(g, q), y), -1), B::shape(y)));
+        },
+        a, b);
+  }
+  static tensor maximum(const tensor& a, const tensor& b) {  // at equal values the first takes the gradient
+    return record(
+        B::maximum(a.value, b.value),
+        [x = a.value, y = b.value](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(B::where_less(x, y, zero_like(g), g), B::shape(x)));
+          if (s.needs(1)) s.add(1, unbroadcast(B::where_less(x, y, g, zero_like(g)), B::shape(y)));
+        },
+        a, b);
+  }
+  static tensor atan2(const tensor& a, const tensor& b) {  // d atan2(y, x) = (x dy - y dx) / (x^2 + y^2)
+    return record(
+        B::atan2(a.value, b.value),
+        [y = a.value, x = b.value](const Value& g, const Sink& s) {
+          const Value h = B::div(g, B::add(B::mul(x, x), B::mul(y, y)));
+          if (s.needs(0)) s.add(0, unbroadcast(B::mul(h, x), B::shape(y)));
+          if (s.needs(1)) s.add(1, unbroadcast(times(B::mul(h, y), -1), B::shape(x)));
+        },
+        a, b);
+  }
+  static tensor exp(const tensor& a) {
+    Value y = B::exp(a.value);
+    return record(
+        y, [y](const Value& g, const Sink& s) { s.add(0, B::mul(g, y)); }, a);
+  }
+  static tensor log(const tensor& a) {
+    return record(
+        B::log(a.value), [x = a.value](const Value& g, const Sink& s) { s.add(0, B::div(g, x)); }, a);
+  }
+  static tensor sqrt(const tensor& a) {
+    Value y = B::sqrt(a.value);
+    return record(
+        y, [y](const Value& g, const Sink& s) { s.add(0, times(B::div(g, y), 0.5)); }, a);
+  }
+  static tensor tanh(const tensor& a) {
+    Value y = B::tanh(a.value);
+    return record(
+        y, [y](const Value& g, const Sink& s) { s.add(0, B::sub(g, B::mul(g, B::mul(y, y)))); }, a);
+  }
+  static tensor erf(const tensor& a) {  // 2 / sqrt(pi) exp(-x^2)
+    return record(
+        B::erf(a.value),
+        [x = a.value](const Value& g, const Sink& s) {
+          s.add(0, times(B::mul(g, B::exp(times(B::mul(x, x), -1))), 1.1283791670955126));
+        },
+        a);
+  }
+  static tensor sin(const tensor& a) {
+    return record(
+        B::sin(a.value), [x = a.value](const Value& g, const Sink& s) { s.add(0, B::mul(g, B::cos(x))); }, a);
+  }
+  static tensor cos(const tensor& a) {
+    return record(
+        B::cos(a.value), [x = a.value](const Value& g, const Sink& s) { s.add(0, times(B::mul(g, B::sin(x)), -1)); },
+        a);
+  }
+  static tensor where_less(const tensor& a, const tensor& b, const tensor& x,
+                           const tensor& y) {  // a and b get no gradient
+    return record(
+        B::where_less(a.value, b.value, x.value, y.value),
+        [a = a.value, b = b.value, sx = shape(x), sy = shape(y)](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(B::where_less(a, b, g, zero_like(g)), sx));
+          if (s.needs(1)) s.add(1, unbroadcast(B::where_less(a, b, zero_like(g), g), sy));
+        },
+        x, y);
+  }
+
+  // ---- reductions
+  // ---------------------------------------------------------------------------------------------------------
+  static tensor sum(const tensor& a, int axis) {
+    return record(
+        B::sum(a.value, axis), [sa = shape(a), axis](const Value& g, const Sink& s) { s.add(0, along(g, sa, axis)); },
+        a);
+  }
+  static tensor max(const tensor& a, int axis) {  // every element that attains the maximum takes the whole gradient
+    Value y = B::max(a.value, axis);
+    return record(
+        y,
+        [x = a.value, y, axis](const Value& g, const Sink& s) {
+          s.add(0, B::where_less(x, along(y, B::shape(x), axis), zero_like(x), along(g, B::shape(x), axis)));
+        },
+        a);
+  }
+
+  // ---- product
+  // ------------------------------------------------------------------------------------------------------------
+  static tensor matmul(const tensor& a, const tensor& b, bool ta, bool tb) {
+    return record(
+        B::matmul(a.value, b.value, ta, tb),
+        [x = a.value, y = b.value, ta, tb](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, ta ? B::matmul(y, g, tb, true) : B::matmul(g, y, false, !tb));
+          if (s.needs(1)) s.add(1, tb ? B::matmul(g, x, true, ta) : B::matmul(x, g, !ta, false));
+        },
+        a, b);
+  }
+
+  // ---- movement
+  // -----------------------------------------------------------------------------------------------------------
+  static tensor reshape(const tensor& a, const Shape& to) {
+    return record(
+        B::reshape(a.value, to), [sa = shape(a)](const Value& g, const Sink& s) { s.add(0, B::reshape(g, sa)); }, a);
+  }
+  static tensor permute(const tensor& a, std::span<const int> axes) {
+    std::vector<int> back(axes.size());
+    for (std::size_t i = 0; i < axes.size(); ++i) back[static_cast<std::size_t>(axes[i])] = static_cast<int>(i);
+    return record(
+        B::permute(a.value, axes),
+        [back](const Value& g, const Sink& s) { s.add(0, B::permute(g, std::span<const int>(back))); }, a);
+  }
+  static tensor broadcast(const tensor& a, const Shape& to) {
+    return record(
+        B::broadcast(a.value, to), [sa = shape(a)](const Value& g, const Sink& s) { s.add(0, unbroadcast(g, sa)); }, a);
+  }
+  static tensor slice(const tensor& a, int axis, Index first, Index last) {
+    return record(
+        B::slice(a.value, axis, first, last),
+        [sa = shape(a), axis, first, last](const Value& g, const Sink& s) {
+          auto zeros = [&](Index n) {
+            Shape z = sa;
+            z[axis] = n;
+            return B::full(z, scalar(0));
+          };
+          const std::vector<Value> parts{zeros(first), g, zeros(sa[axis] - last)};
+          s.add(0, B::concat(std::span<const Value>(parts), axis));
+        },
+        a);
+  }
+  static tensor concat(std::span<const tensor> list, int axis) {
+    std::vector<Value> values;
+    std::vector<Index> ends{0};
+    for (const tensor& t : list) {
+      values.push_back(t.value);
+      ends.push_back(ends.back() + shape(t)[axis]);
+    }
+    return record_list(
+        B::concat(std::span<const Value>(values), axis),
+        [ends, axis](const Value& g, const Sink& s) {
+          for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+            if (s.needs(i)) s.add(i, B::slice(g, axis, ends[i], ends[i + 1]));
+          }
+        },
+        list);
+  }
+  static tensor gather(const tensor& a, std::span<const Index> rows) {
+    return record(
+        B::gather(a.value, rows),
+        [rows = std::vector<Index>(rows.begin(), rows.end()), n = shape(a)[0]](const Value& g, const Sink& s) {
+          s.add(0, B::scatter_add(g, rows, n));
+        },
+        a);
+  }
+  static tensor scatter_add(const tensor& a, std::span<const Index> rows, Index n) {
+    return record(
+        B::scatter_add(a.value, rows, n),
+        [rows = std::vector<Index>(rows.begin(), rows.end())](const Value& g, const Sink& s) {
+          s.add(0, B::gather(g, rows));
+        },
+        a);
+  }
+
+  // ---- fused operations, where the inner backend has their kernels
+  // ----------------------------------------------------------
+  static tensor activate(const tensor& a, Activation act) requires requires(const Value& v) {
+    B::activate_vjp(v, v, act);
+  }
+  {
+    return record(
+        B::activate(a.value, act),
+        [x = a.value, act](const Value& g, const Sink& s) { s.add(0, B::activate_vjp(x, g, act)); }, a);
+  }
+  static tensor linear(const tensor& x, const tensor& weight, const tensor* bias, Activation act,
+                       const tensor* residual) requires requires(const Value& v) {
+    B::linear(v, v, &v, act, &v);
+    B::column_sums(v);
+  }
+  {
+    if (act != Activation::none) {  // the nonlinearity needs its own input for the derivative
+      const tensor y = activate(linear(x, weight, bias, Activation::none, nullptr), act);
+      return residual == nullptr ? y : add(y, *residual);
+    }
+    const tensor none{};
+    return record(
+        B::linear(x.value, weight.value, bias == nullptr ? nullptr : &bias->value, act,
+                  residual == nullptr ? nullptr : &residual->value),
+        [x = x.value, w = weight.value](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, B::matmul(g, w, false, false));
+          if (s.needs(1)) s.add(1, B::matmul(g, x, true, false));
+          if (s.needs(2)) s.add(2, B::column_sums(g));
+          if (s.needs(3)) s.add(3, g);
+        },
+        x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
+  }
+  static tensor layer_norm(const tensor& x, const tensor& weight, const tensor& bias, double eps) requires
+      requires(const Value& v) {
+    B::layer_norm_vjp(v, v, eps, v);
+  }
+  {
+    return record(
+        B::layer_norm(x.value, weight.value, bias.value, eps),
+        [x = x.value, w = weight.value, eps](const Value& g, const Sink& s) {
+          auto [dx, dweight, dbias] = B::layer_norm_vjp(x, w, eps, g);
+          s.add(0, std::move(dx));
+          s.add(1, std::move(dweight));
+          s.add(2, std::move(dbias));
+        },
+        x, weight, bias);
+  }
+  static tensor softmax(const tensor& x)  // dx = y (g - sum(g y))
+      requires requires(const Value& v) {
+    B::softmax(v);
+  }
+  {
+    Value y = B::softmax(x.value);
+    return record(
+        y,
+        [y](const Value& g, const Sink& s) {
+          const Value gy = B::mul(g, y);
+          s.add(0, B::sub(gy, B::mul(y, along(B::sum(gy, 1), B::shape(y), 1))));
+        },
+        x);
+  }
+  static tensor dropout(const tensor& x, const Dropout& d) requires requires(const Value& v) { B::dropout(v, d); }
+  {
+    return record(
+        B::dropout(x.value, d), [d](const Value& g, const Sink& s) { s.add(0, B::dropout(g, d)); }, x);
+  }
+  static tensor self_attention(const tensor& qkv, const Offsets& offsets, const AttentionOptions& options) requires
+      requires(const Value& v) {
+    B::self_attention_vjp(v, offsets, options, v);
+  }
+  {
+    return record(
+        B::self_attention(qkv.value, offsets, options),
+        [x = qkv.value, offsets, options](const Value& g, const Sink& s) {
+          s.add(0, B::self_attention_vjp(x, offsets, options, g));
+        },
+        qkv);
+  }
+  static tensor attention(const tensor& q, const tensor& k, const tensor& v, const Offsets& q_offsets,
+                          const Offsets& k_offsets, const AttentionOptions& options) requires requires(const Value& x) {
+    B::attention_vjp(x, x, x, q_offsets, k_offsets, options, x);
+  }
+  {
+    return record(
+        B::attention(q.value, k.value, v.value, q_offsets, k_offsets, options),
+        [q = q.value, k = k.value, v = v.value, q_offsets, k_offsets, options](const Value& g, const Sink& s) {
+          auto [dq, dk, dv] = B::attention_vjp(q, k, v, q_offsets, k_offsets, options, g);
+          s.add(0, std::move(dq));
+          s.add(1, std::move(dk));
+          s.add(2, std::move(dv));
+        },
+        q, k, v);
+  }
+
+  // ---- the walk
+  // -----------------------------------------------------------------------------------------------------------
+  using GradientMap = std::unordered_map<const Node*, Value>;
+
+  /// Gradients of a number with respect to all variables that it depends on. Frees the graph behind it. Throws
+  /// config_error 102 if the graph has been walked before.
+  static GradientMap gradients(const tensor& loss) {
+    GradientMap result;
+    if (loss.node == nullptr) return result;
+    // Nodes in an order in which operands come first: depth-first search with an explicit stack.
+    std::vector<Node*> sorted;
+    std::vector<std::pair<Node*, std::size_t>> path{{loss.node.get(), 0}};
+    loss.node->order = -2;  // on the path
+    while (!path.empty()) {
+      Node* node = path.back().first;
+      if (node->forgotten()) {
+        for (Node* n : sorted) n->order = -1;
+        for (auto& [n, next] : path) n->order = -1;
+        raise<config_error>(102, "backward: this graph has been walked already; compute the loss again");
+      }
+      if (path.back().second < node->inputs.size()) {
+        Node* input = node->inputs[path.back().second++].get();
+        if (input != nullptr && input->order == -1) {
+          input->order = -2;
+          path.emplace_back(input, 0);
+        }
+      } else {
+        node->order = static_cast<Index>(sorted.size());
+        sorted.push_back(node);
+        path.pop_back();
+      }
+    }
+    std::vector<std::pair<bool, Value>> gradient(sorted.size());
+    gradient.back() = {true, B::full(B::shape(loss.value), scalar(1))};
+    Sink sink;
+    sink.gradients_ = &gradient;
+    for (std::size_t i = sorted.size(); i-- > 0;) {
+      Node* node = sorted[i];
+      auto [known, g] = std::move(gradient[i]);
+      gradient[i] = {};
+      if (node->variable) {
+        if (known) result.emplace(node, std::move(g));
+        continue;
+      }
+      sink.node_ = node;
+      if (known) node->vjp(g, sink);
+      node->forget();
+    }
+    for (Node* node : sorted) node->order = -1;
+    return result;
+  }
+
+ private:
+  template <class F>
+  class Operation final : public Node {
+   public:
+    explicit Operation(F f) : f_(std::move(f)) { this->variable = false; }
+    void vjp(const Value& g, const Sink& s) const override { (*f_)(g, s); }
+    void forget() override { f_.reset(); }
+    bool forgotten() const override { return !f_.has_value(); }
+
+   private:
+    std::optional<F> f_;
+  };
+
+  template <class F, class... T>
+  static tensor record(Value value, F vjp, const T&... operands) {
+    if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
+    auto node = std::make_shared<Operation<F>>(std::move(vjp));
+    node->inputs = {operands.node...};
+    return {std::move(value), std::move(node)};
+  }
+  template <class F>
+  static tensor record_list(Value value, F vjp, std::span<const tensor> operands) {
+    auto node = std::make_shared<Operation<F>>(std::move(vjp));
+    bool any = false;
+    for (const tensor& t : operands) {
+      node->inputs.push_back(t.node);
+      any = any || t.node != nullptr;
+    }
+    return any ? tensor{std::move(value), std::move(node)} : tensor{std::move(value), nullptr};
+  }
+
+  static Value times(const Value& a, double c) { return B::mul(a, B::full(Shape{}, static_cast<scalar>(c))); }
+  static Value zero_like(const Value& a) { return B::full(B::shape(a), scalar(0)); }
+
+  /// The adjoint of broadcasting: sums over the axes that were repeated.
+  static Value unbroadcast(const Value& g, const Shape& to) {
+    if (B::shape(g) == to) return g;
+    Value sum = g;
+    while (B::shape(sum).rank() > to.rank()) sum = B::sum(sum, 0);
+    for (int axis = 0; axis < to.rank(); ++axis) {
+      if (to[axis] == 1 && B::shape(sum)[axis] != 1) {
+        Shape kept = B::shape(sum);
+        kept[axis] = 1;
+        sum = B::reshape(B::sum(sum, axis), kept);
+      }
+    }
+    return sum;
+  }
+  /// The adjoint of a sum: repeats g along the axis that disappeared.
+  static Value along(const Value& g, const Shape& to, int axis) {
+    Shape kept = to;
+    kept[axis] = 1;
+    return B::broadcast(B::reshape(g, kept), to);
+  }
+};
+
+/// What `backward` returns: the gradient of every variable, on the inner backend.
+template <AutodiffBackend A>
+class Gradients {
+ public:
+  explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
+
+  /// Gradient of a variable; zeros if the loss does not depend on it.
+  template <int R>
+  Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto* g = find(variable.data());
+    return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
+  }
+  /// Null if the loss does not depend on it, or if it is a constant.
+  const typename A::Value* find(const typename A::tensor& variable) const {
+    const auto it = map_.find(variable.node.get());
+    return it == map_.end() ? nullptr : &it->second;
+  }
+
+ private:
+  typename A::GradientMap map_;
+};
+
+/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+template <class A>
+Gradients<A> backward(const Tensor<A, 0>& loss) {
+  static_assert(AutodiffBackend<A>,
+                "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
+  return Gradients<A>(A::gradients(loss.data()));
+}
+
+/// A leaf that gradients are wanted for.
+template <AutodiffBackend A, int R>
+Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
+  return Tensor<A, R>(A::variable(value.data()));
+}
+/// The plain value of a differentiable tensor.
+template <AutodiffBackend A, int R>
+Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
+  return Tensor<typename A::inner, R>(A::value(t.data()));
+}
+/// The same value as a constant: gradients stop here.
+template <AutodiffBackend A, int R>
+Tensor<A, R> stop_gradient(const Tensor<A, R>& t) {
+  return Tensor<A, R>(typename A::tensor{A::value(t.data()), nullptr});
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

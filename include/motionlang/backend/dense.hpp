@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// Dense row-major storage: the tensor type of the reference, Eigen and xtensor backends.
+///
+/// A handle to a shared buffer plus a shape. Copying shares memory; whoever wants to write asks `unique()` first.
+/// Always contiguous: reshaping and taking leading rows are views, everything else copies.
+#pragma once
+
+#include <algorithm>  // copy, fill
+#include <span>       // values
+
+#include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/concepts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Scalar S>
+class Dense {
+ public:
+  Dense() = default;
+  /// Uninitialised.
+  explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
+  /// Numbers that somebody else owns and nobody writes (a mapped file).
+  Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
+      : buffer_(values, std::move(owner)), shape_(shape) {}
+
+  static Dense full(const Shape& shape, S value) {
+    Dense d(shape);
+    std::fill_n(d.data(), d.count(), value);
+    return d;
+  }
+  static Dense from_span(std::span<const S> values, const Shape& shape) {
+    Dense d(shape);
+    std::copy(values.begin(), values.end(), d.data());
+    return d;
+  }
+
+  const Shape& shape() const { return shape_; }
+  Index count() const { return shape_.count(); }
+  const S* data() const { return static_cast<const S*>(buffer_.data()) + offset_; }
+  /// For writing: only right after construction or when `unique()`.
+  S* data() { return static_cast<S*>(buffer_.data()) + offset_; }
+  std::span<const S> span() const { return {data(), static_cast<std::size_t>(count())}; }
+  bool defined() const { return static_cast<bool>(buffer_); }
+
+  /// Nobody else can see the numbers, so an operation may overwrite them.
+  bool unique() const { return buffer_.unique() && !buffer_.packed(); }
+
+  /// The same numbers in another shape of the same count.
+  Dense reshaped(const Shape& shape) const {
+    Dense d(*this);
+    d.shape_ = shape;
+    return d;
+  }
+  /// Leading indices first ... last-1, without copying.
+  Dense rows(Index first, Index last) const {
+    Dense d(*this);
+    d.offset_ += first * shape_.count(1, shape_.rank());
+    d.shape_[0] = last - first;
+    return d;
+  }
+
+  /// Attaches the same numbers in the layout of a kernel. They live and die with the buffer.
+  void attach(std::shared_ptr<const void> packed) const { buffer_.packed() = std::move(packed); }
+  const void* attached() const { return buffer_ && offset_ == 0 ? buffer_.packed().get() : nullptr; }
+
+ private:
+  detail::BufferHandle buffer_;
+  Shape shape_{};
+  Index offset_ = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

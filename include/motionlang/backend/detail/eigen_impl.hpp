@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+/// Bodies of eigen.hpp. The only header that includes Eigen.
+#pragma once
+
+#include <Eigen/Core>  // arrays
+#include <limits>      // infinity
+
+#include <motionlang/backend/detail/broadcast.hpp>
+#include <motionlang/backend/detail/kernels.hpp>
+#include <motionlang/backend/eigen.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+template <class S>
+using EigenArray = Eigen::Array<S, Eigen::Dynamic, 1>;
+
+template <class S>
+auto eigen_map(const S* data, Index n) {
+  return Eigen::Map<const EigenArray<S>>(data, n);
+}
+template <class S>
+auto eigen_map(S* data, Index n) {
+  return Eigen::Map<EigenArray<S>>(data, n);
+}
+
+/// out = f(a) as arrays; a's memory is reused when nobody else holds it.
+template <class S, class F>
+Dense<S> eigen_unary(Dense<S> a, F f) {
+  Dense<S> out = a.unique() ? a : Dense<S>(a.shape());
+  eigen_map(out.data(), a.count()) = f(eigen_map(std::as_const(a).data(), a.count()));
+  return out;
+}
+
+/// out = f(a, b) with broadcasting; f maps two Eigen expressions to one.
+template <class S, class F>
+Dense<S> eigen_binary(Dense<S> a, Dense<S> b, F f) {
+  if (a.shape() == b.shape()) {
+    Dense<S> out = a.unique() ? a : b.unique() ? b : Dense<S>(a.shape());
+    eigen_map(out.data(), a.count()) =
+        f(eigen_map(std::as_const(a).data(), a.count()), eigen_map(std::as_const(b).data(), a.count()));
+    return out;
+  }
+  const Shape s = broadcast_shapes(a.shape(), b.shape(), "binary operation");
+  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
+  if (!pattern) return eigen_binary(DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s), f);
+  const auto& p = *pattern;
+  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
+  const S *pa = std::as_const(a).data(), *pb = std::as_const(b).data();
+  S* to = out.data();
+  for (Index i = 0; i < p.outer; ++i, to += p.inner) {
+    const S* x = pa + (p.a.outer ? i * (p.a.inner ? p.inner : 1) : 0);
+    const S* y = pb + (p.b.outer ? i * (p.b.inner ? p.inner : 1) : 0);
+    auto row = eigen_map(to, p.inner);
+    if (p.a.inner && p.b.inner)
+      row = f(eigen_map(x, p.inner), eigen_map(y, p.inner));
+    else if (p.a.inner)
+      row = f(eigen_map(x, p.inner), EigenArray<S>::Constant(p.inner, *y));
+    else
+      row = f(EigenArray<S>::Constant(p.inner, *x), eigen_map(y, p.inner));
+  }
+  return out;
+}
+
+/// a is (outer, n, inner) -> (outer, inner). `whole` reduces an array to a number, `fold` takes one array into another.
+template <class S, class Whole, class Fold>
+Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fold) {
+  const Index outer = a.shape().count(0, axis), n = a.shape()[axis],
+              inner = a.shape().count(axis + 1, a.shape().rank());
+  Dense<S> out = Dense<S>::full(a.shape().without(axis), start);
+  for (Index i = 0; i < outer && n > 0; ++i) {
+    if (inner == 1) {
+      out.data()[i] = whole(eigen_map(a.data() + i * n, n));
+    } else {
+      auto row = eigen_map(out.data() + i * inner, inner);
+      for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner, inner));
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+template <Scalar S>
+Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
+  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x + y; });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
+  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x - y; });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
+  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x * y; });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
+  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x / y; });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
+  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x.max(y); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
+  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) {
+    return x.binaryExpr(y, [](S p, S q) { return std::atan2(p, q); });
+  });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::exp(tensor a) {
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.exp(); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::log(tensor a) {
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.log(); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::sqrt(tensor a) {
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sqrt(); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::tanh(tensor a) {
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.tanh(); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::erf(tensor a) {  // Eigen's is in an unsupported module
+  tensor out(a.shape());
+  detail::kernels<S>().error_function(std::as_const(a).data(), a.count(), out.data());
+  return out;
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::sin(tensor a) {
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sin(); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::cos(tensor a) {
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.cos(); });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
+  const Shape s = broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
+                                   broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
+  const Index n = s.count();
+  const tensor la = DenseOps<S>::broadcast(a, s), lb = DenseOps<S>::broadcast(b, s);
+  const tensor lx = DenseOps<S>::broadcast(x, s), ly = DenseOps<S>::broadcast(y, s);
+  tensor out(s);
+  detail::eigen_map(out.data(), n) = (detail::eigen_map(la.data(), n) < detail::eigen_map(lb.data(), n))
+                                         .select(detail::eigen_map(lx.data(), n), detail::eigen_map(ly.data(), n));
+  return out;
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::sum(const tensor& a, int axis) {
+  return detail::eigen_reduce(
+      a, axis, S(0), [](const auto& x) { return x.sum(); }, [](auto& total, const auto& x) { total += x; });
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
+  return detail::eigen_reduce(
+      a, axis, -std::numeric_limits<S>::infinity(), [](const auto& x) { return x.maxCoeff(); },
+      [](auto& largest, const auto& x) { largest = largest.max(x); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

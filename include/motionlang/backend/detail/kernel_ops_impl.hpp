@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT
+/// Bodies of kernel_ops.hpp: shapes to pointers, and the split of the work over threads.
+///
+/// Work is split over rows or columns of the result only, never over a summed index.
+#pragma once
+
+#include <motionlang/backend/detail/kernels.hpp>
+#include <motionlang/backend/kernel_ops.hpp>
+#include <motionlang/core/parallel.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Memory of this thread that kernels may scribble on; grows and stays.
+template <class S>
+S* scratch(Index count) {
+  thread_local BufferHandle buffer;
+  thread_local Index capacity = 0;
+  if (count > capacity) {
+    buffer = BufferHandle{};
+    buffer = BufferHandle(static_cast<std::size_t>(count) * sizeof(S));
+    capacity = count;
+  }
+  return static_cast<S*>(buffer.data());
+}
+
+/// A weight in the panels of the current kernels.
+template <class S>
+struct Panels {
+  Index k = 0, n = 0;
+  const Kernels<S>* kernels = nullptr;
+  BufferHandle memory;
+
+  const S* data() const { return static_cast<const S*>(memory.data()); }
+};
+
+inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
+
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n].
+template <class S>
+Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n) {
+  const Kernels<S>& kernel = kernels<S>();
+  const Index panels = parts(n, kernel.panel_width);
+  Panels<S> p{k, n, &kernel, BufferHandle(static_cast<std::size_t>(panels * kernel.panel_width * k) * sizeof(S))};
+  S* out = static_cast<S*>(p.memory.data());
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * kernel.panel_width));
+  parallel_for(parts(panels, at_once), [&](Index i) {
+    kernel.pack(b, k, n, stride_k, stride_n, i * at_once, std::min(panels, (i + 1) * at_once), out);
+  });
+  return p;
+}
+
+template <class S>
+void run_gemm(const Gemm<S>& g) {
+  if (g.m == 0 || g.n == 0) return;
+  const Kernels<S>& kernel = kernels<S>();
+  const Index panels = parts(g.n, kernel.panel_width), threads = thread_count();
+  const bool small = g.m * g.n * g.k < 100'000;
+  const Index row_parts = small ? 1 : parts(g.m, kernel.row_block);
+  const Index wanted = small || threads == 1 ? 1 : 2 * threads;
+  const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
+  parallel_for(row_parts * panel_parts, [&](Index task) {
+    const Index r = task / panel_parts, j = task % panel_parts;
+    kernel.gemm_block(g, g.m * r / row_parts, g.m * (r + 1) / row_parts, panels * j / panel_parts,
+                      panels * (j + 1) / panel_parts, scratch<S>(kernel.gemm_scratch));
+  });
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, F f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for(parts(count, grain), [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+template <class S>
+Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offsets, Index width,
+                                 const AttentionOptions& options) {
+  return {.q_offsets = q_offsets.list().data(),
+          .k_offsets = k_offsets.list().data(),
+          .heads = options.heads,
+          .width = width / options.heads,
+          .causal = options.causal,
+          .dropout = options.dropout};
+}
+template <class S>
+Index attention_scratch(const Offsets& q, const Offsets& k, Index width) {
+  return kernels<S>().attention_scratch(q.longest(), k.longest(), width);
+}
+template <class S>
+void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
+  const Index need = attention_scratch<S>(q, k, t.width);
+  parallel_for(q.count() * t.heads, [&](Index i) {
+    if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch<S>(need));
+  });
+}
+template <class S>
+void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
+  const Index need = attention_scratch<S>(q, k, t.width);
+  parallel_for(q.count() * t.heads,
+               [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch<S>(need)); });
+}
+
+template <class S>
+LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, const S* bias, double eps, S* y) {
+  return {.x = x.data(),
+          .weight = weight.data(),
+          .bias = bias,
+          .width = x.shape().back(),
+          .eps = static_cast<S>(eps),
+          .y = y};
+}
+
+}  // namespace detail
+
+template <Scalar S>
+Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b) {
+  const int r = a.shape().rank();
+  const Index m = a.shape()[r - (transpose_a ? 1 : 2)], k = a.shape()[r - (transpose_a ? 2 : 1)];
+  const Index n = b.shape()[r - (transpose_b ? 2 : 1)];
+  Shape s = a.shape();
+  s[r - 2] = m;
+  s[r - 1] = n;
+  Dense<S> out(s);
+  for (Index i = 0; i < s.count(0, r - 2); ++i) {
+    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1);
+    detail::run_gemm(detail::Gemm<S>{.m = m,
+                                     .n = n,
+                                     .k = k,
+                                     .a = a.data() + i * m * k,
+                                     .lda = transpose_a ? m : k,
+                                     .a_transposed = transpose_a,
+                                     .panels = panels.data(),
+                                     .c = out.data() + i * m * n,
+                                     .ldc = n});
+  }
+  return out;
+}
+
+template <Scalar S>
+void KernelOps<S>::prepare(const Dense<S>& weight) {
+  const Index n = weight.shape()[0], k = weight.shape()[1];
+  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k)));
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
+                              const Dense<S>* residual) {
+  const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
+  const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
+  detail::Panels<S> packed;
+  if (ready == nullptr || ready->kernels != &detail::kernels<S>()) {
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
+    ready = &packed;
+  }
+  Dense<S> y(Shape{m, n});
+  const bool last =
+      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
+  detail::run_gemm(detail::Gemm<S>{.m = m,
+                                   .n = n,
+                                   .k = k,
+                                   .a = x.data(),
+                                   .lda = k,
+                                   .panels = ready->data(),
+                                   .c = y.data(),
+                                   .ldc = n,
+                                   .bias = bias == nullptr ? nullptr : bias->data(),
+                                   .residual = residual == nullptr || !last ? nullptr : residual->data(),
+                                   .ldr = n,
+                                   .act = act});
+  if (!last) {
+    for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
+  }
+  return y;
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act) {
+  Dense<S> y(x.shape());
+  detail::parallel_ranges(
+      x.count(), 1, [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
+  return y;
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act) {
+  Dense<S> dx(x.shape());
+  detail::parallel_ranges(x.count(), 1, [&](Index a, Index b) {
+    detail::kernels<S>().activate_vjp(x.data() + a, dy.data() + a, b - a, act, dx.data() + a);
+  });
+  return dx;
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps) {
+  Dense<S> y(x.shape());
+  const auto t = detail::layer_norm_arguments(x, weight, bias.data(), eps, y.data());
+  detail::parallel_ranges(x.shape()[0], t.width,
+                          [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
+  return y;
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::add_layer_norm(const Dense<S>& x, const Dense<S>& residual, const Dense<S>& weight,
+                                      const Dense<S>& bias, double eps) {
+  Dense<S> y(x.shape());
+  auto t = detail::layer_norm_arguments(x, weight, bias.data(), eps, y.data());
+  t.residual = residual.data();
+  detail::parallel_ranges(x.shape()[0], t.width,
+                          [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
+  return y;
+}
+template <Scalar S>
+std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const Dense<S>& weight, double eps,
+                                                     const Dense<S>& dy) {
+  const Index rows = x.shape()[0];
+  const auto t = detail::layer_norm_arguments<S>(x, weight, nullptr, eps, nullptr);
+  Dense<S> dx(x.shape()), dweight(weight.shape()), dbias(weight.shape()), moments(Shape{rows, 2});
+  detail::parallel_ranges(rows, t.width, [&](Index a, Index b) {
+    detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
+  });
+  const Index columns = std::max<Index>(64, detail::parts(t.width, thread_count()));
+  parallel_for(detail::parts(t.width, columns), [&](Index i) {
+    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows,
+                                                i * columns, std::min(t.width, (i + 1) * columns));
+  });
+  return {std::move(dx), std::move(dweight), std::move(dbias)};
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::softmax(const Dense<S>& x) {
+  Dense<S> y(x.shape());
+  const Index n = x.shape().back();
+  detail::parallel_ranges(x.shape()[0], n, [&](Index a, Index b) {
+    detail::kernels<S>().softmax_rows(x.data(), n, a, b, y.data(), detail::scratch<S>(n + 64));
+  });
+  return y;
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
+  Dense<S> y(x.shape());
+  detail::parallel_ranges(
+      x.count(), 1, [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
+  return y;
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
+  const Index rows = x.shape()[0], width = x.shape()[1],
+              columns = std::max<Index>(64, detail::parts(width, thread_count()));
+  Dense<S> y(Shape{width});
+  parallel_for(detail::parts(width, columns), [&](Index i) {
+    detail::kernels<S>().column_sums(x.data(), rows, width, i * columns, std::min(width, (i + 1) * columns), y.data());
+  });
+  return y;
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
+                                 const Offsets& k_offsets, const AttentionOptions& options) {
+  const Index d = q.shape()[1];
+  Dense<S> o(q.shape());
+  auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
+  t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
+  t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
+  detail::run_attention(t, q_offsets, k_offsets);
+  return o;
+}
+template <Scalar S>
+std::array<Dense<S>, 3> KernelOps<S>::attention_vjp(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v,
+                                                    const Offsets& q_offsets, const Offsets& k_offsets,
+                                                    const AttentionOptions& options, const Dense<S>& dy) {
+  const Index d = q.shape()[1];
+  Dense<S> dq(q.shape()), dk(k.shape()), dv(v.shape());
+  auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
+  t.q = q.data(), t.k = k.data(), t.v = v.data();
+  t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
+  detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), dq.data(), dk.data(), dv.data()}, q_offsets,
+                            k_offsets);
+  return {std::move(dq), std::move(dk), std::move(dv)};
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::self_attention(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options) {
+  const Index d = qkv.shape()[1] / 3;
+  Dense<S> o(Shape{qkv.shape()[0], d});
+  auto t = detail::attention_arguments<S>(offsets, offsets, d, options);
+  t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d, t.o = o.data();
+  t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
+  detail::run_attention(t, offsets, offsets);
+  return o;
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::self_attention_vjp(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options,
+                                          const Dense<S>& dy) {
+  const Index d = qkv.shape()[1] / 3;
+  Dense<S> g(qkv.shape());
+  auto t = detail::attention_arguments<S>(offsets, offsets, d, options);
+  t.q = qkv.data(), t.k = qkv.data() + d, t.v = qkv.data() + 2 * d;
+  t.q_stride = t.k_stride = t.v_stride = 3 * d, t.o_stride = d;
+  detail::run_attention_vjp(t, detail::AttentionGradients<S>{dy.data(), g.data(), g.data() + d, g.data() + 2 * d},
+                            offsets, offsets);
+  return g;
+}
+
+template <Scalar S>
+void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient,
+                         const AdamwUpdate& u) {
+  for (Dense<S>* d : {&parameter, &m, &v}) {
+    if (!d->unique()) *d = Dense<S>::from_span(d->span(), d->shape());
+  }
+  const double step = static_cast<double>(u.step);
+  const detail::AdamwStep<S> t{.p = parameter.data(),
+                               .m = m.data(),
+                               .v = v.data(),
+                               .g = gradient.data(),
+                               .beta1 = static_cast<S>(u.beta1),
+                               .beta2 = static_cast<S>(u.beta2),
+                               .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
+                               .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
+                               .eps = static_cast<S>(u.eps),
+                               .decay = static_cast<S>(1 - u.lr * u.weight_decay),
+                               .gradient_scale = static_cast<S>(u.gradient_scale)};
+  detail::parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+/// The kernels behind the Eigen and xtensor backends: one text, compiled for several instruction sets, chosen at run
+/// time.
+///
+/// The files *.inc are included once per instruction set, with the compiler told to generate code for it;
+/// `kernels<S>()` is the table of the best one that this processor has. A program built without any -march therefore
+/// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
+/// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
+#pragma once
+
+#include <algorithm>    // min, max
+#include <array>        // tables
+#include <cmath>        // sqrt, erf, tanh
+#include <cstdint>      // bit patterns
+#include <cstring>      // memcpy
+#include <type_traits>  // conditional
+#include <utility>      // integer_sequence
+
+#include <motionlang/core/activation.hpp>
+#include <motionlang/core/concepts.hpp>
+#include <motionlang/core/dropout.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// c (m x n) = act(a (m x k) B + bias) + what c holds already (accumulate) or a residual. B is packed in panels.
+template <class S>
+struct Gemm {
+  Index m = 0, n = 0, k = 0;
+  const S* a = nullptr;
+  Index lda = 0;  // distance of rows of a (of its transpose, (k x m), when a_transposed)
+  bool a_transposed = false;
+  const S* panels = nullptr;
+  S* c = nullptr;
+  Index ldc = 0;
+  bool accumulate = false;
+  const S* bias = nullptr;
+  const S* residual = nullptr;
+  Index ldr = 0;
+  Activation act = Activation::none;
+};
+
+/// Attention over packed sequences: q (query rows, heads * width), k and v (key rows, ...), each a part of a wider
+/// tensor.
+template <class S>
+struct Attention {
+  const S *q = nullptr, *k = nullptr, *v = nullptr;
+  Index q_stride = 0, k_stride = 0, v_stride = 0;
+  S* o = nullptr;
+  Index o_stride = 0;
+  const Index *q_offsets = nullptr, *k_offsets = nullptr;
+  Index heads = 1, width = 0;
+  bool causal = false;
+  Dropout dropout{};
+};
+template <class S>
+struct AttentionGradients {
+  const S* d_o = nullptr;
+  S *d_q = nullptr, *d_k = nullptr, *d_v = nullptr;  // strides as q, k, v
+};
+
+template <class S>
+struct LayerNorm {
+  const S *x = nullptr, *residual = nullptr, *weight = nullptr, *bias = nullptr;
+  Index width = 0;
+  S eps = S(1e-5);
+  S* y = nullptr;
+};
+
+template <class S>
+struct AdamwStep {
+  S *p = nullptr, *m = nullptr, *v = nullptr;
+  const S* g = nullptr;
+  S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
+};
+
+/// Entry points of one instruction set.
+template <class S>
+struct Kernels {
+  const char* name;
+  Index panel_width, row_block, gemm_scratch;
+  void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
+  void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
+  Index (*attention_scratch)(Index queries, Index keys, Index width);
+  void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
+  void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
+  void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
+  void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
+  void (*layer_norm_rows_vjp)(const LayerNorm<S>&, const S* dy, S* dx, S* moments, Index first, Index last);
+  void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                                 Index first, Index last);
+  void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
+  void (*activate)(const S* x, Index n, Activation, S* y);
+  void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
+  void (*exponential)(const S* x, Index n, S* y);
+  void (*error_function)(const S* x, Index n, S* y);
+  void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
+  void (*adamw)(const AdamwStep<S>&, Index first, Index last);
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+
+// GCC and clang spell "generate code for these instructions" differently.
+#if defined(__clang__)
+#define MOTIONLANG_PRAGMA(text) _Pragma(#text)
+#define MOTIONLANG_TARGET_PUSH(features) \
+  MOTIONLANG_PRAGMA(clang attribute push(__attribute__((target(features))), apply_to = function))
+#define MOTIONLANG_TARGET_POP _Pragma("clang attribute pop")
+#else
+#define MOTIONLANG_PRAGMA(text) _Pragma(#text)
+#define MOTIONLANG_TARGET_PUSH(features) _Pragma("GCC push_options") MOTIONLANG_PRAGMA(GCC target(features))
+#define MOTIONLANG_TARGET_POP _Pragma("GCC pop_options")
+#endif
+
+#define MOTIONLANG_ISA portable
+#define MOTIONLANG_VECTOR_BYTES 16
+#define MOTIONLANG_TILE_ROWS 6
+#include <motionlang/backend/detail/kernels.inc>
+#undef MOTIONLANG_ISA
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+
+#if defined(__x86_64__)
+MOTIONLANG_TARGET_PUSH("avx2,fma")
+#define MOTIONLANG_ISA avx2
+#define MOTIONLANG_VECTOR_BYTES 32
+#define MOTIONLANG_TILE_ROWS 6
+#include <motionlang/backend/detail/kernels.inc>
+#undef MOTIONLANG_ISA
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+MOTIONLANG_TARGET_POP
+
+MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+#define MOTIONLANG_ISA avx512
+#define MOTIONLANG_VECTOR_BYTES 64
+#define MOTIONLANG_TILE_ROWS 14
+#include <motionlang/backend/detail/kernels.inc>
+#undef MOTIONLANG_ISA
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+MOTIONLANG_TARGET_POP
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+enum class Isa { portable, avx2, avx512, best };
+
+/// The kernels of one instruction set, or nothing if this processor or this build does not have it.
+template <class S>
+const Kernels<S>* kernels_for(Isa isa) {
+  if (isa == Isa::portable) return &portable::table<S>();
+#if defined(__x86_64__)
+  if (isa == Isa::avx2)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
+  if (isa == Isa::avx512) {
+    const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                     __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+    return has ? &avx512::table<S>() : nullptr;
+  }
+#endif
+  if (isa != Isa::best) return nullptr;
+  for (Isa better : {Isa::avx512, Isa::avx2}) {
+    if (const auto* k = kernels_for<S>(better)) return k;
+  }
+  return &portable::table<S>();
+}
+
+/// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
+template <class S>
+const Kernels<S>*& current_kernels() {
+  static const Kernels<S>* chosen = kernels_for<S>(Isa::best);
+  return chosen;
+}
+template <class S>
+const Kernels<S>& kernels() {
+  return *current_kernels<S>();
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail

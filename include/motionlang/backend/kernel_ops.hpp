@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+/// The operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
+/// xtensor backends: one layer of kernels serves both.
+///
+/// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
+/// need not read.
+#pragma once
+
+#include <array>  // several gradients
+
+#include <motionlang/backend/dense.hpp>
+#include <motionlang/tensor/fused.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// One AdamW step on one parameter (optim/adamw.hpp has the formula).
+struct AdamwUpdate {
+  double lr = 0, beta1 = 0, beta2 = 0, eps = 0, weight_decay = 0, gradient_scale = 1;
+  Index step = 1;
+};
+
+template <Scalar S>
+struct KernelOps {
+  using kernel_tensor = Dense<S>;
+
+  /// Product of the last two axes, batched. b is packed on the fly.
+  static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
+
+  /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
+  /// afterwards.
+  static void prepare(const Dense<S>& weight);
+  static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
+                         const Dense<S>* residual);
+
+  static Dense<S> activate(const Dense<S>& x, Activation act);
+  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act);
+
+  static Dense<S> layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps);
+  static Dense<S> add_layer_norm(const Dense<S>& x, const Dense<S>& residual, const Dense<S>& weight,
+                                 const Dense<S>& bias, double eps);
+  /// {dx, dweight, dbias}
+  static std::array<Dense<S>, 3> layer_norm_vjp(const Dense<S>& x, const Dense<S>& weight, double eps,
+                                                const Dense<S>& dy);
+
+  static Dense<S> softmax(const Dense<S>& x);
+  static Dense<S> dropout(const Dense<S>& x, const Dropout& d);
+  /// Sum over the rows of a matrix.
+  static Dense<S> column_sums(const Dense<S>& x);
+
+  static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
+                            const Offsets& k_offsets, const AttentionOptions& options);
+  /// {dq, dk, dv}
+  static std::array<Dense<S>, 3> attention_vjp(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v,
+                                               const Offsets& q_offsets, const Offsets& k_offsets,
+                                               const AttentionOptions& options, const Dense<S>& dy);
+  static Dense<S> self_attention(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options);
+  static Dense<S> self_attention_vjp(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options,
+                                     const Dense<S>& dy);
+
+  /// Updates parameter and moments in place when nobody else holds them, else makes new ones.
+  static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+
+#ifdef MOTIONLANG_INSTANTIATED
+extern template struct motionlang::KernelOps<float>;
+extern template struct motionlang::KernelOps<double>;
+#else
+#include <motionlang/backend/detail/kernel_ops_impl.hpp>
+#endif

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// Backend over xtensor: elementwise operations and reductions are xtensor expressions over adapted memory, products
+/// and fused operations are the same kernels that the Eigen backend uses.
+#pragma once
+
+#include <motionlang/backend/dense_ops.hpp>
+#include <motionlang/backend/kernel_ops.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Scalar S>
+struct XtensorBackend : DenseOps<S>, KernelOps<S> {
+  using tensor = Dense<S>;
+
+  static tensor add(const tensor& a, const tensor& b);
+  static tensor sub(const tensor& a, const tensor& b);
+  static tensor mul(const tensor& a, const tensor& b);
+  static tensor div(const tensor& a, const tensor& b);
+  static tensor maximum(const tensor& a, const tensor& b);
+  static tensor atan2(const tensor& a, const tensor& b);
+  static tensor exp(const tensor& a);
+  static tensor log(const tensor& a);
+  static tensor sqrt(const tensor& a);
+  static tensor tanh(const tensor& a);
+  static tensor erf(const tensor& a);
+  static tensor sin(const tensor& a);
+  static tensor cos(const tensor& a);
+  static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
+  static tensor sum(const tensor& a, int axis);
+  static tensor max(const tensor& a, int axis);
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+
+#ifdef MOTIONLANG_INSTANTIATED
+extern template struct motionlang::XtensorBackend<float>;
+extern template struct motionlang::XtensorBackend<double>;
+#else
+#include <motionlang/backend/detail/xtensor_impl.hpp>
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+static_assert(Backend<XtensorBackend<float>> && Backend<XtensorBackend<double>>);
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// A batch of sequences without padding: the rows of all sequences one after the other, and where each begins.
+///
+/// Layers that treat rows alike (linear, norms, nonlinearities, losses) see only rows; attention, positions and pooling
+/// take the offsets. Padded tensors and masks exist only at the edge, for loaders and for comparison with other
+/// programs.
+#pragma once
+
+#include <motionlang/core/offsets.hpp>
+#include <motionlang/tensor/index.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct Sequences {
+  Tensor<B, 2> rows;  // (sum of lengths, width)
+  Offsets offsets;
+
+  Sequences() = default;
+  /// Throws shape_error 207 unless the offsets end at the last row.
+  Sequences(Tensor<B, 2> r, Offsets o) : rows(std::move(r)), offsets(std::move(o)) {
+    if (rows.size(0) != offsets.rows()) {
+      raise<shape_error>(207, "Sequences: offsets for ", offsets.rows(), " rows, tensor is ", rows.shape());
+    }
+  }
+  Index count() const { return offsets.count(); }
+  Index width() const { return rows.size(1); }
+  /// One sequence, (length, width).
+  Tensor<B, 2> operator[](Index i) const { return slice(rows, 0, offsets.begin(i), offsets.end(i)); }
+  /// The same structure with other rows.
+  Sequences with(Tensor<B, 2> r) const { return {std::move(r), offsets}; }
+};
+
+/// true for the first lengths[i] of `longest` frames: (sequences, longest), row-major, 1 = valid.
+inline std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths) {
+  Index longest = 0;
+  for (Index n : lengths) longest = n > longest ? n : longest;
+  std::vector<unsigned char> mask;
+  for (Index n : lengths) {
+    for (Index i = 0; i < longest; ++i) mask.push_back(i < n ? 1 : 0);
+  }
+  return mask;
+}
+
+/// x (batch, time, width) and mask (batch, time; 0 = padding) to the valid rows. Padding need not be at the end.
+template <Backend B>
+Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const unsigned char> mask) {
+  const Index batch = x.size(0), time = x.size(1);
+  if (static_cast<Index>(mask.size()) != batch * time) {
+    raise<shape_error>(205, "from_padded: ", Index(mask.size()), " mask values for shape ", x.shape());
+  }
+  std::vector<Index> rows, lengths;
+  for (Index b = 0; b < batch; ++b) {
+    const auto before = static_cast<Index>(rows.size());
+    for (Index t = 0; t < time; ++t) {
+      if (mask[static_cast<std::size_t>(b * time + t)] != 0) rows.push_back(b * time + t);
+    }
+    lengths.push_back(static_cast<Index>(rows.size()) - before);
+  }
+  return {gather(reshape<2>(x, {batch * time, x.size(2)}), rows), Offsets(lengths)};
+}
+template <Backend B>
+Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) {
+  std::vector<unsigned char> mask(static_cast<std::size_t>(x.size(0) * x.size(1)));
+  if (static_cast<Index>(lengths.size()) != x.size(0)) {
+    raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", x.shape());
+  }
+  for (Index b = 0; b < x.size(0); ++b) {
+    for (Index t = 0; t < lengths[static_cast<std::size_t>(b)] && t < x.size(1); ++t)
+      mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
+  }
+  return from_padded(x, std::span<const unsigned char>(mask));
+}
+/// All sequences of a (batch, time, width) tensor at full length.
+template <Backend B>
+Sequences<B> from_equal(const Tensor<B, 3>& x) {
+  return {reshape<2>(x, {x.size(0) * x.size(1), x.size(2)}), Offsets::equal(x.size(0), x.size(1))};
+}
+
+/// (batch, time, width) with `value` behind the end of each sequence; `time` is the longest length when 0.
+template <Backend B>
+Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) {
+  if (time == 0) time = x.offsets.longest();
+  if (time < x.offsets.longest())
+    raise<shape_error>(205, "to_padded: ", time, " frames for a sequence of ", x.offsets.longest());
+  // a last row of padding, which all padded positions pick
+  const auto rows = concat(0, x.rows, Tensor<B, 2>::full({1, x.width()}, value));
+  std::vector<Index> pick;
+  for (Index i = 0; i < x.count(); ++i) {
+    for (Index t = 0; t < time; ++t)
+      pick.push_back(t < x.offsets.length(i) ? x.offsets.begin(i) + t : x.offsets.rows());
+  }
+  return reshape<3>(gather(rows, pick), {x.count(), time, x.width()});
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

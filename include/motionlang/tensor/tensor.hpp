@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// Tensor<B, Rank>: what user code sees. The backend and the rank are types, the sizes are values.
+///
+/// A handle with value semantics: copying shares memory, writing never shows through another handle. A wrong rank is a
+/// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
+#pragma once
+
+#include <type_traits>  // is_arithmetic
+#include <vector>       // values
+
+#include <motionlang/core/concepts.hpp>
+#include <motionlang/core/rng.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B, int Rank>
+class Tensor {
+  static_assert(Rank >= 0 && Rank <= Shape::max_rank, "motionlang::Tensor: rank must be 0 ... 6");
+
+ public:
+  using backend = B;
+  using scalar = typename B::scalar;
+  static constexpr int rank = Rank;
+
+  /// No tensor yet; only assignment is allowed.
+  Tensor() = default;
+  /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
+  explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
+    if (shape().rank() != Rank) raise<shape_error>(206, "Tensor: rank ", Rank, " expected, shape is ", shape());
+  }
+  /// One number with all sizes 1: broadcasts against anything.
+  template <class N>
+  requires std::is_arithmetic_v<N>
+  explicit Tensor(N value) : data_(B::full(ones(), static_cast<scalar>(value))) {}
+
+  static Tensor full(const Shape& shape, double value) {
+    return Tensor(B::full(checked(shape), static_cast<scalar>(value)));
+  }
+  static Tensor zeros(const Shape& shape) { return full(shape, 0); }
+  /// Row-major values. Throws shape_error 205 if their number is not the shape's.
+  static Tensor from(std::span<const scalar> values, const Shape& shape) {
+    if (static_cast<Index>(values.size()) != shape.count()) {
+      raise<shape_error>(205, "Tensor: ", Index(values.size()), " values for shape ", shape);
+    }
+    return Tensor(B::from_span(values, checked(shape)));
+  }
+  static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
+    return from(std::span<const scalar>(values), shape);
+  }
+  /// Standard normal numbers.
+  static Tensor randn(const Shape& shape, Rng auto& rng) {
+    std::vector<scalar> values(static_cast<std::size_t>(shape.count()));
+    rng.normal(std::span<scalar>(values));
+    return from(values, shape);
+  }
+
+  const typename B::tensor& data() const& { return data_; }
+  typename B::tensor data() && { return std::move(data_); }
+  /// For code that replaces the value in place (optimisers, loaders).
+  typename B::tensor& mutable_data() { return data_; }
+
+  Shape shape() const { return B::shape(data_); }
+  Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
+  Index count() const { return shape().count(); }
+
+  /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
+  std::span<const scalar> span() const { return B::to_span(data_); }
+  std::vector<scalar> to_vector() const {
+    const auto s = span();
+    return {s.begin(), s.end()};
+  }
+  /// The only number of a tensor with one element. Throws shape_error 205.
+  scalar item() const {
+    if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
+    return span()[0];
+  }
+
+ private:
+  static Shape ones() {
+    Shape s;
+    for (int i = 0; i < Rank; ++i) s.push_back(1);
+    return s;
+  }
+  static const Shape& checked(const Shape& s) {
+    if (s.rank() != Rank) raise<shape_error>(206, "Tensor: rank ", Rank, " expected, shape is ", s);
+    return s;
+  }
+  typename B::tensor data_{};
+};
+
+template <class T>
+inline constexpr bool is_tensor = false;
+template <class B, int R>
+inline constexpr bool is_tensor<Tensor<B, R>> = true;
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,88 @@
+// The two checks that every backend runs over the table.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/reference.hpp>
+
+#include "table.hpp"
+
+namespace table {
+
+/// Every row equals the reference backend in double, within a tolerance of the scalar.
+template <ml::Backend B>
+void check_parity(double tolerance) {
+  using R = ml::ReferenceBackend<double>;
+  const auto ours = rows<B>();
+  const auto reference = rows<R>();
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    INFO(ours[i].name);
+    const auto values = draw(ours[i].inputs, ours[i].domain, i + 1);
+    const auto inputs = tensors<B>(values, ours[i].inputs);
+    const auto got = ours[i].run(inputs);
+    const auto want = reference[i].run(tensors<R>(values, reference[i].inputs));
+    REQUIRE(B::shape(got) == R::shape(want));
+    double worst = 0;
+    for (std::size_t j = 0; j < R::to_span(want).size(); ++j) {
+      const double w = R::to_span(want)[j], g = static_cast<double>(B::to_span(got)[j]);
+      worst = std::max(worst, std::abs(g - w) / (1 + std::abs(w)));
+      if (std::isnan(g)) worst = 1e300;
+    }
+    CHECK(worst < tolerance);
+    for (std::size_t t = 0; t < inputs.size(); ++t) {  // operands are never changed visibly
+      bool same = true;
+      for (std::size_t j = 0; j < values[t].size(); ++j)
+        same = same && static_cast<double>(B::to_span(inputs[t])[j]) == values[t][j];
+      CHECK(same);
+    }
+  }
+}
+
+/// Gradients of a random projection of every row against central differences, in double.
+template <ml::Backend B>
+void check_derivatives() {
+  static_assert(sizeof(typename B::scalar) == 8, "differences need double");
+  using A = ml::Autodiff<B>;
+  const auto plain = rows<B>();
+  const auto taped = rows<A>();
+  for (std::size_t i = 0; i < taped.size(); ++i) {
+    INFO(taped[i].name);
+    auto values = draw(taped[i].inputs, taped[i].domain, i + 1);
+    std::vector<typename A::tensor> variables;
+    for (auto& t : tensors<B>(values, taped[i].inputs)) variables.push_back(A::variable(t));
+    const auto result = taped[i].run(variables);
+    const Shape shape = A::shape(result);
+    std::vector<double> weight(static_cast<std::size_t>(shape.count()));
+    ml::Philox rng{.seed = 1000 + i};
+    rng.normal(std::span<double>(weight));
+    const auto projected = A::mul(result, A::from_span(std::span<const double>(weight), shape));
+    const auto gradients = A::gradients(A::sum(A::reshape(projected, Shape{shape.count()}), 0));
+    auto loss = [&] {
+      const auto out = plain[i].run(tensors<B>(values, plain[i].inputs));
+      double total = 0;
+      for (std::size_t j = 0; j < weight.size(); ++j) total += weight[j] * B::to_span(out)[j];
+      return total;
+    };
+    for (std::size_t t = 0; t < variables.size(); ++t) {
+      const auto g = gradients.find(variables[t].node.get());
+      std::vector<double> zero(values[t].size());
+      const auto got = g == gradients.end() ? std::span<const double>(zero) : B::to_span(g->second);
+      REQUIRE(got.size() == values[t].size());
+      const std::size_t stride = values[t].size() / 40 + 1;  // at most 40 elements of an input
+      for (std::size_t j = 0; j < values[t].size(); j += stride) {
+        const double x = values[t][j], h = 1e-5;
+        values[t][j] = x + h;
+        const double up = loss();
+        values[t][j] = x - h;
+        const double down = loss();
+        values[t][j] = x;
+        const double numeric = (up - down) / (2 * h);
+        CHECK_MESSAGE(std::abs(got[j] - numeric) < 1e-6 * (1 + std::abs(numeric)), "input ", t, " element ", j, ": ",
+                      got[j], " but ", numeric);
+      }
+    }
+  }
+}
+
+}  // namespace table
