@@ -21,41 +21,23 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+// clang-format off
 /// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
 enum class DType : std::uint8_t {
-  BOOL,
-  U8,
-  I8,
-  U16,
-  I16,
-  U32,
-  I32,
-  U64,
-  I64,
-  F16,
-  BF16,
-  F32,
-  F64,
-  F8_E5M2,
-  F8_E4M3,
-  F8_E8M0,
-  F8_E4M3FNUZ,
-  F8_E5M2FNUZ,
-  F4,
-  F6_E2M3,
-  F6_E3M2,
-  C64
+  BOOL, U8, I8, U16, I16, U32, I32, U64, I64, F16, BF16, F32, F64,
+  F8_E5M2, F8_E4M3, F8_E8M0, F8_E4M3FNUZ, F8_E5M2FNUZ, F4, F6_E2M3, F6_E3M2, C64
 };
 
 struct DTypeInfo {
   std::string_view name;
   int bits;
 };
-inline constexpr std::array<DTypeInfo, 22> dtype_table{
-    {{"BOOL", 8}, {"U8", 8},      {"I8", 8},      {"U16", 16},    {"I16", 16},        {"U32", 32},
-     {"I32", 32}, {"U64", 64},    {"I64", 64},    {"F16", 16},    {"BF16", 16},       {"F32", 32},
-     {"F64", 64}, {"F8_E5M2", 8}, {"F8_E4M3", 8}, {"F8_E8M0", 8}, {"F8_E4M3FNUZ", 8}, {"F8_E5M2FNUZ", 8},
-     {"F4", 4},   {"F6_E2M3", 6}, {"F6_E3M2", 6}, {"C64", 64}}};
+inline constexpr std::array<DTypeInfo, 22> dtype_table{{
+    {"BOOL", 8}, {"U8", 8}, {"I8", 8}, {"U16", 16}, {"I16", 16}, {"U32", 32}, {"I32", 32}, {"U64", 64}, {"I64", 64},
+    {"F16", 16}, {"BF16", 16}, {"F32", 32}, {"F64", 64},
+    {"F8_E5M2", 8}, {"F8_E4M3", 8}, {"F8_E8M0", 8}, {"F8_E4M3FNUZ", 8}, {"F8_E5M2FNUZ", 8},
+    {"F4", 4}, {"F6_E2M3", 6}, {"F6_E3M2", 6}, {"C64", 64}}};
+// clang-format on
 
 constexpr const DTypeInfo& info(DType t) { return dtype_table[static_cast<std::size_t>(t)]; }
 inline std::string to_string(DType t) { return std::string(info(t).name); }

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+/// A timeline: texts, each with its time and its body parts. Reading and writing is in timeline_text.hpp.
+///
+/// Times are frames (Index) where motion is made, and seconds (double) where files are written and edited; the two are
+/// different types, so they cannot be mixed.
+#pragma once
+
+#include <algorithm>  // min, max
+#include <cmath>      // trunc
+#include <string>     // texts
+#include <vector>     // intervals
+
+#include <motionlang/kinematics/body_parts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A text that acts on some body parts from `start` up to, not including, `end`.
+template <class T>
+struct BasicInterval {
+  std::string text;
+  T start{}, end{};
+  BodyParts parts;
+  bool operator==(const BasicInterval&) const = default;
+};
+
+/// Intervals in the order of the file, which matters: it decides ties.
+template <class T>
+struct BasicTimeline {
+  std::vector<BasicInterval<T>> intervals;
+
+  /// End of the last interval.
+  T end() const {
+    T last{};
+    for (const auto& i : intervals) last = std::max(last, i.end);
+    return last;
+  }
+  bool operator==(const BasicTimeline&) const = default;
+};
+
+using Interval = BasicInterval<Index>;
+using Timeline = BasicTimeline<Index>;
+using IntervalInSeconds = BasicInterval<double>;
+using TimelineInSeconds = BasicTimeline<double>;
+
+/// Times beyond this number of frames or seconds are refused.
+inline constexpr Index latest_time = 1'000'000'000;
+
+/// trunc(fps * seconds), calculated in double as the published readers do. Throws config_error 101 if it is not a time.
+inline Index frame_at(double seconds, double fps) {
+  const double frame = std::trunc(fps * seconds);
+  if (!(std::abs(frame) <= static_cast<double>(latest_time))) {
+    raise<config_error>(101, "frame_at: ", seconds, " s at ", fps, " frames per second is out of range");
+  }
+  return static_cast<Index>(frame);
+}
+
+/// Moves a timeline so that it begins at 0.
+template <class T>
+void shift_to_zero(BasicTimeline<T>& timeline) {
+  if (timeline.intervals.empty()) return;
+  T first = timeline.intervals.front().start;
+  for (const auto& i : timeline.intervals) first = std::min(first, i.start);
+  for (auto& i : timeline.intervals) i.start -= first, i.end -= first;
+}
+
+/// Frames of a timeline, shifted to 0 after the conversion. Throws config_error 101.
+inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
+  Timeline out;
+  for (const auto& i : timeline.intervals) {
+    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts});
+  }
+  shift_to_zero(out);
+  return out;
+}
+
+/// Seconds of a timeline, such that to_frames gives the same frames back. Throws config_error 101.
+inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
+  const auto seconds = [&](Index frame) {
+    double t = static_cast<double>(frame) / fps;
+    while (frame_at(t, fps) < frame) t = std::nextafter(t, HUGE_VAL);  // the quotient was rounded down
+    return t;
+  };
+  TimelineInSeconds out;
+  for (const auto& i : timeline.intervals) out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts});
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

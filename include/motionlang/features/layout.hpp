@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+/// Which numbers of a feature vector belong to which body part. Composition needs nothing else from a representation.
+///
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
+///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
+#pragma once
+
+#include <array>   // one list for each part
+#include <span>    // parts of joints
+#include <string>  // name
+#include <vector>  // ranges
+
+#include <motionlang/kinematics/body_parts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Half-open range of positions.
+struct IndexRange {
+  Index begin = 0, end = 0;
+  Index size() const { return end - begin; }
+  bool operator==(const IndexRange&) const = default;
+};
+
+/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
+/// and their ranges, or `from_owner`:
+///
+///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
+struct FeatureLayout {
+  std::string name;
+  Index size = 0;                                              // numbers of one frame
+  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
+
+  /// From a function position -> BodyPart.
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, F owner) {
+    FeatureLayout layout{std::move(name), size, {}};
+    for (Index i = 0; i < size; ++i) {
+      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
+      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
+      ranges.back().end = i + 1;
+    }
+    return layout;
+  }
+
+  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
+
+  /// All positions of a part, ascending.
+  std::vector<Index> indices(BodyPart part) const {
+    std::vector<Index> out;
+    for (const IndexRange& r : ranges(part)) {
+      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+    }
+    return out;
+  }
+
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
+  void validate() const {
+    std::vector<int> owners(static_cast<std::size_t>(size), 0);
+    for (int p = 0; p < body_part_count; ++p) {
+      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+        if (r.begin < 0 || r.end < r.begin || r.end > size) {
+          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                              static_cast<BodyPart>(p), " is not inside 0:", size);
+        }
+        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+      }
+    }
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] != 1) {
+        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+      }
+    }
+  }
+  bool operator==(const FeatureLayout&) const = default;
+};
+
+/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
+/// 205 for SMPL.
+inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                      Index rotations = 22) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
+    if (i < 4) return BodyPart::legs;
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// The vector of HumanML3D (and, with 21 joints, of KIT): 4 root numbers, positions of joints 1 ... J-1, their 6D
+/// rotations, velocities of all joints, 4 foot contacts: 12 J - 1 = 263 for J = 22.
+inline FeatureLayout guoh3dfeats_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  const Index positions = 4, rotations = positions + 3 * (joints - 1), velocities = rotations + 6 * (joints - 1),
+              contacts = velocities + 3 * joints;
+  return FeatureLayout::from_owner("guoh3dfeats", contacts + 4, [=](Index i) {
+    if (i < positions || i >= contacts) return BodyPart::legs;
+    const Index joint = i < rotations    ? 1 + (i - positions) / 3
+                        : i < velocities ? 1 + (i - rotations) / 6
+                                         : (i - velocities) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
