@@ -1,0 +1,34 @@
+// Golden functions that need no tensors: masks, statistics.
+#include <motionlang/features/statistics.hpp>
+
+#include "golden.hpp"
+
+namespace {
+
+using golden::Case, golden::Registration;
+namespace ml = motionlang;
+
+void lengths_to_mask(Case& c) {
+  const auto lengths = c.values<ml::Index>("in/lengths");
+  const ml::Index longest = *std::max_element(lengths.begin(), lengths.end());
+  std::vector<std::uint8_t> mask;
+  for (ml::Index n : lengths) {
+    for (ml::Index t = 0; t < longest; ++t) mask.push_back(t < n);
+  }
+  c.out("mask", {std::ssize(lengths), longest}, mask);
+}
+
+void feature_statistics(Case& c) {
+  ml::FeatureStatistics statistics;
+  for (const std::string& clip : c.names("in/")) {
+    const auto values = c.values<double>("in/" + clip);
+    statistics.add(std::span<const double>(values), c.shape("in/" + clip)[1]);
+  }
+  c.out("mean", statistics.mean());
+  c.out("std", statistics.standard_deviation());
+}
+
+const Registration registrations[] = {{"lengths to mask", "integers", lengths_to_mask},
+                                      {"concatenated feature statistics", "double", feature_statistics}};
+
+}  // namespace

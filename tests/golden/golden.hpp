@@ -1,0 +1,132 @@
+// The golden runner's frame: a case, the registry of functions, the comparison.
+//
+// A handler computes one published function: it reads config, in/, noise/ and weights/ of the case and hands over every
+// out/ and grad/. It is registered under the function's name once for each numeric variant it serves:
+//
+//     void lengths_to_mask(golden::Case& c) { ... c.out("mask", shape, values); }
+//     const golden::Registration r{"lengths to mask", "double", lengths_to_mask};
+//
+// A variant is a label ("double", "float", "reference<double>", "eigen<float>", ...); each gets a line of its own.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <motionlang/io/json.hpp>
+#include <motionlang/io/safetensors.hpp>
+
+namespace golden {
+
+namespace ml = motionlang;
+
+/// Thrown by `Case::skip`: this variant does not apply to this case.
+struct Skipped {
+  std::string reason;
+};
+
+/// How far one output is from what is wanted. `ratio` = largest |got - want| / (atol + rtol |want|); at most 1 passes.
+struct Comparison {
+  std::string name;
+  double error = 0, ratio = 0;
+  std::string failure{};  // wrong shape, NaN, not in the file
+};
+
+/// One file, opened.
+class Case {
+ public:
+  explicit Case(const std::filesystem::path& path);
+
+  const std::string& name() const { return name_; }
+  const std::string& function() const { return function_; }
+
+  // ---- inputs -------------------------------------------------------------------------------------------------------
+  ml::JsonView config() const { return ml::JsonView(config_, name_ + " config"); }
+  ml::JsonView text() const { return ml::JsonView(text_, name_ + " text"); }
+
+  /// Tensors by full name: "in/x", "noise/000", "weights/encoder.muQuery".
+  bool has(const std::string& tensor) const { return file_.find(tensor) != nullptr; }
+  const ml::TensorView& tensor(const std::string& name) const { return file_.tensor(name); }
+  const ml::Shape& shape(const std::string& name) const { return tensor(name).shape; }
+  template <class T>
+  std::vector<T> values(const std::string& name) const {
+    return ml::values_of<T>(tensor(name));
+  }
+  template <class T>
+  T scalar(const std::string& name) const {
+    return values<T>(name).at(0);
+  }
+  /// Names below a prefix, without it: names("weights/").
+  std::vector<std::string> names(const std::string& prefix) const;
+  const ml::SafetensorsFile& file() const { return file_; }
+
+  // ---- results ------------------------------------------------------------------------------------------------------
+  /// Compares an output. Every one in the file has to be handed over; others are an error, unless `wants` says no.
+  template <class T>
+  void out(const std::string& name, const ml::Shape& shape, std::span<const T> values) {
+    result("out/" + name, name, shape, values);
+  }
+  template <class T>
+  void out(const std::string& name, const ml::Shape& shape, const std::vector<T>& values) {
+    out(name, shape, std::span<const T>(values));
+  }
+  template <class T>
+  void out(const std::string& name, const std::vector<T>& values) {
+    out(name, {static_cast<ml::Index>(values.size())}, values);
+  }
+  void out_scalar(const std::string& name, double value) { out(name, {}, std::span<const double>(&value, 1)); }
+  void out_text(const std::string& name, std::string_view text) {
+    out(name, std::vector<std::uint8_t>(text.begin(), text.end()));
+  }
+  template <class T>
+  void grad(const std::string& key, const ml::Shape& shape, std::span<const T> values) {
+    result("grad/" + key, key, shape, values);
+  }
+  /// Whether the file holds this output: intermediate ones are missing in large cases.
+  bool wants(const std::string& output) const { return has("out/" + output); }
+
+  /// Ends the handler: the variant does not apply (a float64 case for a float variant).
+  [[noreturn]] void skip(std::string reason) const { throw Skipped{std::move(reason)}; }
+
+  // ---- for the runner -----------------------------------------------------------------------------------------------
+  void begin_variant() { comparisons_.clear(), produced_.clear(); }
+  /// The comparisons so far and a failure for every output that no handler produced.
+  std::vector<Comparison> finish() const;
+
+ private:
+  struct Tolerance {
+    double atol = 1e-5, rtol = 1e-5;
+  };
+  Tolerance tolerance(const std::string& tensor, const std::string& key) const;
+  void result(const std::string& tensor, const std::string& key, const ml::Shape& shape, std::span<const double> got);
+  template <class T>
+  void result(const std::string& tensor, const std::string& key, const ml::Shape& shape, std::span<const T> got) {
+    const std::vector<double> wide(got.begin(), got.end());  // integers of the cases are below 2^53
+    result(tensor, key, shape, std::span<const double>(wide));
+  }
+
+  ml::SafetensorsFile file_;
+  std::string name_, function_;
+  nlohmann::json config_, text_, tolerance_;
+  std::vector<Comparison> comparisons_;
+  std::set<std::string> produced_;
+};
+
+using Handler = std::function<void(Case&)>;
+
+/// Function name -> (variant, handler) in order of registration.
+using Registry = std::map<std::string, std::vector<std::pair<std::string, Handler>>>;
+inline Registry& registry() {
+  static Registry functions;
+  return functions;
+}
+
+struct Registration {
+  Registration(const std::string& function, const std::string& variant, Handler handler) {
+    registry()[function].emplace_back(variant, std::move(handler));
+  }
+};
+
+}  // namespace golden
