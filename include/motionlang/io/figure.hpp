@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+/// A body for any skeleton: round cones along the bones, thick where much hangs on them, and a head. It is what the
+/// film strip, the viewer and GLB files show. Only the search for the head looks at names.
+#pragma once
+
+#include <algorithm>  // max, min
+#include <cctype>     // tolower
+#include <limits>     // bounding box
+
+#include <motionlang/kinematics/skeleton.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Side of the body: a rest pose faces +Z, its left is at +X.
+enum class Side : int { middle, left, right };
+
+/// The hull of two spheres that move with one joint. All in the frame of the joint, metres.
+struct RoundCone {
+  int joint = 0;
+  Vec3<double> from, to;
+  double radius_from = 0, radius_to = 0;
+  Side side = Side::middle;
+};
+
+struct Figure {
+  std::vector<RoundCone> cones;
+  double size = 1;  // of the rest pose: the longest edge of its box
+};
+
+namespace detail {
+
+/// What the shape of a skeleton says about each joint.
+struct Anatomy {
+  std::vector<Vec3<double>> rest;
+  std::vector<double> reach;  // length of the longest chain of bones below the joint
+  std::vector<bool> trunk;    // several limbs hang on it: from the pelvis to the shoulders
+  std::vector<bool> hidden;   // the bone to it is not drawn: above the pelvis, or inside the head
+  int head = -1;
+  double size = 0;
+
+  explicit Anatomy(const Skeleton& s) : rest(s.rest_positions()) {
+    const auto joints = static_cast<std::size_t>(s.size());
+    reach.assign(joints, 0.0);
+    trunk.assign(joints, false);
+    hidden.assign(joints, false);
+    measure();
+    for (std::size_t j = joints; j-- > 1;) {
+      const auto p = static_cast<std::size_t>(s.parents[j]);
+      reach[p] = std::max(reach[p], reach[j] + norm(s.offsets[j]));
+    }
+    find_trunk(s);
+    find_head(s);
+  }
+
+ private:
+  void measure() {
+    constexpr double far = std::numeric_limits<double>::max();
+    Vec3<double> low{far, far, far}, high = -low;
+    for (const auto& p : rest) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    size = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+    if (!(size > 1e-6)) size = 1;
+  }
+
+  /// A limb is a chain of at least a quarter of the size. Joints on which two of them hang, and all above these, are
+  /// the trunk. Bones that lead to the first such joint (from a root on the floor, say) are hidden.
+  void find_trunk(const Skeleton& s) {
+    std::vector<int> limbs(reach.size(), 0);
+    std::size_t first = 0;
+    for (std::size_t j = reach.size(); j-- > 0;) {
+      if (limbs[j] >= 2) trunk[j] = true, first = j;
+      if (j == 0) break;
+      const auto p = static_cast<std::size_t>(s.parents[j]);
+      if (trunk[j]) trunk[p] = true;
+      if (reach[j] + norm(s.offsets[j]) > 0.25 * size) ++limbs[p];
+    }
+    for (std::size_t j = 1; j <= first; ++j) hidden[j] = trunk[j];
+  }
+
+  /// The first joint with "head" in its name, else the highest joint that is no part of the trunk, if it is above it.
+  void find_head(const Skeleton& s) {
+    auto is_named = [](std::string name) {
+      for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      return name.find("head") != std::string::npos;
+    };
+    int highest = 0;
+    for (int j = 1; j < s.size(); ++j) {
+      if (head < 0 && is_named(s.name(j))) head = j;
+      if (rest[static_cast<std::size_t>(j)].y > rest[static_cast<std::size_t>(highest)].y) highest = j;
+    }
+    if (head < 0 && trunk[0] && !trunk[static_cast<std::size_t>(highest)]) head = highest;
+    if (head < 0) return;
+    for (auto j = static_cast<std::size_t>(head) + 1; j < hidden.size(); ++j) {
+      hidden[j] =
+          hidden[j] || s.parents[j] == head || (s.parents[j] > head && hidden[static_cast<std::size_t>(s.parents[j])]);
+    }
+  }
+};
+
+/// A foot is a bone near the floor that ends there and goes forward: it gets a sole from the heel to the tip of the
+/// toes.
+inline void add_sole(const Skeleton& skeleton, const Anatomy& anatomy, std::size_t j, RoundCone bone,
+                     std::vector<RoundCone>& out) {
+  const double unit = anatomy.size / 1.6;
+  double floor = anatomy.rest[j].y;
+  for (const auto& p : anatomy.rest) floor = std::min(floor, p.y);
+  const Vec3<double> forward{skeleton.offsets[j].x, 0, skeleton.offsets[j].z};
+  const double start_height = anatomy.rest[j].y - skeleton.offsets[j].y - floor;
+  if (start_height > 0.15 * unit || anatomy.reach[j] > 0.12 * unit || bone.side == Side::middle) return;
+  if (norm(forward) < 0.05 * unit) return;
+  bone.from = skeleton.offsets[j] - 1.25 * forward;
+  bone.to = skeleton.offsets[j] + 0.3 * forward;
+  bone.radius_from = 0.034 * unit;
+  bone.radius_to = 0.026 * unit;
+  out.push_back(bone);
+}
+
+}  // namespace detail
+
+/// The body of a skeleton; proportions are those of a person, from bone lengths alone. A bone belongs to the joint from
+/// which it goes out, so each cone turns with that joint.
+inline Figure make_figure(const Skeleton& skeleton) {
+  const detail::Anatomy anatomy(skeleton);
+  const double unit = anatomy.size / 1.6;  // 1 for a grown-up: the span of the arms in joints
+  const double trunk_radius = 0.122 * unit;
+  auto limb_radius = [&](std::size_t j) { return std::min(0.030 * unit + 0.052 * anatomy.reach[j], 0.078 * unit); };
+  auto is_middle = [&](std::size_t j) { return std::abs(anatomy.rest[j].x - anatomy.rest[0].x) < 0.02 * anatomy.size; };
+
+  Figure figure{{}, anatomy.size};
+  for (int joint = 1; joint < skeleton.size(); ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const auto p = static_cast<std::size_t>(skeleton.parents[j]);
+    const double length = norm(skeleton.offsets[j]);
+    if (anatomy.hidden[j] || length < 1e-4 * anatomy.size) continue;
+    RoundCone cone{skeleton.parents[j], {}, skeleton.offsets[j], limb_radius(p), limb_radius(j), Side::middle};
+    if (anatomy.trunk[j]) {
+      cone.radius_from = cone.radius_to = trunk_radius;
+    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk
+      cone.radius_from = is_middle(j) ? 0.9 * trunk_radius : 1.2 * cone.radius_to;
+    } else if (anatomy.reach[j] + length < 0.2 * unit && !is_middle(j)) {  // fingers, toes, tips: thinner than long
+      cone.radius_to = std::min(cone.radius_to, 0.4 * length);
+      cone.radius_from = std::min(cone.radius_from, std::max(cone.radius_to, 0.5 * length));
+    }
+    if (is_middle(j) && !anatomy.trunk[j]) cone.radius_to = std::max(cone.radius_to, 0.045 * unit);  // neck
+    if (!anatomy.trunk[p] && !is_middle(j))
+      cone.side = anatomy.rest[j].x > anatomy.rest[0].x ? Side::left : Side::right;
+    figure.cones.push_back(cone);
+    detail::add_sole(skeleton, anatomy, j, cone, figure.cones);
+  }
+  if (anatomy.head >= 0) {
+    const Vec3<double> up = normalized(skeleton.offset(anatomy.head));
+    figure.cones.push_back(
+        {anatomy.head, 0.035 * unit * up, 0.105 * unit * up, 0.078 * unit, 0.092 * unit, Side::middle});
+  }
+  if (figure.cones.empty()) figure.cones.push_back({0, {}, {}, 0.06 * unit, 0.06 * unit, Side::middle});
+  return figure;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
