@@ -141,7 +141,12 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
     inside = !blank;
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
-  for (auto& timeline : out) shift_to_zero(timeline);
+  for (auto& timeline : out) {
+    shift_to_zero(timeline);
+    if (timeline.end() > static_cast<T>(latest_time)) {
+      raise<timeline_error>(502, options.name, ": a timeline that lasts ", timeline.end(), " is too long");
+    }
+  }
   return out;
 }
 
