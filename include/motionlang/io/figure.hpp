@@ -5,7 +5,6 @@
 
 #include <algorithm>  // max, min
 #include <cctype>     // tolower
-#include <limits>     // bounding box
 
 #include <motionlang/kinematics/skeleton.hpp>
 
@@ -24,10 +23,27 @@ struct RoundCone {
 
 struct Figure {
   std::vector<RoundCone> cones;
-  double size = 1;  // of the rest pose: the longest edge of its box
+  double size = 1;  // about the height of the body
 };
 
 namespace detail {
+
+/// The side that a joint's name tells: left, Left, l_, _L, .l, lHand, LHip and the same for the right.
+inline Side side_of_name(std::string_view name) {
+  auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
+  auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  std::string small(name);
+  std::transform(small.begin(), small.end(), small.begin(), lower);
+  for (const auto& [side, word] : {std::pair{Side::left, std::string_view("left")}, {Side::right, "right"}}) {
+    const char letter = word.front();
+    if (small.find(word) != std::string::npos) return side;
+    if (name.size() < 2) continue;
+    const char second = name[1], before_last = name[name.size() - 2];
+    if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
+    if (small.back() == letter && (before_last == '_' || before_last == '.' || before_last == '-')) return side;
+  }
+  return Side::middle;
+}
 
 /// What the shape of a skeleton says about each joint.
 struct Anatomy {
@@ -35,46 +51,43 @@ struct Anatomy {
   std::vector<double> reach;  // length of the longest chain of bones below the joint
   std::vector<bool> trunk;    // several limbs hang on it: from the pelvis to the shoulders
   std::vector<bool> hidden;   // the bone to it is not drawn: above the pelvis, or inside the head
+  std::vector<Side> side;     // from the names; if they tell nothing, from the rest pose
   int head = -1;
-  double size = 0;
+  double size = 0;  // about the height of a person
 
   explicit Anatomy(const Skeleton& s) : rest(s.rest_positions()) {
     const auto joints = static_cast<std::size_t>(s.size());
     reach.assign(joints, 0.0);
     trunk.assign(joints, false);
     hidden.assign(joints, false);
-    measure();
-    for (std::size_t j = joints; j-- > 1;) {
-      const auto p = static_cast<std::size_t>(s.parents[j]);
-      reach[p] = std::max(reach[p], reach[j] + norm(s.offsets[j]));
-    }
     find_trunk(s);
     find_head(s);
+    for (const std::string& name : s.names) side.push_back(side_of_name(name));
+    const bool named = std::any_of(side.begin(), side.end(), [](Side x) { return x != Side::middle; });
+    for (std::size_t j = 0; j < joints && !named; ++j) {
+      const double x = rest[j].x - rest[0].x;
+      if (std::abs(x) > 0.02 * size) side[j] = x > 0 ? Side::left : Side::right;
+    }
   }
 
  private:
-  void measure() {
-    constexpr double far = std::numeric_limits<double>::max();
-    Vec3<double> low{far, far, far}, high = -low;
-    for (const auto& p : rest) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    size = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-    if (!(size > 1e-6)) size = 1;
-  }
-
-  /// A limb is a chain of at least a quarter of the size. Joints on which two of them hang, and all above these, are
-  /// the trunk. Bones that lead to the first such joint (from a root on the floor, say) are hidden.
+  /// The measure of a body is a leg: the longest chain that has one as long beside it. Limbs are chains of a third of
+  /// it; joints on which two of them hang, and all above these, are the trunk. Bones that lead to the first such joint
+  /// (from a root on the floor, say) are hidden.
   void find_trunk(const Skeleton& s) {
-    std::vector<int> limbs(reach.size(), 0);
-    std::size_t first = 0;
-    for (std::size_t j = reach.size(); j-- > 0;) {
-      if (limbs[j] >= 2) trunk[j] = true, first = j;
-      if (j == 0) break;
+    std::vector<double> second(reach.size(), 0.0);  // length of the second longest chain below the joint
+    for (std::size_t j = reach.size(); j-- > 1;) {
       const auto p = static_cast<std::size_t>(s.parents[j]);
-      if (trunk[j]) trunk[p] = true;
-      if (reach[j] + norm(s.offsets[j]) > 0.25 * size) ++limbs[p];
+      const double chain = reach[j] + norm(s.offsets[j]);
+      second[p] = std::max(second[p], std::min(reach[p], chain));
+      reach[p] = std::max(reach[p], chain);
+    }
+    const double leg = *std::max_element(second.begin(), second.end());
+    size = leg > 0 ? 1.5 * leg : reach[0] > 0 ? reach[0] : 1;
+    std::size_t first = 0;
+    for (std::size_t j = reach.size(); j-- > 0 && leg > 0;) {
+      if (second[j] > leg / 3) trunk[j] = true, first = j;
+      if (trunk[j] && j > 0) trunk[static_cast<std::size_t>(s.parents[j])] = true;
     }
     for (std::size_t j = 1; j <= first; ++j) hidden[j] = trunk[j];
   }
@@ -93,8 +106,8 @@ struct Anatomy {
     if (head < 0 && trunk[0] && !trunk[static_cast<std::size_t>(highest)]) head = highest;
     if (head < 0) return;
     for (auto j = static_cast<std::size_t>(head) + 1; j < hidden.size(); ++j) {
-      hidden[j] =
-          hidden[j] || s.parents[j] == head || (s.parents[j] > head && hidden[static_cast<std::size_t>(s.parents[j])]);
+      const int p = s.parents[j];
+      if (p == head || (p > head && hidden[static_cast<std::size_t>(p)])) hidden[j] = true;
     }
   }
 };
@@ -144,8 +157,7 @@ inline Figure make_figure(const Skeleton& skeleton) {
       cone.radius_from = std::min(cone.radius_from, std::max(cone.radius_to, 0.5 * length));
     }
     if (is_middle(j) && !anatomy.trunk[j]) cone.radius_to = std::max(cone.radius_to, 0.045 * unit);  // neck
-    if (!anatomy.trunk[p] && !is_middle(j))
-      cone.side = anatomy.rest[j].x > anatomy.rest[0].x ? Side::left : Side::right;
+    if (!anatomy.trunk[p]) cone.side = anatomy.side[j];
     figure.cones.push_back(cone);
     detail::add_sole(skeleton, anatomy, j, cone, figure.cones);
   }
