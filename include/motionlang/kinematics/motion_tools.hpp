@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
+/// functions; the clip that is passed stays as it is.
+#pragma once
+
+#include <algorithm>  // any_of, min, nth_element
+#include <iterator>   // begin
+#include <numbers>    // pi
+
+#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/geometry/so3.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
+inline Motion crop(const Motion& motion, Index first, Index last) {
+  if (first < 0 || last < first || last > motion.frames()) {
+    raise<shape_error>(203, "crop: frames ", first, " to ", last, " of a clip of ", motion.frames());
+  }
+  const Index joints = motion.skeleton.size();
+  return {motion.skeleton, motion.fps,
+          std::vector<Vec3<double>>(motion.root.begin() + first, motion.root.begin() + last),
+          std::vector<Quaternion<double>>(motion.local.begin() + first * joints, motion.local.begin() + last * joints),
+          motion.name};
+}
+
+/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
+/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
+/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
+/// Throws config_error 101 unless fps > 0.
+inline Motion resample(const Motion& motion, double fps) {
+  if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
+  Motion out{motion.skeleton, fps, {}, {}, motion.name};
+  if (motion.frames() == 0) return out;
+  const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
+  const auto last = static_cast<double>(motion.frames() - 1);
+  const auto frames = static_cast<Index>(std::floor(last / step + rounding)) + 1;
+  out.root.reserve(static_cast<std::size_t>(frames));
+  out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
+  for (Index i = 0; i < frames; ++i) {
+    const double moment = std::min(static_cast<double>(i) * step, last), whole = std::floor(moment + rounding);
+    const auto a = static_cast<Index>(whole), b = std::min(a + 1, motion.frames() - 1);
+    const double t = moment - whole < rounding ? 0 : moment - whole;
+    out.root.push_back((1 - t) * motion.root_at(a) + t * motion.root_at(b));
+    const auto from = motion.rotations(a), to = motion.rotations(b);
+    for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(t == 0 ? from[j] : slerp(from[j], to[j], t));
+  }
+  return out;
+}
+
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
+/// 0.
+inline Motion change_speed(const Motion& motion, double factor) {
+  if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
+  Motion out = resample(motion, motion.fps / factor);
+  out.fps = motion.fps;
+  return out;
+}
+
+/// `second` after `first`, as they stand (no blending, no alignment). Throws config_error 102 if skeletons or frame
+/// rates differ.
+inline Motion concatenate(const Motion& first, const Motion& second) {
+  if (first.skeleton != second.skeleton || first.fps != second.fps) {
+    raise<config_error>(102, "concatenate: '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
+                        " frames per second, '", second.name, "' ", second.skeleton.size(), " at ", second.fps);
+  }
+  Motion out = first;
+  out.root.insert(out.root.end(), second.root.begin(), second.root.end());
+  out.local.insert(out.local.end(), second.local.begin(), second.local.end());
+  return out;
+}
+
+namespace detail {
+
+/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
+inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
+inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
+
+inline bool has_side_word(std::string_view name) {
+  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
+    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
+  });
+}
+/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+inline std::vector<std::string> other_side(const std::string& name) {
+  std::vector<std::string> candidates;
+  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
+    candidates.push_back(std::string(name).replace(at, mark.size(), other));
+  };
+  for (const int side : {0, 1}) {
+    for (const auto& pair : side_words) {
+      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+    for (const auto& pair : side_letters) {
+      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
+      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace detail
+
+/// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
+/// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
+inline std::vector<int> mirror_partners(const Skeleton& skeleton) {
+  std::vector<int> partners;
+  for (int j = 0; j < skeleton.size(); ++j) {
+    const std::string& name = skeleton.name(j);
+    int partner = -1;
+    for (const std::string& candidate : detail::other_side(name)) {
+      if (partner < 0) partner = skeleton.find(candidate);
+    }
+    if (partner < 0 && detail::has_side_word(name))
+      raise<config_error>(103, "mirror_partners: '", name, "' has no partner");
+    partners.push_back(partner < 0 ? j : partner);
+  }
+  return partners;
+}
+
+/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
+///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
+/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
+/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
+inline Motion mirror(const Motion& motion, std::span<const int> partners) {
+  const Skeleton& skeleton = motion.skeleton;
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  if (partners.size() != joints) {
+    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", joints, " joints");
+  }
+  Motion out = motion;
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int p = partners[j], parent = skeleton.parents[j];
+    const bool paired = p >= 0 && p < skeleton.size() && partners[static_cast<std::size_t>(p)] == static_cast<int>(j);
+    if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
+      raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
+    }
+    const Vec3<double>& offset = skeleton.offsets[j];
+    out.skeleton.offsets[static_cast<std::size_t>(p)] = {-offset.x, offset.y, offset.z};
+  }
+  for (Vec3<double>& r : out.root) r.x = -r.x;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto from = motion.rotations(f);
+    const auto to = out.rotations(f);
+    for (std::size_t j = 0; j < joints; ++j) {
+      to[static_cast<std::size_t>(partners[j])] = {from[j].w, from[j].x, -from[j].y, -from[j].z};
+    }
+  }
+  return out;
+}
+/// With the partners that the names of the joints tell.
+inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
+
+/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
+///
+/// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. Returns 0 for skeletons whose
+/// zero pose is no T-pose: call it before retargeting.
+inline Index detect_t_pose_lead_in(const Motion& motion) {
+  constexpr double degrees = std::numbers::pi / 180, zero_pose = 5 * degrees, fastest = 0.5 * degrees;
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  const auto longest = static_cast<Index>(std::ceil(0.1 * motion.fps));  // of a blend, frames
+  const Index seen = std::min<Index>(motion.frames() - 1, longest + static_cast<Index>(motion.fps));
+  if (seen < 2 || joints < 2) return 0;
+  double from_zero = 0;
+  for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
+  if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
+
+  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame f to f + 1
+  for (Index f = 0; f < seen; ++f) {
+    const auto a = motion.rotations(f), b = motion.rotations(f + 1);
+    double& turn = step[static_cast<std::size_t>(f)];
+    for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
+  }
+  std::vector<double> sorted(step.begin() + 1, step.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  auto inserted = [&](Index f) {
+    const double turn = step[static_cast<std::size_t>(f)];
+    const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];
+    return turn > 3 * usual && turn > fastest && turn > 0.65 * before;  // a blend slows down gradually
+  };
+  Index blend = 0;
+  while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
+  return blend < 2 ? blend : std::min(2 * blend, motion.frames() - 1);
+}
+
+/// The clip without those frames.
+inline Motion drop_lead_in(const Motion& motion) {
+  return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
