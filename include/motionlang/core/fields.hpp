@@ -48,6 +48,9 @@ inline std::string join_path(const std::string& prefix, const std::string& name)
   return prefix.empty() ? name : prefix + "." + name;
 }
 
+template <class F, class First, class... Others>
+void visit_fields(const std::string& prefix, F& f, First& first, Others&... others);
+
 /// Walks over one member, or over the same member of several objects of the same structure.
 template <class F, class First, class... Others>
 void visit_member(const std::string& path, F& f, First& first, Others&... others) {
@@ -69,13 +72,18 @@ void visit_member(const std::string& path, F& f, First& first, Others&... others
   }
 }
 
+/// Field number I of several objects. The others may be the same template over another backend: fields are matched by
+/// position.
+template <std::size_t I, class F, class First, class... Others>
+void visit_field(const std::string& prefix, F& f, First& first, Others&... others) {
+  visit_member(join_path(prefix, std::get<I>(First::fields()).name), f, first.*(std::get<I>(First::fields()).member),
+               others.*(std::get<I>(Others::fields()).member)...);
+}
+
 template <class F, class First, class... Others>
 void visit_fields(const std::string& prefix, F& f, First& first, Others&... others) {
-  // The others may be the same template over another backend: fields are matched by position.
   [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (visit_member(join_path(prefix, std::get<I>(First::fields()).name), f, first.*(std::get<I>(First::fields()).member),
-                  others.*(std::get<I>(Others::fields()).member)...),
-     ...);
+    (visit_field<I>(prefix, f, first, others...), ...);
   }
   (std::make_index_sequence<std::tuple_size_v<decltype(First::fields())>>{});
 }

@@ -1,0 +1,97 @@
+// parallel_for: every index once, exceptions, nesting, several callers.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include <motionlang/core/parallel.hpp>
+
+namespace ml = motionlang;
+
+namespace {
+
+/// Sets the number of threads for one test.
+struct Threads {
+  int before = ml::thread_count();
+  explicit Threads(int n) { ml::set_thread_count(n); }
+  ~Threads() { ml::set_thread_count(before); }
+};
+
+bool each_once(ml::Index count) {
+  std::vector<std::atomic<int>> seen(static_cast<std::size_t>(count));
+  ml::parallel_for(count, [&](ml::Index i) { ++seen[static_cast<std::size_t>(i)]; });
+  for (const auto& s : seen) {
+    if (s != 1) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("every index is visited once, whatever the numbers of threads and tasks") {
+  for (int threads : {1, 2, 3, 8}) {
+    const Threads set(threads);
+    CHECK(ml::thread_count() == threads);
+    for (ml::Index count : {1, 2, 3, 7, 100, 1000}) CHECK(each_once(count));
+    ml::parallel_for(0, [](ml::Index) { FAIL("called for 0 tasks"); });
+    ml::parallel_for(-3, [](ml::Index) { FAIL("called for fewer than 0 tasks"); });
+  }
+}
+
+TEST_CASE("many short regions after each other, and after the workers have fallen asleep") {
+  const Threads set(3);
+  for (int i = 0; i < 3000; ++i) REQUIRE(each_once(4));
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  CHECK(each_once(4));
+}
+
+TEST_CASE("an exception in a task reaches the caller, and the pool works on") {
+  for (int threads : {1, 4}) {
+    const Threads set(threads);
+    for (int round = 0; round < 20; ++round) {
+      CHECK_THROWS_WITH_AS(ml::parallel_for(50,
+                                            [](ml::Index i) {
+                                              if (i % 7 == 3) throw std::runtime_error("task");
+                                            }),
+                           "task", std::runtime_error);
+      CHECK(each_once(50));
+    }
+  }
+}
+
+TEST_CASE("inside a task everything runs serially") {
+  const Threads set(4);
+  std::atomic<int> total{0};
+  std::atomic<bool> moved{false};
+  ml::parallel_for(8, [&](ml::Index) {
+    const auto here = std::this_thread::get_id();
+    ml::parallel_for(8, [&](ml::Index) {
+      if (std::this_thread::get_id() != here) moved = true;
+      ++total;
+    });
+  });
+  CHECK(total == 64);
+  CHECK_FALSE(moved);
+}
+
+TEST_CASE("several threads may call at the same time") {
+  const Threads set(3);
+  std::atomic<bool> ok{true};
+  std::vector<std::thread> callers;
+  for (int c = 0; c < 4; ++c) {
+    callers.emplace_back([&] {
+      for (int i = 0; i < 100; ++i) {
+        if (!each_once(9)) ok = false;
+      }
+    });
+  }
+  for (auto& c : callers) c.join();
+  CHECK(ok);
+}
+
+TEST_CASE("a number of threads that cannot be is refused") {
+  CHECK_THROWS_WITH_AS(ml::set_thread_count(0), doctest::Contains("[motionlang.config.101]"), ml::config_error);
+  CHECK_THROWS_AS(ml::set_thread_count(1025), ml::config_error);
+}

@@ -1,0 +1,34 @@
+// UTF-8: every code point there and back; what is not UTF-8.
+#include <doctest/doctest.h>
+
+#include <motionlang/core/utf8.hpp>
+
+namespace ml = motionlang;
+
+TEST_CASE("every code point survives") {
+  std::string all;
+  int wrong = 0;
+  for (char32_t c = 0; c <= 0x10FFFF; ++c) {
+    if (c == 0xD800) c = 0xE000;
+    std::string one;
+    ml::append_utf8(one, c);
+    std::size_t at = 0;
+    wrong += ml::decode_utf8(one, at) != c || at != one.size();
+    if (c % 997 == 0) all += one;
+  }
+  CHECK(wrong == 0);
+  CHECK(ml::is_utf8(all));
+  CHECK(ml::is_utf8(""));
+}
+
+TEST_CASE("bytes that are not UTF-8 are stepped over one by one") {
+  using namespace std::string_view_literals;
+  for (std::string_view bad : {"\x80"sv, "\xBF"sv, "\xC0\x80"sv, "\xC1\xBF"sv, "\xC3"sv, "\xC3("sv, "\xE0\x9F\xBF"sv,
+                               "\xE2\x82"sv, "\xED\xA0\x80"sv, "\xED\xBF\xBF"sv, "\xF0\x8F\xBF\xBF"sv,
+                               "\xF4\x90\x80\x80"sv, "\xF5\x80\x80\x80"sv, "\xFF"sv}) {
+    std::size_t at = 0;
+    CHECK(ml::decode_utf8(bad, at) == ml::invalid_code_point);
+    CHECK(at == 1);
+    CHECK_FALSE(ml::is_utf8(std::string("fine ") + std::string(bad)));
+  }
+}
