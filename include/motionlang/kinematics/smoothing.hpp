@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Smoothing of curves over time.
+#pragma once
+
+#include <algorithm>  // clamp
+#include <cmath>      // exp
+#include <span>       // curves
+#include <vector>     // kernel
+
+#include <motionlang/core/concepts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Gaussian filter along time.
+///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
+/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
+/// Shapes  values (frames, width) -> the same
+/// Throws  config_error 101 (sigma), shape_error 205 (size)
+template <Scalar S>
+std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma)) raise<config_error>(101, "gaussian_smooth: sigma ", sigma);
+  if (width <= 0 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
+  }
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  std::vector<double> kernel;
+  double sum = 0;
+  for (Index k = -radius; k <= radius; ++k) {
+    kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
+    sum += kernel.back();
+  }
+  const Index frames = std::ssize(values) / width;
+  std::vector<S> out(values.size());
+  for (Index t = 0; t < frames; ++t) {
+    for (Index c = 0; c < width; ++c) {
+      double y = 0;
+      for (Index k = -radius; k <= radius; ++k) {
+        const Index from = std::clamp<Index>(t + k, 0, frames - 1) * width + c;
+        y += kernel[static_cast<std::size_t>(k + radius)] / sum *
+             static_cast<double>(values[static_cast<std::size_t>(from)]);
+      }
+      out[static_cast<std::size_t>(t * width + c)] = static_cast<S>(y);
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
