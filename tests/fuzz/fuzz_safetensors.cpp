@@ -25,8 +25,14 @@ std::string as_file(std::string_view input) {
 void check_against_nlohmann(const ml::SafetensorsFile& file, std::string_view bytes) {
   std::uint64_t length = 0;
   std::memcpy(&length, bytes.data(), sizeof length);
-  const auto header = nlohmann::json::parse(bytes.substr(sizeof length, length), nullptr, false);
-  check(header.is_object(), "the header is JSON to nlohmann");
+  nlohmann::json header;
+  try {
+    header = nlohmann::json::parse(bytes.substr(sizeof length, length));
+  } catch (const nlohmann::json::out_of_range&) {
+    return;  // a number beyond double in a member that nobody reads: JSON all the same
+  } catch (const nlohmann::json::parse_error&) {
+    check(false, "the header is JSON to nlohmann");
+  }
   for (const ml::TensorView& t : file.tensors()) {
     check(header.contains(t.name), "nlohmann finds the same names");
     check(header[t.name]["data_offsets"][1].get<std::uint64_t>() -
