@@ -13,12 +13,6 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// One AdamW step on one parameter (optim/adamw.hpp has the formula).
-struct AdamwUpdate {
-  double lr = 0, beta1 = 0, beta2 = 0, eps = 0, weight_decay = 0, gradient_scale = 1;
-  Index step = 1;
-};
-
 template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;

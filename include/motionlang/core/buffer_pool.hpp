@@ -14,6 +14,7 @@
 #include <memory>   // owner of foreign memory
 #include <new>      // bad_alloc
 #include <utility>  // exchange
+#include <vector>   // PoolVector
 
 #include <motionlang/version.hpp>
 
@@ -145,5 +146,27 @@ class BufferHandle {
 };
 
 }  // namespace detail
+
+/// Standard allocator over the pool: lists that are made anew in every round of a loop cost nothing after the first.
+template <class T>
+struct PoolAllocator {
+  using value_type = T;
+  PoolAllocator() = default;
+  template <class U>
+  PoolAllocator(const PoolAllocator<U>&) {}
+
+  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::local().take(n * sizeof(T))->data); }
+  void deallocate(T* p, std::size_t) {  // the header lies right before the data
+    BufferPool::local().give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+  }
+  template <class U>
+  bool operator==(const PoolAllocator<U>&) const {
+    return true;
+  }
+};
+
+/// A list that is cheap to make again and again.
+template <class T>
+using PoolVector = std::vector<T, PoolAllocator<T>>;
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -7,6 +7,7 @@
 #include <span>              // view
 #include <vector>            // list
 
+#include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/shape.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -17,7 +18,7 @@ class Offsets {
   Offsets() : Offsets(std::vector<Index>{}) {}
   /// From the lengths of the sequences. Throws shape_error 207 on a negative one.
   explicit Offsets(std::span<const Index> lengths) {
-    auto list = std::make_shared<std::vector<Index>>();
+    auto list = std::allocate_shared<List>(PoolAllocator<List>{});
     list->reserve(lengths.size() + 1);
     list->push_back(0);
     for (Index n : lengths) {
@@ -30,7 +31,7 @@ class Offsets {
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
   /// `count` sequences of equal length.
   static Offsets equal(Index count, Index length) {
-    return Offsets(std::vector<Index>(static_cast<std::size_t>(count), length));
+    return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 
   Index count() const { return static_cast<Index>(list_->size()) - 1; }
@@ -47,7 +48,8 @@ class Offsets {
   bool operator==(const Offsets& o) const { return list_ == o.list_ || *list_ == *o.list_; }
 
  private:
-  std::shared_ptr<const std::vector<Index>> list_;
+  using List = PoolVector<Index>;
+  std::shared_ptr<const List> list_;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -236,4 +236,30 @@ Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, con
   }
 }
 
+/// One step of AdamW on one parameter; optim/adamw.hpp has the formula.
+struct AdamwUpdate {
+  double lr = 0, beta1 = 0, beta2 = 0, eps = 0, weight_decay = 0, gradient_scale = 1;
+  Index step = 1;  // 1 for the first
+};
+
+/// Updates the parameter p and the moments m and v with gradient g, all of one shape.
+template <Backend B>
+void adamw_update(typename B::tensor& p, typename B::tensor& m, typename B::tensor& v, const typename B::tensor& g,
+                  const AdamwUpdate& u) {
+  if constexpr (requires { B::adamw(p, m, v, g, u); }) {
+    B::adamw(p, m, v, g, u);
+  } else {
+    using T = typename B::tensor;
+    auto number = [](double c) { return B::full(Shape{}, static_cast<typename B::scalar>(c)); };
+    auto times = [&](const T& a, double c) { return B::mul(a, number(c)); };
+    const double k = static_cast<double>(u.step);
+    const T scaled = times(g, u.gradient_scale);
+    m = B::add(times(m, u.beta1), times(scaled, 1 - u.beta1));
+    v = B::add(times(v, u.beta2), times(B::mul(scaled, scaled), 1 - u.beta2));
+    const T root = times(B::sqrt(v), 1 / std::sqrt(1 - std::pow(u.beta2, k)));
+    const T change = B::div(m, B::add(root, number(u.eps)));
+    p = B::sub(times(p, 1 - u.lr * u.weight_decay), times(change, u.lr / (1 - std::pow(u.beta1, k))));
+  }
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -31,6 +31,69 @@ struct Sequences {
   Sequences with(Tensor<B, 2> r) const { return {std::move(r), offsets}; }
 };
 
+/// For every row the number of its sequence.
+inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
+  PoolVector<Index> owner;
+  owner.reserve(static_cast<std::size_t>(offsets.rows()));
+  for (Index s = 0; s < offsets.count(); ++s) owner.insert(owner.end(), static_cast<std::size_t>(offsets.length(s)), s);
+  return owner;
+}
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
+template <Backend B>
+Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
+  return gather(per_sequence, sequence_of_row(offsets));
+}
+/// The same rows for each of `count` sequences.
+template <Backend B>
+Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
+  PoolVector<Index> pick;
+  for (Index s = 0; s < count; ++s) {
+    for (Index i = 0; i < rows.size(0); ++i) pick.push_back(i);
+  }
+  return {gather(rows, pick), Offsets::equal(count, rows.size(0))};
+}
+
+/// Joins sequence by sequence: the rows of a's sequence i, then of b's, ... Throws shape_error 204 if the counts
+/// differ.
+template <Backend B, class... T>
+Sequences<B> concat_tokens(const Sequences<B>& first, const T&... more) {
+  const std::array<const Offsets*, 1 + sizeof...(T)> parts{&first.offsets, &more.offsets...};
+  PoolVector<Index> pick, lengths;
+  for (Index s = 0; s < first.count(); ++s) {
+    Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
+    for (const Offsets* part : parts) {
+      if (part->count() != first.count()) {
+        raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
+      }
+      for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
+      start += part->rows();
+      length += part->length(s);
+    }
+    lengths.push_back(length);
+  }
+  return {gather(concat(0, first.rows, more.rows...), pick), Offsets(std::span<const Index>(lengths))};
+}
+/// The last tail.length(i) rows of each sequence. Throws shape_error 204, 207.
+template <Backend B>
+Sequences<B> last_rows(const Sequences<B>& x, const Offsets& tail) {
+  if (tail.count() != x.count()) raise<shape_error>(204, "last_rows: ", x.count(), " sequences and ", tail.count());
+  PoolVector<Index> pick;
+  for (Index s = 0; s < x.count(); ++s) {
+    if (tail.length(s) > x.offsets.length(s)) {
+      raise<shape_error>(207, "last_rows: ", tail.length(s), " of ", x.offsets.length(s), " rows of sequence ", s);
+    }
+    for (Index r = x.offsets.end(s) - tail.length(s); r < x.offsets.end(s); ++r) pick.push_back(r);
+  }
+  return {gather(x.rows, pick), tail};
+}
+/// Each sequence without its first n rows.
+template <Backend B>
+Sequences<B> drop_tokens(const Sequences<B>& x, Index n) {
+  PoolVector<Index> lengths;
+  for (Index s = 0; s < x.count(); ++s) lengths.push_back(x.offsets.length(s) - n);
+  return last_rows(x, Offsets(std::span<const Index>(lengths)));
+}
+
 /// true for the first lengths[i] of `longest` frames: (sequences, longest), row-major, 1 = valid.
 inline std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths) {
   Index longest = 0;

@@ -150,7 +150,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
   detail::Panels<S> packed;
-  if (ready == nullptr || ready->kernels != &detail::kernels<S>()) {
+  if (ready == nullptr || ready->kernels != &detail::kernels<S>() || ready->n != n || ready->k != k) {
     packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
     ready = &packed;
   }

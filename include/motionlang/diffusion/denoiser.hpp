@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// What a denoising network must be, for samplers and for STMC.
+#pragma once
+
+#include <motionlang/core/context.hpp>
+#include <motionlang/core/fields.hpp>
+#include <motionlang/diffusion/gaussian.hpp>
+#include <motionlang/nn/text_features.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Properties of a denoiser that a host has to know.
+struct DenoiserTraits {
+  Prediction prediction = Prediction::x0;
+  Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
+  bool uses_lengths = true;         // false: crops of fixed size are not masked
+  bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+};
+
+/// A network that cleans noisy sequences given a text for each.
+///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
+/// Laws     a sequence gives the same result alone and in a batch (tests/laws)
+/// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
+template <class D, class B>
+concept Denoiser = Module<D> &&
+    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
+  { d(x, t, text) } -> std::same_as<Sequences<B>>;
+  { d.traits() } -> std::same_as<DenoiserTraits>;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+/// MDM-SMPL: the denoiser of the STMC paper.
+#pragma once
+
+#include <motionlang/diffusion/denoiser.hpp>
+#include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/timestep_embedding.hpp>
+#include <motionlang/nn/transformer_encoder.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Published sizes (27 M parameters).
+struct MdmSmplConfig {
+  Index nfeats = 205;
+  Index tx_dim = 512;
+  Index latent_dim = 512;
+  Index ff_size = 2048;
+  Index num_layers = 8;
+  Index num_heads = 8;
+  Index nb_registers = 2;
+  double dropout = 0.1;
+  Activation activation = Activation::gelu;
+  Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
+};
+
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
+/// the frames are read off its end. Source  Petrovich et al., "Multi-track timeline control" (2024), section 4.3;
+/// nv-tlabs/stmc src/model/mdm_smpl.py, whose
+///         state-dict keys (behind "denoiser.") are the field names
+/// Differs from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
+template <Backend B>
+struct MdmSmplDenoiser {
+  Tensor<B, 2> registers;  // (nb_registers, latent_dim)
+  Linear<B> text_in, text_out;
+  LayerNorm<B> text_norm;
+  Linear<B> skel_embedding;
+  TimestepEmbedding<B> timestep_encoder;
+  TransformerEncoder<B> seqTransEncoder;
+  Linear<B> to_skel_layer;
+  PositionTable<B> positions;
+  double dropout_p = 0.1;
+
+  static constexpr auto fields() {
+    using M = MdmSmplDenoiser;
+    return motionlang::fields("registers", &M::registers, "tx_embedding.0", &M::text_in, "tx_embedding.2", &M::text_out,
+                              "tx_embedding.3", &M::text_norm, "skel_embedding", &M::skel_embedding, "timestep_encoder",
+                              &M::timestep_encoder, "seqTransEncoder", &M::seqTransEncoder, "to_skel_layer",
+                              &M::to_skel_layer, "positions", &M::positions, "dropout_p", &M::dropout_p);
+  }
+  MdmSmplDenoiser() = default;
+  MdmSmplDenoiser(const MdmSmplConfig& c, Rng auto& rng)
+      : registers(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng)),
+        text_in(c.tx_dim, 2 * c.latent_dim, rng),
+        text_out(2 * c.latent_dim, c.latent_dim, rng),
+        text_norm(c.latent_dim),
+        skel_embedding(c.nfeats, c.latent_dim, rng),
+        timestep_encoder(c.latent_dim, rng),
+        seqTransEncoder({.d_model = c.latent_dim,
+                         .heads = c.num_heads,
+                         .d_ff = c.ff_size,
+                         .layers = c.num_layers,
+                         .activation = c.activation,
+                         .norm_first = true,
+                         .dropout = c.dropout},
+                        rng),
+        to_skel_layer(c.latent_dim, c.nfeats, rng),
+        positions(c.max_len, c.latent_dim),
+        dropout_p(c.dropout) {}
+
+  DenoiserTraits traits() const { return {}; }
+
+  /// (sequences, latent)
+  Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
+  /// Token by token.
+  Sequences<B> text_tokens(const TextFeatures<B>& text) const {
+    return text.tokens.with(text_norm(text_out(text_in(text.tokens.rows, Activation::gelu))));
+  }
+  /// What enters the first layer.
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
+    const Index n = x.count();
+    if (text.count() != n || static_cast<Index>(t.size()) != n) {
+      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.count(), " texts, ", t.size(), " steps");
+    }
+    const Sequences<B> time(time_tokens(t), Offsets::equal(n, 1));
+    return add_positions(
+        concat_tokens(time, text_tokens(text), repeat_sequence(registers, n), x.with(skel_embedding(x.rows))),
+        positions.rows());
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+                          const Context& context = {}) const {
+    auto tokens = sequence(x, t, text);
+    if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
+    return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

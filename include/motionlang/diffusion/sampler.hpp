@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+/// From noise to a sample: ancestral (DDPM), DDIM with its inversion, and PLMS.
+///
+/// The loops know nothing of motion. They call
+///     network(x, t) -> what the network predicts at index t of the process (already guided), same shape as x
+///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
+///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
+#pragma once
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/diffusion/gaussian.hpp>
+#include <motionlang/tensor/index.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct StepOptions {
+  Prediction prediction = Prediction::x0;
+  NoiseScale noise_scale = NoiseScale::posterior_std;
+  Variance variance = Variance::fixed_small;
+  bool clip = false;  // x0 to [-1, 1]
+};
+
+/// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
+template <Backend B, int R>
+struct AncestralStep {
+  Tensor<B, R> x0, mean, x_prev;
+};
+
+namespace detail {
+
+struct KeepX0 {
+  template <class T>
+  T operator()(T x0, Index) const {
+    return x0;
+  }
+};
+
+template <Backend B, int R>
+Tensor<B, R> clipped(const Tensor<B, R>& x) {
+  return -maximum(-maximum(x, Tensor<B, R>(-1.0)), Tensor<B, R>(-1.0));
+}
+template <Backend B, int R, class Fix>
+Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
+                            std::span<const Index> t, const StepOptions& options, const Fix& fix) {
+  auto x0 = to_x0(d, options.prediction, output, x, t);
+  if (options.clip) x0 = clipped(x0);
+  return fix(std::move(x0), t.front());
+}
+
+}  // namespace detail
+
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise.
+/// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
+template <Backend B, int R, class Fix = detail::KeepX0>
+AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
+                                   const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
+                                   const Fix& fix = {}) {
+  auto x0 = detail::clean_estimate(d, x, output, t, options, fix);
+  auto mean = options.prediction == Prediction::x_prev ? output : posterior_mean(d, x0, x, t);
+  auto x_prev = mean + coefficients<B, R>(t, [&](Index i) {
+                         return d.noise_factor(i, options.noise_scale, options.variance);
+                       }) * noise;
+  return {std::move(x0), std::move(mean), std::move(x_prev)};
+}
+
+/// Called after every step with the index just made and the tensors of that step. Does nothing by default.
+struct IgnoreSteps {
+  void operator()(Index, const auto&) const {}
+};
+
+/// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
+/// also the last x (c0 is 1 and the noise factor 0 at t = 0). Throws `cancelled` if progress says so.
+template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
+Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
+                              const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
+                              Index first = -1, const Watch& watch = {}) {
+  if (first < 0) first = d.steps() - 1;
+  for (Index t = first; t >= 0; --t) {
+    const auto step = ancestral_step(d, x, network(x, t), noise(first - t), std::span(&t, 1), options, fix);
+    watch(t, step);
+    x = t > 0 ? step.x_prev : step.x0;
+    progress(first - t + 1, first + 1);
+  }
+  return x;
+}
+
+/// One step of DDIM (Song et al. 2021, eq. 12): eta = 0 is deterministic, eta = 1 is ancestral sampling.
+///     sigma = eta sqrt((1 - abarp) / (1 - abar)) sqrt(1 - abar / abarp)
+///     x_{t-1} = sqrt(abarp) x0 + sqrt(1 - abarp - sigma^2) eps + [t > 0] sigma noise
+template <Backend B, int R, class Fix = detail::KeepX0>
+AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
+                              const Tensor<B, R>* noise, Index t, double eta, const StepOptions& options = {},
+                              const Fix& fix = {}) {
+  const std::span<const Index> at(&t, 1);
+  auto x0 = detail::clean_estimate(d, x, output, at, options, fix);
+  const auto eps = eps_from_x0(d, x0, x, at);
+  const double sigma = eta * std::sqrt((1 - d.abarp(t)) / (1 - d.abar(t))) * std::sqrt(1 - d.abar(t) / d.abarp(t));
+  auto mean = x0 * std::sqrt(d.abarp(t)) + eps * std::sqrt(1 - d.abarp(t) - sigma * sigma);
+  auto x_prev = noise != nullptr && t > 0 && sigma > 0 ? mean + *noise * sigma : mean;
+  return {std::move(x0), std::move(mean), std::move(x_prev)};
+}
+
+/// A whole DDIM run. It saves time only on a respaced process. `noise` is asked for only if eta > 0, but then at every
+/// step.
+template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
+Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
+                         const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
+                         const Watch& watch = {}) {
+  for (Index t = d.steps() - 1; t >= 0; --t) {
+    const auto output = network(x, t);
+    const auto step = [&] {
+      if (eta == 0) return ddim_step<B, R>(d, x, output, nullptr, t, eta, options, fix);
+      const Tensor<B, R> z = noise(d.steps() - 1 - t);
+      return ddim_step(d, x, output, &z, t, eta, options, fix);
+    }();
+    watch(t, step);
+    x = step.x_prev;
+    progress(d.steps() - t, d.steps());
+  }
+  return x;
+}
+
+/// From a sample towards its noise: one step from index t to t + 1 (DDIM, eta = 0, backwards).
+///     x_{t+1} = sqrt(abarn) x0 + sqrt(1 - abarn) eps
+template <Backend B, int R>
+Tensor<B, R> ddim_inversion_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output, Index t,
+                                 const StepOptions& options = {}) {
+  const std::span<const Index> at(&t, 1);
+  const auto x0 = detail::clean_estimate(d, x, output, at, options, detail::KeepX0{});
+  return x0 * std::sqrt(d.abarn(t)) + eps_from_x0(d, x0, x, at) * std::sqrt(1 - d.abarn(t));
+}
+
+/// Pseudo linear multistep (Liu et al. 2022) of order 2 ... 4: DDIM steps with an extrapolated eps. The first step
+/// averages the eps at (x, t) and at the Euler prediction; later ones use as many old values as there are. Returns the
+/// x0 of the last step. Throws config_error 101 for another order.
+template <Backend B, int R, class Network, class Watch = IgnoreSteps>
+Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, int order,
+                         const StepOptions& options = {}, Progress progress = {}, const Watch& watch = {}) {
+  if (order < 2 || order > 4) raise<config_error>(101, "sample_plms: order ", order, " is not 2, 3 or 4");
+  using T = Tensor<B, R>;
+  auto predict = [&](const T& at_x, Index t) {
+    const std::span<const Index> at(&t, 1);
+    return eps_from_x0(d, detail::clean_estimate(d, at_x, network(at_x, t), at, options, detail::KeepX0{}), at_x, at);
+  };
+  auto advance = [&](const T& from, const T& eps, Index t) {
+    auto x0 = to_x0(d, Prediction::eps, eps, from, std::span<const Index>(&t, 1));
+    auto next = x0 * std::sqrt(d.abarp(t)) + eps * std::sqrt(1 - d.abarp(t));
+    return AncestralStep<B, R>{std::move(x0), next, next};
+  };
+  std::vector<T> old;  // newest first
+  for (Index t = d.steps() - 1; t >= 0; --t) {
+    const T e = predict(x, t);
+    T used = e;
+    switch (std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+      case 1:
+        used = t > 0 ? (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5 : e;
+        break;
+      case 2:
+        used = (e * 3.0 - old[0]) * (1.0 / 2);
+        break;
+      case 3:
+        used = (e * 23.0 - old[0] * 16.0 + old[1] * 5.0) * (1.0 / 12);
+        break;
+      default:
+        used = (e * 55.0 - old[0] * 59.0 + old[1] * 37.0 - old[2] * 9.0) * (1.0 / 24);
+        break;
+    }
+    const auto step = advance(x, used, t);
+    watch(t, step);
+    x = t > 0 ? step.x_prev : step.x0;
+    old.insert(old.begin(), e);
+    if (old.size() >= static_cast<std::size_t>(order)) old.pop_back();
+    progress(d.steps() - t, d.steps());
+  }
+  return x;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+/// Noise schedules: how much noise step t adds.
+#pragma once
+
+#include <algorithm>  // min, max
+#include <cmath>      // cos, sqrt, pow
+#include <numbers>    // pi
+#include <vector>     // lists of betas
+
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
+/// Minimum   steps, beta(t)
+/// Deduced   everything in gaussian.hpp
+/// Laws      0 < beta(t) <= 1 (checked where the tables are built)
+/// Models    LinearSchedule, ScaledLinearSchedule, CosineSchedule, ChenCosineSchedule, BetaList
+template <class S>
+concept Schedule = requires(const S& s, Index t) {
+  { s.steps } -> std::convertible_to<Index>;
+  { s.beta(t) } -> std::convertible_to<double>;
+};
+
+/// Ho et al. (2020), rescaled so that any number of steps ends in the same noise:
+///     beta_t from 0.0001 c to 0.02 c, c = scale_betas 1000 / steps
+struct LinearSchedule {
+  Index steps = 1000;
+  double scale_betas = 1;
+
+  double beta(Index t) const {
+    const double c = scale_betas * 1000 / static_cast<double>(steps), low = c * 0.0001, high = c * 0.02;
+    return steps == 1 ? low : low + (high - low) * static_cast<double>(t) / static_cast<double>(steps - 1);
+  }
+};
+
+/// Linear in the square root, as latent diffusion has it.
+struct ScaledLinearSchedule {
+  Index steps = 1000;
+  double b0 = 0.00085, b1 = 0.012;
+
+  double beta(Index t) const {
+    const double a = std::sqrt(b0), b = std::sqrt(b1);
+    const double r = steps == 1 ? a : a + (b - a) * static_cast<double>(t) / static_cast<double>(steps - 1);
+    return r * r;
+  }
+};
+
+/// Nichol and Dhariwal (2021), eq. 17; the schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
+/// the released code has this one):
+///     f(u) = cos((u + s) / (1 + s) pi / 2)^2,   beta_t = min(1 - f((t + 1) / steps) / f(t / steps), 0.999)
+struct CosineSchedule {
+  Index steps = 100;
+  double s = 0.008;
+
+  double beta(Index t) const {
+    auto f = [&](double u) {
+      const double c = std::cos((u + s) / (1 + s) * std::numbers::pi / 2);
+      return c * c;
+    };
+    const double n = static_cast<double>(steps), i = static_cast<double>(t);
+    return std::min(1 - f((i + 1) / n) / f(i / n), 0.999);
+  }
+};
+
+/// Chen (2023), what the thesis cites; no published checkpoint uses it.
+///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau),   alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)),
+///     clip_min, 1)
+struct ChenCosineSchedule {
+  Index steps = 100;
+  double start = 0, end = 1, tau = 1, clip_min = 1e-9;
+
+  double alpha_bar(double u) const {
+    auto v = [&](double x) { return std::pow(std::cos((x * (end - start) + start) * std::numbers::pi / 2), 2 * tau); };
+    return std::clamp((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1.0);
+  }
+  double beta(Index t) const {
+    const double n = static_cast<double>(steps), i = static_cast<double>(t);
+    return std::min(1 - alpha_bar((i + 1) / n) / alpha_bar(i / n), 0.999);
+  }
+};
+
+/// Any list, for example the betas of a respaced process.
+struct BetaList {
+  std::vector<double> betas;
+  Index steps = static_cast<Index>(betas.size());
+
+  double beta(Index t) const { return betas[static_cast<std::size_t>(t)]; }
+};
+
+static_assert(Schedule<LinearSchedule> && Schedule<ScaledLinearSchedule> && Schedule<CosineSchedule> &&
+              Schedule<ChenCosineSchedule> && Schedule<BetaList>);
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

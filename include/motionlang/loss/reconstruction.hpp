@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// Losses that compare numbers with numbers.
+#pragma once
+
+#include <motionlang/tensor/ops.hpp>
+#include <motionlang/tensor/sequences.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// mean((a - b)^2) over all elements.
+template <Backend B, int R>
+Tensor<B, 0> mse(const Tensor<B, R>& a, const Tensor<B, R>& b) {
+  return mean(square(a - b));
+}
+
+/// Huber's loss with threshold 1, averaged: d^2 / 2 where |d| < 1, else |d| - 1/2.
+template <Backend B, int R>
+Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
+  const auto d = abs(a - b);
+  const Tensor<B, R> one(1.0);
+  return mean(where_less(d, one, square(d) * 0.5, d - 0.5));
+}
+
+/// Sum of squares over the rows, divided by what a padded batch would have divided by: sequences * longest * width.
+///     loss = sum (a - b)^2 / (count * longest * width)
+/// Source  STMC training (spec diffusion.md, section 9): padding adds nothing to the sum but counts in the mean.
+template <Backend B>
+Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b) {
+  const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
+  return sum(square(a.rows - b)) * (1.0 / n);
+}
+
+/// Per sequence: sum of squares over its frames and features / (frames * width + 1e-8); MDM's masked loss. ->
+/// (sequences)
+template <Backend B>
+Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
+  const auto squares = sum(square(a.rows - b), 1);  // (rows)
+  std::vector<Index> owner;
+  std::vector<typename B::scalar> weight;
+  for (Index s = 0; s < a.count(); ++s) {
+    const Index n = a.offsets.length(s);
+    owner.insert(owner.end(), static_cast<std::size_t>(n), s);
+    weight.push_back(static_cast<typename B::scalar>(1.0 / (static_cast<double>(n * a.width()) + 1e-8)));
+  }
+  return scatter_add(squares, owner, a.count()) * Tensor<B, 1>::from(weight, {a.count()});
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+/// Dropout that runs only when the call brings a generator.
+#pragma once
+
+#include <motionlang/core/context.hpp>
+#include <motionlang/tensor/fused.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The next mask of a context: probability 0 when there is no generator.
+inline Dropout next_dropout(double p, const Context& context) {
+  if (!context.dropout || p == 0) return {};
+  const Philox g = context.next_mask();
+  return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};
+}
+template <Backend B, int R>
+Tensor<B, R> dropout(const Tensor<B, R>& x, double p, const Context& context) {
+  return dropout(x, next_dropout(p, context));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

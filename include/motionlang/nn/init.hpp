@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
+#pragma once
+
+#include <cmath>  // sqrt
+
+#include <motionlang/tensor/tensor.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Uniform in [-bound, bound].
+template <Backend B, int R>
+Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
+  rng.uniform(std::span<typename B::scalar>(values));
+  for (auto& v : values) v = static_cast<typename B::scalar>((2 * static_cast<double>(v) - 1) * bound);
+  Tensor<B, R> t = Tensor<B, R>::from(values, shape);
+  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
+  return t;
+}
+/// Glorot and Bengio (2010): bound sqrt(6 / (fan in + fan out)). shape is (out, in).
+template <Backend B>
+Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
+  return uniform_init<B, 2>(shape, std::sqrt(6.0 / static_cast<double>(shape[0] + shape[1])), rng);
+}
+/// Normal with the given standard deviation.
+template <Backend B, int R>
+Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
+  rng.normal(std::span<typename B::scalar>(values));
+  for (auto& v : values) v = static_cast<typename B::scalar>(static_cast<double>(v) * std);
+  Tensor<B, R> t = Tensor<B, R>::from(values, shape);
+  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
+  return t;
+}
+template <Backend B, int R>
+Tensor<B, R> constant_init(const Shape& shape, double value) {
+  Tensor<B, R> t = Tensor<B, R>::full(shape, value);
+  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
+  return t;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

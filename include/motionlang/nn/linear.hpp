@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Linear layer: y = x W^T + b.
+#pragma once
+
+#include <motionlang/nn/init.hpp>
+#include <motionlang/tensor/fused.hpp>
+#include <motionlang/tensor/module.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct Linear {
+  Tensor<B, 2> weight;  // (out, in)
+  Tensor<B, 1> bias;    // (out)
+
+  static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+
+  Linear() = default;
+  /// PyTorch's initialisation: weight and bias uniform within 1 / sqrt(in).
+  Linear(Index in, Index out, Rng auto& rng)
+      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)),
+        bias(uniform_init<B, 1>({out}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
+
+  Index in() const { return weight.size(1); }
+  Index out() const { return weight.size(0); }
+
+  /// x (rows, in) -> act(x W^T + b) + residual, (rows, out)
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
+                          const Tensor<B, 2>* residual = nullptr) const {
+    return linear(x, weight, &bias, act, residual);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    return x.with((*this)(x.rows, act));
+  }
+  /// Any leading axes: (..., in) -> (..., out)
+  template <int R>
+  requires(R == 1 || R > 2) Tensor<B, R>
+  operator()(const Tensor<B, R>& x, Activation act = Activation::none) const {
+    const Shape s = x.shape();
+    Shape to = s;
+    to[R - 1] = out();
+    const Tensor<B, 2> rows(B::reshape(x.data(), Shape{s.count(0, R - 1), s[R - 1]}));
+    return Tensor<B, R>(B::reshape((*this)(rows, act).data(), to));
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

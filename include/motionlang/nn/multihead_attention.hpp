@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+/// Multi-head attention with PyTorch's packing of the projections.
+#pragma once
+
+#include <motionlang/nn/dropout.hpp>
+#include <motionlang/nn/linear.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Vaswani et al. (2017), section 3.2.2. `in_proj_weight` (3 width, width) holds the rows of query, key and value in
+/// that order.
+template <Backend B>
+struct MultiheadAttention {
+  Tensor<B, 2> in_proj_weight;
+  Tensor<B, 1> in_proj_bias;
+  Linear<B> out_proj;
+  Index heads = 1;
+  double dropout_p = 0.1;  // on the attention weights
+
+  static constexpr auto fields() {
+    using M = MultiheadAttention;
+    return motionlang::fields("in_proj_weight", &M::in_proj_weight, "in_proj_bias", &M::in_proj_bias, "out_proj",
+                              &M::out_proj, "heads", &M::heads, "dropout_p", &M::dropout_p);
+  }
+  MultiheadAttention() = default;
+  /// Throws config_error 101 if the heads do not divide the width.
+  MultiheadAttention(Index width, Index heads_, double dropout, Rng auto& rng)
+      : in_proj_weight(xavier_uniform<B>({3 * width, width}, rng)),
+        in_proj_bias(constant_init<B, 1>({3 * width}, 0)),
+        out_proj(width, width, rng),
+        heads(heads_),
+        dropout_p(dropout) {
+    if (heads < 1 || width % heads != 0)
+      raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
+    out_proj.bias = constant_init<B, 1>({width}, 0);
+  }
+
+  /// x (rows, width) attends to itself within each sequence; the result is projected and `residual` added.
+  Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
+                    const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
+    const auto qkv = linear(x, in_proj_weight, &in_proj_bias);
+    return out_proj(
+        self_attention(qkv, offsets, {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}),
+        Activation::none, residual);
+  }
+  /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
+  /// value.
+  Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
+                     const Context& context) const {
+    const Index d = x.size(1);
+    auto project = [&](const Tensor<B, 2>& t, Index first, Index last) {
+      const auto bias = slice(in_proj_bias, 0, first * d, last * d);
+      return linear(t, slice(in_proj_weight, 0, first * d, last * d), &bias);
+    };
+    const auto q = project(x, 0, 1), k = project(memory.rows, 1, 2), v = project(memory.rows, 2, 3);
+    return out_proj(
+        attention(q, k, v, offsets, memory.offsets, {.heads = heads, .dropout = next_dropout(dropout_p, context)}));
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// Sinusoidal positions.
+#pragma once
+
+#include <cmath>  // exp, sin, cos
+
+#include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/tensor/ops.hpp>
+#include <motionlang/tensor/sequences.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
+/// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
+/// whose last
+///         digits depend on it. Throws config_error 101 for an odd width.
+template <Backend B>
+Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
+  if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
+  std::vector<typename B::scalar> table(static_cast<std::size_t>(rows * width));
+  const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
+  for (Index i = 0; i < width / 2; ++i) {
+    const float w = std::exp(static_cast<float>(2 * i) * c);
+    for (Index p = 0; p < rows; ++p) {
+      const float angle = static_cast<float>(p) * w;
+      auto* at = &table[static_cast<std::size_t>(p * width + 2 * i)];
+      at[0] = static_cast<typename B::scalar>(std::sin(angle));
+      at[1] = static_cast<typename B::scalar>(std::cos(angle));
+    }
+  }
+  return Tensor<B, 2>::from(table, {rows, width});
+}
+
+/// The table of a model: computed from its size, so it is neither saved nor loaded.
+template <Backend B>
+class PositionTable {
+ public:
+  PositionTable() = default;
+  PositionTable(Index rows, Index width) : rows_(sinusoidal_positions<B>(rows, width)) {}
+  template <Backend C>
+  explicit PositionTable(const PositionTable<C>& other) : PositionTable(other.rows().size(0), other.rows().size(1)) {}
+
+  const Tensor<B, 2>& rows() const { return rows_; }
+
+ private:
+  Tensor<B, 2> rows_;
+};
+
+/// Adds row i of the table to row i of each sequence. Throws shape_error 203 for a sequence longer than the table.
+template <Backend B>
+Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table) {
+  PoolVector<Index> rows;
+  rows.reserve(static_cast<std::size_t>(x.offsets.rows()));
+  for (Index s = 0; s < x.count(); ++s) {
+    for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i);
+  }
+  return x.with(gather(table, rows) + x.rows);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// What a text encoder gives and a denoiser takes: some token vectors for every text.
+#pragma once
+
+#include <motionlang/tensor/sequences.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct TextFeatures {
+  Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
+  std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
+
+  Index count() const { return tokens.count(); }
+
+  /// From one vector per text.
+  static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
+};
+
+/// Texts picked by number, with repetition.
+template <Backend B>
+TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
+  PoolVector<Index> rows, lengths;
+  TextFeatures<B> out;
+  for (Index i : which) {
+    if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
+    lengths.push_back(text.tokens.offsets.length(i));
+    for (Index r = text.tokens.offsets.begin(i); r < text.tokens.offsets.end(i); ++r) rows.push_back(r);
+    if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
+  }
+  out.tokens = {gather(text.tokens.rows, rows), Offsets(std::span<const Index>(lengths))};
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+/// Transformer encoder over packed sequences, post-norm or pre-norm.
+#pragma once
+
+#include <motionlang/nn/layer_norm.hpp>
+#include <motionlang/nn/multihead_attention.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct TransformerConfig {
+  Index d_model = 512;
+  Index heads = 4;
+  Index d_ff = 1024;
+  Index layers = 8;
+  Activation activation = Activation::gelu;
+  bool norm_first = false;
+  double dropout = 0.1;
+  bool causal = false;
+};
+
+///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
+///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
+/// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
+/// with a
+///         context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+template <Backend B>
+struct TransformerEncoderLayer {
+  MultiheadAttention<B> self_attn;
+  Linear<B> linear1, linear2;
+  LayerNorm<B> norm1, norm2;
+  Activation activation = Activation::gelu;
+  bool norm_first = false, causal = false;
+  double dropout_p = 0.1;
+
+  static constexpr auto fields() {
+    using M = TransformerEncoderLayer;
+    return motionlang::fields("self_attn", &M::self_attn, "linear1", &M::linear1, "linear2", &M::linear2, "norm1",
+                              &M::norm1, "norm2", &M::norm2, "activation", &M::activation, "norm_first", &M::norm_first,
+                              "causal", &M::causal, "dropout_p", &M::dropout_p);
+  }
+  TransformerEncoderLayer() = default;
+  TransformerEncoderLayer(const TransformerConfig& c, Rng auto& rng)
+      : self_attn(c.d_model, c.heads, c.dropout, rng),
+        linear1(c.d_model, c.d_ff, rng),
+        linear2(c.d_ff, c.d_model, rng),
+        norm1(c.d_model),
+        norm2(c.d_model),
+        activation(c.activation),
+        norm_first(c.norm_first),
+        causal(c.causal),
+        dropout_p(c.dropout) {}
+
+  /// x (rows, width) -> (rows, width)
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    if (context.dropout) return with_dropout(x, offsets, context);
+    if (norm_first) {
+      const auto y = self_attn.self(norm1(x), offsets, context, &x, causal);
+      return linear2(linear1(norm2(y), activation), Activation::none, &y);
+    }
+    const auto y = norm1(self_attn.self(x, offsets, context, &x, causal));
+    return norm2(linear2(linear1(y, activation), Activation::none, &y));
+  }
+
+ private:
+  Tensor<B, 2> with_dropout(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) const {
+    auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
+    auto attend = [&](const Tensor<B, 2>& t) { return drop(self_attn.self(t, offsets, context, nullptr, causal)); };
+    auto feed_forward = [&](const Tensor<B, 2>& t) { return drop(linear2(drop(linear1(t, activation)))); };
+    if (norm_first) {
+      const auto y = x + attend(norm1(x));
+      return y + feed_forward(norm2(y));
+    }
+    const auto y = norm1(attend(x), x);
+    return norm2(feed_forward(y), y);
+  }
+};
+
+/// A stack of layers. None of the published stacks has a final norm.
+template <Backend B>
+struct TransformerEncoder {
+  std::vector<TransformerEncoderLayer<B>> layers;
+
+  static constexpr auto fields() { return motionlang::fields("layers", &TransformerEncoder::layers); }
+
+  TransformerEncoder() = default;
+  TransformerEncoder(const TransformerConfig& c, Rng auto& rng) {
+    for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
+  }
+
+  Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    Tensor<B, 2> rows = x.rows;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      const ModuleScope scope("layers.", i);
+      rows = layers[i](rows, x.offsets, context);
+    }
+    return x.with(std::move(rows));
+  }
+  /// (batch, time, width), all of one length.
+  Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
+    return reshape<3>((*this)(from_equal(x), context).rows, {x.size(0), x.size(1), x.size(2)});
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+/// AdamW, and the norm of all gradients.
+#pragma once
+
+#include <cmath>    // pow, sqrt
+#include <map>      // state by parameter
+#include <utility>  // move
+
+#include <motionlang/tensor/fused.hpp>
+#include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/module.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct AdamWConfig {
+  double lr = 1e-4;
+  double beta1 = 0.9, beta2 = 0.999;
+  double eps = 1e-8;
+  double weight_decay = 0.01;
+};
+
+/// Square root of the sum of squares of all gradients, in double and in the order of the fields.
+template <AutodiffBackend A, Module M>
+double gradient_norm(const M& model, const Gradients<A>& gradients) {
+  double total = 0;
+  visit_tensors(model, [&](const std::string&, const auto& t) {
+    if (const auto* g = gradients.find(t.data())) {
+      for (auto x : A::inner::to_span(*g)) total += static_cast<double>(x) * static_cast<double>(x);
+    }
+  });
+  return std::sqrt(total);
+}
+/// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
+inline double clip_scale(double norm, double max_norm) { return std::min(1.0, max_norm / (norm + 1e-6)); }
+
+/// Decoupled weight decay (Loshchilov and Hutter 2019, algorithm 2) with PyTorch's order of operations:
+///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
+///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
+/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are.
+/// With weight_decay = 0 this is Adam.
+template <AutodiffBackend A>
+class AdamW {
+ public:
+  using B = typename A::inner;
+  struct Moments {
+    typename B::tensor m, v;
+  };
+
+  explicit AdamW(AdamWConfig c = {}) : config(c) {}
+
+  AdamWConfig config;
+
+  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables.
+  template <Module M>
+  void step(M& model, const Gradients<A>& gradients, double scale = 1) {
+    ++steps_;
+    visit_tensors(model, [&](const std::string& path, auto& t) {
+      const auto* g = gradients.find(t.data());
+      if (g == nullptr) return;
+      auto found = state_.find(path);
+      if (found == state_.end()) {
+        const auto zero = B::full(B::shape(*g), 0);
+        found = state_.emplace(path, Moments{zero, zero}).first;
+      }
+      update(A::mutable_value(t.mutable_data()), found->second, *g, scale);
+    });
+  }
+
+  /// Updates made so far, and the moments by path: what a checkpoint has to keep.
+  Index steps() const { return steps_; }
+  const std::map<std::string, Moments>& state() const { return state_; }
+  void restore(Index steps, std::map<std::string, Moments> state) {
+    steps_ = steps;
+    state_ = std::move(state);
+  }
+
+ private:
+  void update(typename B::tensor& p, Moments& s, const typename B::tensor& g, double scale) const {
+    const AdamwUpdate u{.lr = config.lr,
+                        .beta1 = config.beta1,
+                        .beta2 = config.beta2,
+                        .eps = config.eps,
+                        .weight_decay = config.weight_decay,
+                        .gradient_scale = scale,
+                        .step = steps_};
+    adamw_update<B>(p, s.m, s.v, g, u);
+  }
+
+  Index steps_ = 0;
+  std::map<std::string, Moments> state_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

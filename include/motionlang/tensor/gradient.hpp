@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
+#pragma once
+
+#include <motionlang/tensor/tensor.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What `backward` returns: the gradient of every variable, on the inner backend.
+template <AutodiffBackend A>
+class Gradients {
+ public:
+  explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
+
+  /// Gradient of a variable; zeros if the loss does not depend on it.
+  template <int R>
+  Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto* g = find(variable.data());
+    return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
+  }
+  /// Null if the loss does not depend on it, or if it is a constant.
+  const typename A::Value* find(const typename A::tensor& variable) const {
+    const auto it = map_.find(variable.node.get());
+    return it == map_.end() ? nullptr : &it->second;
+  }
+
+ private:
+  typename A::GradientMap map_;
+};
+
+/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+template <class A>
+Gradients<A> backward(const Tensor<A, 0>& loss) {
+  static_assert(AutodiffBackend<A>,
+                "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
+  return Gradients<A>(A::gradients(loss.data()));
+}
+
+/// A leaf that gradients are wanted for.
+template <AutodiffBackend A, int R>
+Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
+  return Tensor<A, R>(A::variable(value.data()));
+}
+/// The plain value of a differentiable tensor.
+template <AutodiffBackend A, int R>
+Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
+  return Tensor<typename A::inner, R>(A::value(t.data()));
+}
+/// The same value as a constant: gradients stop here.
+template <AutodiffBackend A, int R>
+Tensor<A, R> stop_gradient(const Tensor<A, R>& t) {
+  return Tensor<A, R>(typename A::tensor{A::value(t.data()), nullptr});
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

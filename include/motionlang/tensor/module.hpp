@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+/// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
+#pragma once
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/tensor/tensor.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
+template <class M>
+inline constexpr bool is_trainable = [] {
+  if constexpr (requires { M::trainable; })
+    return M::trainable;
+  else
+    return true;
+}();
+
+/// Calls f(path, tensor) for all tensors of a module; other fields (sizes, options) are passed over.
+template <class M, class F>
+void visit_tensors(M& module, F f) {
+  visit(module, [&](const std::string& path, auto& leaf) {
+    if constexpr (is_tensor<std::remove_cvref_t<decltype(leaf)>>) f(path, leaf);
+  });
+}
+
+/// Numbers in all tensors of a module.
+template <Module M>
+Index parameter_count(const M& module) {
+  Index n = 0;
+  visit_tensors(module, [&](const std::string&, const auto& t) { n += t.count(); });
+  return n;
+}
+
+namespace detail {
+
+template <class To, class From>
+void convert_module(To& to, const From& from);
+
+template <bool trainable, class To, class From>
+void convert_member(To& to, const From& from) {
+  if constexpr (is_tensor<To>) {
+    using B = typename To::backend;
+    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
+    to = To::from(values, from.shape());
+    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
+  } else if constexpr (Module<To>) {
+    convert_module(to, from);
+  } else if constexpr (is_vector<To>) {
+    to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
+  } else if constexpr (is_optional<To>) {
+    to.reset();
+    if (from) convert_member<trainable>(to.emplace(), *from);
+  } else if constexpr (std::is_same_v<To, From>) {
+    to = from;
+  } else {
+    to = To(from);  // tables that are computed, not stored
+  }
+}
+
+template <class To, class From>
+void convert_module(To& to, const From& from) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (convert_member<is_trainable<To>>(to.*(std::get<I>(To::fields()).member),
+                                      from.*(std::get<I>(From::fields()).member)),
+     ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<decltype(To::fields())>>{});
+}
+
+}  // namespace detail
+
+/// The same model over another backend, with copies of all numbers. On an Autodiff backend every trainable tensor
+/// becomes a variable.
+template <Backend To, template <class> class M, class From>
+M<To> convert(const M<From>& model) {
+  M<To> out;
+  detail::convert_module(out, model);
+  return out;
+}
+/// From training to use: the model without a tape.
+template <template <class> class M, AutodiffBackend A>
+M<typename A::inner> to_inner(const M<A>& model) {
+  return convert<typename A::inner>(model);
+}
+
+/// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
+/// be changed afterwards. Nothing happens on backends without such a layout.
+template <Module M>
+void prepare(M& model) {
+  visit_tensors(model, [](const std::string&, auto& t) {
+    using T = std::remove_cvref_t<decltype(t)>;
+    if constexpr (T::rank == 2 && requires { T::backend::prepare(t.data()); }) T::backend::prepare(t.data());
+  });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
