@@ -45,7 +45,10 @@ namespace detail {
 class AmcParser {
  public:
   AmcParser(std::string_view text, std::string_view name, const AsfSkeleton& asf)
-      : scan_(text, name), asf_(asf), unit_(asf.degrees ? std::numbers::pi / 180 : 1) {
+      : scan_(text, name),
+        asf_(asf),
+        limit_(max_text_rotations(text.size())),
+        unit_(asf.degrees ? std::numbers::pi / 180 : 1) {
     motion_.name = name;
     motion_.skeleton = to_skeleton(asf);
   }
@@ -76,7 +79,7 @@ class AmcParser {
   }
   void new_frame() {
     const std::size_t joints = asf_.bones.size();
-    if (motion_.local.size() + joints > max_text_rotations) {
+    if (motion_.local.size() + joints > limit_) {
       scan_.fail(405, "more than ", motion_.frames(), " frames of ", joints, " bones");
     }
     motion_.root.push_back(motion_.skeleton.offset(0));
@@ -103,15 +106,16 @@ class AmcParser {
 
   TextScanner scan_;
   const AsfSkeleton& asf_;
-  double unit_;  // radians per unit of the angles
+  std::size_t limit_;  // of rotations
+  double unit_;        // radians per unit of the angles
   Motion motion_;
 };
 
 }  // namespace detail
 
 /// Reads the text of an AMC file that belongs to the skeleton. Bones that a frame does not name rest; translations
-/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone), 405 (more rotations than
-/// memory should be given to), config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
+/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone), 405 (far more bones
+/// than numbers), config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {
   return detail::AmcParser(text, name, asf).parse(options.fps);

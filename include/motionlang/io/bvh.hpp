@@ -147,14 +147,14 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
 /// What the file means. End sites are left out; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
 /// positions that change (stretching bones) are replaced by their mean. A root that merely carries another moving root
 /// is joined with it, so that the root of the motion is the one that moves.
-/// Throws  config_error 101 (scale, number of the root), io_error 405 (more rotations than memory should be given to),
+/// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   if (!(options.scale > 0)) raise<config_error>(101, file.name, ": scale ", options.scale);
   const detail::BvhTable table(file);
   auto joints = detail::bvh_joints(file, options.root);
   const auto frames = static_cast<std::size_t>(file.frames);
-  if (frames > detail::max_text_rotations / joints.size()) {
+  if (frames > detail::max_text_rotations(2 * file.values.size()) / joints.size()) {
     raise<io_error>(405, file.name, ": ", frames, " frames of ", joints.size(), " joints");
   }
   const auto carriers = detail::take_carriers(joints, table);

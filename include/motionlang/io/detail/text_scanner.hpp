@@ -13,9 +13,11 @@
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// What a text can make us allocate: more joints, and more rotations (frames x joints, 1.6 GB), than real files have.
+/// More joints than any file has; keeps searches for names in a hostile one short.
 inline constexpr std::size_t max_text_joints = 4096;
-inline constexpr std::size_t max_text_rotations = 50'000'000;
+/// How many rotations (32 bytes each) a text of so many bytes may stand for. Real files have several bytes for each;
+/// joints that a frame does not mention could otherwise make much of little.
+constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
 /// ASCII letters only, whatever the locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
