@@ -4,8 +4,8 @@
 /// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
 #pragma once
 
-#include <algorithm>  // sort, unique, lower_bound
-#include <numeric>    // iota
+#include <algorithm>  // sort, lower_bound
+#include <utility>    // pair
 
 #include <motionlang/compose/timeline.hpp>
 
@@ -20,42 +20,36 @@ struct BasicPiece {
 };
 using Piece = BasicPiece<Index>;
 
-/// All starts and ends, each once, ascending.
-template <class T>
-std::vector<T> cut_points(const BasicTimeline<T>& timeline) {
-  std::vector<T> points;
-  for (const auto& i : timeline.intervals) points.push_back(i.start), points.push_back(i.end);
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  return points;
-}
-
 /// The pieces between neighbouring cuts; those of gaps have no intervals. Throws config_error 101 if so many intervals
 /// lie over each other that the lists would not be reasonable (10 million entries).
 template <class T>
 std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
-  const auto& intervals = timeline.intervals;
-  const auto interval = [&](Index i) -> const BasicInterval<T>& { return intervals[static_cast<std::size_t>(i)]; };
-  std::vector<Index> by_start(intervals.size());
-  std::iota(by_start.begin(), by_start.end(), Index{0});
-  std::sort(by_start.begin(), by_start.end(), [&](Index a, Index b) { return interval(a).start < interval(b).start; });
+  std::vector<std::pair<T, Index>> events;  // every start and end, with the number of its interval
+  for (Index i = 0; const auto& interval : timeline.intervals) {
+    events.emplace_back(interval.start, i);
+    events.emplace_back(interval.end, i++);
+  }
+  std::sort(events.begin(), events.end());
 
   std::vector<BasicPiece<T>> pieces;
-  const std::vector<T> points = cut_points(timeline);
   std::vector<Index> active;  // ascending
-  std::size_t next = 0, entries = 0;
-  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
-    const T left = points[k], right = points[k + 1];
-    std::erase_if(active, [&](Index i) { return interval(i).end < right; });
-    for (; next < by_start.size() && interval(by_start[next]).start <= left; ++next) {
-      const Index i = by_start[next];
-      if (interval(i).end >= right) active.insert(std::lower_bound(active.begin(), active.end(), i), i);
+  std::size_t entries = 0;
+  for (std::size_t at = 0; at < events.size();) {
+    const T cut = events[at].first;
+    for (; at < events.size() && events[at].first == cut; ++at) {
+      const Index i = events[at].second;
+      const auto& interval = timeline.intervals[static_cast<std::size_t>(i)];
+      const auto place = std::lower_bound(active.begin(), active.end(), i);
+      const bool is_active = place != active.end() && *place == i;
+      if (is_active && interval.end == cut) active.erase(place);
+      if (!is_active && interval.start == cut && interval.end > cut) active.insert(place, i);
     }
+    if (at == events.size()) break;
     entries += active.size();
     if (entries > 10'000'000) {
-      raise<config_error>(101, "elementary_pieces: too many of ", intervals.size(), " intervals overlap");
+      raise<config_error>(101, "elementary_pieces: too many of ", timeline.intervals.size(), " intervals overlap");
     }
-    pieces.push_back({left, right, active});
+    pieces.push_back({cut, events[at].first, active});
   }
   return pieces;
 }

@@ -141,13 +141,10 @@ inline void merge_pieces(TimelinePlan& plan) {
 /// The cuts at which a transition is made, ascending: all but the first and the last. Throws timeline_error 506 at one
 /// where no part changes its owner, or leaves it out.
 inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts hidden) {
-  std::vector<Index> changes;
-  for (const PartInterval& m : plan.merged) changes.push_back(m.range.start);
-  std::sort(changes.begin(), changes.end());
   std::vector<Index> cuts;
   for (std::size_t k = 1; k < plan.pieces.size(); ++k) {
     const Index cut = plan.pieces[k].start;
-    if (std::binary_search(changes.begin(), changes.end(), cut)) {
+    if (plan.owners[k] != plan.owners[k - 1]) {
       cuts.push_back(cut);
     } else if (hidden == HiddenTexts::refuse) {
       for (const Interval& i : plan.timeline.intervals) {

@@ -10,9 +10,8 @@
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
 #pragma once
 
-#include <algorithm>  // stable_sort
-#include <array>      // one owner for each part
-#include <span>       // texts of a piece
+#include <array>  // one owner for each part
+#include <span>   // texts of a piece
 
 #include <motionlang/compose/intervals.hpp>
 
@@ -34,24 +33,22 @@ struct FirstWins {
 
 namespace detail {
 
-/// Most body parts first; equals keep their order.
-template <class T>
-void sort_by_part_count(std::vector<Index>& texts, const BasicTimeline<T>& timeline) {
-  const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts.count(); };
-  std::stable_sort(texts.begin(), texts.end(), [&](Index a, Index b) { return parts(a) > parts(b); });
-}
-
-/// One shuffle if there is a choice to make: of the texts with legs if there are several, of all if there is none.
+/// Of the texts with legs (of all, if there are none) the one with the most parts; of equals the first after a shuffle.
+/// Shuffling one text draws nothing.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
+  const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
   std::vector<Index> candidates;
   for (Index i : texts) {
-    if (timeline.intervals[static_cast<std::size_t>(i)].parts.has(BodyPart::legs)) candidates.push_back(i);
+    if (parts(i).has(BodyPart::legs)) candidates.push_back(i);
   }
   if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
   ties.shuffle(std::span<Index>(candidates));
-  sort_by_part_count(candidates, timeline);
-  return candidates.front();
+  Index base = candidates.front();
+  for (Index i : candidates) {
+    if (parts(i).count() > parts(base).count()) base = i;
+  }
+  return base;
 }
 
 }  // namespace detail
@@ -62,13 +59,12 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
   PartOwners owners;
   const Index base = detail::base_text(timeline, texts, ties);
   owners.fill(base);
-  std::vector<Index> others(texts.begin(), texts.end());
-  std::erase(others, base);
-  detail::sort_by_part_count(others, timeline);
-  for (Index i : others) {
-    for (int p = 0; p < body_part_count; ++p) {
-      if (timeline.intervals[static_cast<std::size_t>(i)].parts.has(static_cast<BodyPart>(p))) {
-        owners[static_cast<std::size_t>(p)] = i;
+  for (int count = body_part_count; count > 0; --count) {  // texts with many parts first, in file order among equals
+    for (Index i : texts) {
+      const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
+      if (i == base || parts.count() != count) continue;
+      for (int p = 0; p < body_part_count; ++p) {
+        if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
       }
     }
   }
