@@ -35,7 +35,8 @@ TEST_CASE("a buffer that is given back is used again for sizes of the same bucke
 }
 
 TEST_CASE("buffers of every size are aligned and large enough") {
-  for (std::size_t bytes : {0, 1, 63, 64, 65, 255, 256, 257, 511, 512, 513, 1000, 4096, 5121, 100'000, 1'000'003}) {
+  for (std::size_t bytes : std::initializer_list<std::size_t>{0, 1, 63, 64, 65, 255, 256, 257, 511, 512, 513, 1000,
+                                                              4096, 5121, 100'000, 1'000'003}) {
     const BufferHandle b(bytes);
     CHECK(reinterpret_cast<std::uintptr_t>(b.data()) % 64 == 0);
     std::memset(b.data(), 0xAB, bytes);  // the address sanitizer watches
