@@ -140,7 +140,8 @@ class FilmStrip {
       }
     }
     ground_ = low;
-    scale_ = std::min(1.25 * cell_ / (2 * half_width), 300 / std::max(high - low, 0.5 * figure_.size));
+    const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - low);
+    scale_ = std::min({1.25 * cell_ / (2 * half_width), tallest_figure, tallest_picture});
     const double depth = farthest_ - nearest_, tallest = 0.45 * figure_.size;  // of the floor in the picture
     depth_scale_ = depth * view_.sine > tallest ? scale_ * tallest / (depth * view_.sine) : scale_;
     const double rise = depth * view_.sine * depth_scale_;

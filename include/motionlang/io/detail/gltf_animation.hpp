@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+/// Animations of a glTF document: the transform of any node at any time. Source: glTF 2.0, 3.11 and appendix C.
+#pragma once
+
+#include <array>  // values
+#include <map>    // channels by node
+
+#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/io/detail/gltf_document.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Keys of one property of one node over time.
+struct GltfChannel {
+  enum Mode { step, linear, cubic };
+  std::shared_ptr<const std::vector<double>> times, values;
+  Mode mode = linear;
+  std::size_t components = 3;
+
+  /// The value at `time`; before the first and after the last key theirs. Rotations are x, y, z, w and not normalised.
+  std::array<double, 4> at(double time) const {
+    const auto& t = *times;
+    const auto next = static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), time) - t.begin());
+    if (next == 0) return key(0);
+    if (next == t.size() || mode == step) return key(next - 1);
+    const double span = t[next] - t[next - 1], u = (time - t[next - 1]) / span;
+    const auto a = key(next - 1), b = key(next);
+    if (mode == cubic) return hermite(next - 1, a, b, span, u);
+    if (components == 4) {
+      const auto q = slerp(Quaternion<double>{a[3], a[0], a[1], a[2]}, Quaternion<double>{b[3], b[0], b[1], b[2]}, u);
+      return {q.x, q.y, q.z, q.w};
+    }
+    return combine(1 - u, a, u, b);
+  }
+
+ private:
+  using Value = std::array<double, 4>;
+
+  /// Key k; a cubic one has an in-tangent before it and an out-tangent behind it.
+  Value key(std::size_t k, int part = 1) const {
+    const std::size_t at = mode == cubic ? 3 * k + static_cast<std::size_t>(part) : k;
+    Value v{};
+    std::copy_n(values->begin() + static_cast<std::ptrdiff_t>(at * components), components, v.begin());
+    return v;
+  }
+  static Value combine(double s, const Value& a, double t, const Value& b) {
+    Value v{};
+    for (std::size_t c = 0; c < 4; ++c) v[c] = s * a[c] + t * b[c];
+    return v;
+  }
+  /// p(u) = (2u^3 - 3u^2 + 1) a + span (u^3 - 2u^2 + u) a' + (3u^2 - 2u^3) b + span (u^3 - u^2) b'
+  Value hermite(std::size_t k, const Value& a, const Value& b, double span, double u) const {
+    const double u2 = u * u, u3 = u2 * u;
+    const Value tangents = combine(span * (u3 - 2 * u2 + u), key(k, 2), span * (u3 - u2), key(k + 1, 0));
+    return combine(1, combine(2 * u3 - 3 * u2 + 1, a, 3 * u2 - 2 * u3, b), 1, tangents);
+  }
+};
+
+class GltfAnimation {
+ public:
+  /// Throws  io_error 402 to 405, config_error 107
+  GltfAnimation(SharedAccessors& keys, Index number) {
+    const GltfDocument& document = keys.document();
+    const JsonView animation = document.element("animations", number);
+    name_ = animation.value_or("name", concat_text("animation_", number));
+    const JsonView samplers = animation["samplers"], channels = animation["channels"];
+    for (Index i = 0; i < channels.size(); ++i) {
+      const JsonView target = channels[i]["target"];
+      if (!target.contains("node")) continue;
+      const std::string path = target["path"].as<std::string>();
+      const int node = document.node_number(target["node"]);
+      if (path != "translation" && path != "rotation") continue;  // scale and weights: not of a skeleton
+      auto& place = path == "rotation" ? rotations_ : translations_;
+      const JsonView sampler = samplers[channels[i]["sampler"].as<Index>()];
+      if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second) {
+        raise<io_error>(403, target.path(), ": a second channel for the ", path, " of node ", node);
+      }
+    }
+  }
+
+  const std::string& name() const { return name_; }
+  /// Time of the last key, seconds.
+  double duration() const { return duration_; }
+  bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
+
+  /// Transform of a node, from its transform at rest.
+  GltfTransform at(int node, GltfTransform transform, double time) const {
+    if (const auto c = translations_.find(node); c != translations_.end()) {
+      const auto v = c->second.at(time);
+      transform.translation = {v[0], v[1], v[2]};
+    }
+    if (const auto c = rotations_.find(node); c != rotations_.end()) {
+      const auto v = c->second.at(time);
+      const Quaternion<double> q{v[3], v[0], v[1], v[2]};
+      if (dot(q, q) > 1e-12) transform.rotation = normalized(q);
+    }
+    return transform;
+  }
+  /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
+  bool moves_away(int node, const Vec3<double>& rest) const {
+    const auto c = translations_.find(node);
+    if (c == translations_.end()) return false;
+    return std::any_of(c->second.times->begin(), c->second.times->end(), [&](double t) {
+      const auto v = c->second.at(t);
+      return norm(Vec3<double>{v[0], v[1], v[2]} - rest) > 1e-2 * std::max(norm(rest), 1e-3);
+    });
+  }
+
+ private:
+  GltfChannel channel(SharedAccessors& keys, const JsonView& sampler, std::size_t components) {
+    const std::string mode = sampler.value_or("interpolation", "LINEAR");
+    GltfChannel c;
+    c.components = components;
+    c.mode = mode == "LINEAR" ? GltfChannel::linear : mode == "STEP" ? GltfChannel::step : GltfChannel::cubic;
+    if (c.mode == GltfChannel::cubic && mode != "CUBICSPLINE") {
+      raise<io_error>(404, sampler.path(), ": interpolation '", mode, "'");
+    }
+    c.times = keys.values(sampler["input"].as<Index>(), 1);
+    c.values = keys.values(sampler["output"].as<Index>(), components);
+    const std::vector<double>& t = *c.times;
+    const std::size_t expected = t.size() * components * (c.mode == GltfChannel::cubic ? 3 : 1);
+    if (t.empty() || c.values->size() != expected) {
+      raise<io_error>(403, sampler.path(), ": ", t.size(), " times and ", c.values->size(), " numbers, expected ",
+                      expected);
+    }
+    for (std::size_t i = 1; i < t.size(); ++i) {
+      if (!(t[i] > t[i - 1])) raise<io_error>(403, sampler.path(), ": time ", i, " is not after the one before");
+    }
+    if (t.front() < 0) raise<io_error>(403, sampler.path(), ": negative time ", t.front());
+    duration_ = std::max(duration_, t.back());
+    return c;
+  }
+
+  std::string name_;
+  std::map<int, GltfChannel> translations_, rotations_;
+  double duration_ = 0;
+};
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+/// Accessors and nodes of a glTF document whose data are in the binary chunk of a GLB file. Every number of the file is
+/// checked before it is used.
+#pragma once
+
+#include <algorithm>  // max
+#include <map>        // accessors by number
+#include <memory>     // shared accessors
+#include <numeric>    // accumulate
+
+#include <motionlang/geometry/so3.hpp>
+#include <motionlang/io/detail/glb_container.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Translation, rotation and scale of a node relative to its parent.
+struct GltfTransform {
+  Vec3<double> translation{};
+  Quaternion<double> rotation = Quaternion<double>::identity();
+  Vec3<double> scale{1, 1, 1};
+};
+
+struct GltfNode {
+  std::string name;
+  int parent = -1;
+  std::vector<int> children{};
+  GltfTransform rest;
+};
+
+class GltfDocument {
+ public:
+  /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
+  GltfDocument(std::span<const std::byte> bytes, std::string file)
+      : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
+    read_nodes();
+  }
+
+  const std::string& file() const { return file_; }
+  /// Bytes of the file.
+  std::size_t size() const { return size_; }
+  JsonView root() const { return JsonView(chunks_.document, file_); }
+  /// The elements of a top-level array; none if it is missing.
+  Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
+  JsonView element(const std::string& array, Index i) const { return root()[array][i]; }
+
+  const std::vector<GltfNode>& nodes() const { return nodes_; }
+  const GltfNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  /// All nodes, every parent before its children, depth first.
+  const std::vector<int>& depth_first() const { return order_; }
+
+  /// The number that `reference` holds, which must be that of a node. Throws io_error 403.
+  int node_number(const JsonView& reference) const {
+    const auto i = reference.as<std::int64_t>();
+    if (i < 0 || i >= static_cast<std::int64_t>(nodes_.size())) {
+      raise<io_error>(403, reference.path(), ": node ", i, " of ", nodes_.size());
+    }
+    return static_cast<int>(i);
+  }
+
+  /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
+  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for sparse accessors and data in other files
+  std::vector<double> values(Index accessor, std::size_t components) const {
+    const JsonView a = element("accessors", accessor);
+    if (a.contains("sparse") || !a.contains("bufferView")) raise<io_error>(404, a.path(), ": sparse accessor");
+    const std::size_t kinds = components_of(a["type"].as<std::string>());
+    if (kinds != components) raise<io_error>(403, a.path(), ": ", kinds, " components, expected ", components);
+    const int type = a["componentType"].as<int>();
+    const std::size_t size = size_of(type, a);
+    const JsonView view = element("bufferViews", a["bufferView"].as<Index>());
+    const auto data = view_bytes(view);
+
+    const auto count = a["count"].as<std::uint64_t>(), start = a.value_or("byteOffset", std::uint64_t{0});
+    const std::uint64_t item = size * components, stride = view.value_or("byteStride", item);
+    if (stride < item) raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", item, " bytes");
+    const bool fits = count == 0 || (start <= data.size() && item <= data.size() - start &&
+                                     (count - 1) <= (data.size() - start - item) / stride);
+    if (!fits) raise<io_error>(402, a.path(), ": ", count, " elements do not fit into ", data.size(), " bytes");
+
+    const bool normalised = a.value_or("normalized", false);
+    std::vector<double> out;
+    out.reserve(count * components);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      for (std::size_t c = 0; c < components; ++c) {
+        out.push_back(number(data.data() + start + i * stride + c * size, type, normalised));
+        if (!std::isfinite(out.back())) raise<io_error>(403, a.path(), ": element ", i, " is not finite");
+      }
+    }
+    return out;
+  }
+
+ private:
+  static std::size_t components_of(std::string_view type) {
+    return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
+  }
+  static std::size_t size_of(int component_type, const JsonView& accessor) {
+    switch (component_type) {
+      case 5120:
+      case 5121:
+        return 1;
+      case 5122:
+      case 5123:
+        return 2;
+      case 5125:
+      case 5126:
+        return 4;
+      default:
+        raise<io_error>(403, accessor.path(), ": componentType ", component_type);
+    }
+  }
+  /// Source  glTF 2.0, 3.11 for normalised integers
+  static double number(const std::byte* at, int component_type, bool normalised) {
+    const auto as = [&]<class T>(T value) {
+      std::memcpy(&value, at, sizeof value);
+      if constexpr (std::integral<T>) {
+        if (normalised) return std::max(static_cast<double>(value) / std::numeric_limits<T>::max(), -1.0);
+      }
+      return static_cast<double>(value);
+    };
+    switch (component_type) {
+      case 5120:
+        return as(std::int8_t{});
+      case 5121:
+        return as(std::uint8_t{});
+      case 5122:
+        return as(std::int16_t{});
+      case 5123:
+        return as(std::uint16_t{});
+      case 5125:
+        return as(std::uint32_t{});
+      default:
+        return as(float{});
+    }
+  }
+
+  std::span<const std::byte> view_bytes(const JsonView& view) const {
+    const auto buffer = view["buffer"].as<Index>();
+    if (buffer != 0 || element("buffers", 0).contains("uri")) {
+      raise<io_error>(404, view.path(), ": buffer ", buffer, " is not the one in this file");
+    }
+    return slice(chunks_.binary, view.value_or("byteOffset", std::uint64_t{0}), view["byteLength"].as<std::uint64_t>(),
+                 view.path(), "buffer view");
+  }
+
+  Vec3<double> vector(const JsonView& node, const std::string& key, const Vec3<double>& otherwise) const {
+    const auto v = node.value_or(key, std::vector<double>{otherwise.x, otherwise.y, otherwise.z});
+    if (v.size() != 3 || !std::isfinite(v[0] + v[1] + v[2])) raise<io_error>(403, node.path(), ": ", key);
+    return {v[0], v[1], v[2]};
+  }
+  Quaternion<double> quaternion(const JsonView& node) const {
+    const auto v = node.value_or("rotation", std::vector<double>{0, 0, 0, 1});
+    const double squared = std::inner_product(v.begin(), v.end(), v.begin(), 0.0);
+    if (v.size() != 4 || !(squared > 1e-6 && squared < 1e6)) raise<io_error>(403, node.path(), ": rotation");
+    return normalized(Quaternion<double>{v[3], v[0], v[1], v[2]});
+  }
+  /// Columns of a matrix without shear: lengths are the scale, directions the rotation.
+  GltfTransform decomposed(const JsonView& node) const {
+    const auto m = node["matrix"].as<std::vector<double>>();
+    const double sum = std::accumulate(m.begin(), m.end(), 0.0);
+    if (m.size() != 16 || !std::isfinite(sum)) raise<io_error>(403, node.path(), ": matrix");
+    const Vec3<double> x{m[0], m[1], m[2]}, y{m[4], m[5], m[6]}, z{m[8], m[9], m[10]};
+    const Matrix3<double> r = Matrix3<double>::from_columns(normalized(x), normalized(y), normalized(z));
+    const double determinant = dot(r.column(0), cross(r.column(1), r.column(2)));
+    if (!(determinant > 0.5)) raise<io_error>(404, node.path(), ": matrix with shear, reflection or no extent");
+    return {{m[12], m[13], m[14]}, normalized(to_quaternion(r)), {norm(x), norm(y), norm(z)}};
+  }
+
+  void read_nodes() {
+    nodes_.resize(static_cast<std::size_t>(count("nodes")));
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const JsonView n = element("nodes", static_cast<Index>(i));
+      nodes_[i].name = n.value_or("name", concat_text("node_", i));
+      nodes_[i].rest = n.contains("matrix")
+                           ? decomposed(n)
+                           : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
+      for (Index c = 0; n.contains("children") && c < n["children"].size(); ++c) {
+        const int child = node_number(n["children"][c]);
+        GltfNode& target = nodes_[static_cast<std::size_t>(child)];
+        if (target.parent >= 0) raise<io_error>(403, n.path(), ": child ", child, " has two parents");
+        target.parent = static_cast<int>(i);
+        nodes_[i].children.push_back(child);
+      }
+    }
+    std::vector<int> open;
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+      if (nodes_[i].parent < 0) open.push_back(static_cast<int>(i));
+    }
+    while (!open.empty()) {
+      const int i = open.back();
+      open.pop_back();
+      order_.push_back(i);
+      const auto& c = node(i).children;
+      open.insert(open.end(), c.rbegin(), c.rend());
+    }
+    if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
+  }
+
+  std::string file_;
+  std::size_t size_;
+  GlbChunks chunks_;
+  std::vector<GltfNode> nodes_;
+  std::vector<int> order_;
+};
+
+/// Accessors that are used several times (the times of an animation), each read once. A small file whose objects all
+/// point to the same place could ask for much more work than it has bytes: that is refused.
+class SharedAccessors {
+ public:
+  using Values = std::shared_ptr<const std::vector<double>>;
+
+  explicit SharedAccessors(const GltfDocument& document) : document_(document), left_(16 * document.size()) {}
+
+  const GltfDocument& document() const { return document_; }
+  /// Throws io_error 402 to 405.
+  Values values(Index accessor, std::size_t components) {
+    auto& known = known_[{accessor, components}];
+    if (known == nullptr) known = std::make_shared<const std::vector<double>>(document_.values(accessor, components));
+    if (known->size() > left_)
+      raise<io_error>(405, document_.file(), ": uses its data more often than an honest file does");
+    left_ -= known->size();
+    return known;
+  }
+
+ private:
+  const GltfDocument& document_;
+  std::map<std::pair<Index, std::size_t>, Values> known_;
+  std::size_t left_;
+};
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

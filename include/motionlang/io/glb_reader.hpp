@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out.
+///
+/// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
+/// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
+/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales, and
+/// translations of other joints, are dropped.
+#pragma once
+
+#include <motionlang/io/detail/gltf_skeleton.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A GLB file in memory, from which several motions can be taken.
+class GlbFile {
+ public:
+  /// skin    which of the file's skins; a file without any gives a skeleton of all animated nodes
+  /// Throws  io_error 401 to 405; config_error 107 where the JSON has a value of the wrong kind
+  static GlbFile open(const std::filesystem::path& path, Index skin = 0) {
+    return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin);
+  }
+  GlbFile(std::span<const std::byte> bytes, std::string name, Index skin = 0)
+      : GlbFile(detail::GltfDocument(bytes, std::move(name)), skin) {}
+
+  const Skeleton& skeleton() const { return joints_.skeleton; }
+  std::vector<std::string> animation_names() const {
+    std::vector<std::string> out;
+    for (const auto& a : animations_) out.push_back(a.name());
+    return out;
+  }
+
+  /// The animation at `fps` frames per second, from time 0 to its last key.
+  /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
+  /// motion
+  ///         would be too long
+  Motion motion(Index animation, double fps = 30) const {
+    if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
+      raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
+    }
+    if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
+    const detail::GltfAnimation& a = animations_[static_cast<std::size_t>(animation)];
+    const double frames = std::floor(a.duration() * fps + 1e-4) + 1;
+    if (frames * skeleton().size() > max_rotations) {
+      raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
+    }
+    Motion motion{skeleton(), fps, {}, {}, a.name()};
+    for (double frame = 0; frame < frames; ++frame) append_pose(motion, a, frame / fps);
+    return motion;
+  }
+  /// The animation of that name. Throws config_error 103, and what motion(number) throws.
+  Motion motion(std::string_view animation, double fps = 30) const {
+    for (std::size_t i = 0; i < animations_.size(); ++i) {
+      if (animations_[i].name() == animation) return motion(static_cast<Index>(i), fps);
+    }
+    raise<config_error>(103, file_, ": no animation '", animation, "' among ", animations_.size());
+  }
+
+ private:
+  static constexpr double max_rotations = 5e7;  // 1.6 GB
+
+  GlbFile(const detail::GltfDocument& document, Index skin)
+      : file_(document.file()),
+        nodes_(document.nodes()),
+        animations_(load(document)),
+        joints_(document, animations_, skin) {}
+
+  static std::vector<detail::GltfAnimation> load(const detail::GltfDocument& document) {
+    detail::SharedAccessors keys(document);
+    std::vector<detail::GltfAnimation> out;
+    for (Index i = 0; i < document.count("animations"); ++i) out.emplace_back(keys, i);
+    return out;
+  }
+
+  detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const {
+    return a.at(node, nodes_[static_cast<std::size_t>(node)].rest, time);
+  }
+
+  /// The root with all that stands above it in the file.
+  detail::GltfTransform root_in_world(const detail::GltfAnimation& a, double time) const {
+    detail::GltfTransform world;
+    for (int n = joints_.nodes.front(); n >= 0; n = nodes_[static_cast<std::size_t>(n)].parent) {
+      const detail::GltfTransform t = transform(a, n, time);
+      world.translation = t.translation + rotate(t.rotation, detail::scaled(t.scale, world.translation));
+      world.rotation = normalized(t.rotation * world.rotation);
+    }
+    return world;
+  }
+
+  void append_pose(Motion& motion, const detail::GltfAnimation& a, double time) const {
+    const detail::GltfTransform root = root_in_world(a, time);
+    motion.root.push_back(root.translation);
+    motion.local.push_back(normalized(root.rotation * inverse(joints_.rest_rotations.front())));
+    for (std::size_t j = 1; j < joints_.nodes.size(); ++j) {
+      const auto parent = static_cast<std::size_t>(skeleton().parents[j]);
+      const Quaternion<double> r = transform(a, joints_.nodes[j], time).rotation;
+      motion.local.push_back(normalized(joints_.rest_rotations[parent] * r * inverse(joints_.rest_rotations[j])));
+    }
+  }
+
+  std::string file_;
+  std::vector<detail::GltfNode> nodes_;
+  std::vector<detail::GltfAnimation> animations_;
+  detail::GltfSkeleton joints_;
+};
+
+struct GlbReadOptions {
+  std::string animation{};  // by name; "": the first
+  double fps = 30;
+  Index skin = 0;
+};
+
+/// Throws what GlbFile::open and GlbFile::motion throw.
+inline Motion read_glb(const std::filesystem::path& path, const GlbReadOptions& options = {}) {
+  const GlbFile file = GlbFile::open(path, options.skin);
+  return options.animation.empty() ? file.motion(0, options.fps) : file.motion(options.animation, options.fps);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
