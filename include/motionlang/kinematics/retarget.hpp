@@ -24,7 +24,7 @@ struct RetargetReport {
   std::string table;
   std::vector<std::string> unmapped;    // joints of the target that stay at rest
   std::vector<std::string> unused;      // joints of the source that nothing follows
-  double leg_ratio = 1, arm_ratio = 1;  // target / source; the path is scaled by leg_ratio
+  double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
 };
 inline std::string to_string(const RetargetReport& r) {
   auto list = [](const std::vector<std::string>& names) {
@@ -215,6 +215,11 @@ class SkeletonMap {
 
   /// Lengths of legs and arms, and where the hips are.
   void measure() {
+    hips_ = 0.5 * (target_.offset(target_["left_hip"]) + target_.offset(target_["right_hip"]));
+    left_hip_ = source_of("left_hip");
+    right_hip_ = source_of("right_hip");
+    if (left_hip_ < 0 || right_hip_ < 0)
+      raise<config_error>(103, "SkeletonMap: ", report_.table, " has no 'left_hip' or no 'right_hip'");
     auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
       double here = 0, there = 0;
       for (const detail::LimbBone& bone : bones) {
@@ -222,16 +227,13 @@ class SkeletonMap {
         here += length > 0 ? norm(target_bone(bone)) : 0;
         there += length;
       }
-      return here / there;
+      return there > 0 ? here / there : 0;
     };
     report_.leg_ratio = ratio(detail::leg_bones);
     report_.arm_ratio = ratio(detail::arm_bones);
     if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
       raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
     }
-    left_hip_ = source_of("left_hip");
-    right_hip_ = source_of("right_hip");
-    hips_ = 0.5 * (target_.offset(target_["left_hip"]) + target_.offset(target_["right_hip"]));
   }
 
   Skeleton source_, target_;

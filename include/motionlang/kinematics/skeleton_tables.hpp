@@ -15,7 +15,8 @@ struct MappedJoint {
   std::string axes = "+x+y";
   /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z forward.
   Vec3<double> turn{};
-  /// A second source joint (which has a row of its own) and its share, for chains of different lengths.
+  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
+  /// its parent.
   std::string second{};
   double share = 0;
 };

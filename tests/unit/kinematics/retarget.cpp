@@ -1,0 +1,239 @@
+// Retargeting: rest poses, local axes, chains of other lengths, scale, floor, tables.
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include <motionlang/core/rng.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+#include "../../support/synthetic_motion.hpp"
+
+namespace ml = motionlang;
+using doctest::Approx, doctest::Contains;
+
+namespace {
+
+/// One frame in which every joint has the given world rotation.
+ml::Motion posed(const ml::Skeleton& skeleton, const std::vector<ml::Quaternion<double>>& world) {
+  ml::Motion motion{skeleton, 30, {skeleton.offset(0)}, {}, "posed"};
+  for (int j = 0; j < skeleton.size(); ++j) {
+    const int p = skeleton.parent(j);
+    const auto up = p < 0 ? ml::Quaternion<double>::identity() : world[static_cast<std::size_t>(p)];
+    motion.local.push_back(inverse(up) * world[static_cast<std::size_t>(j)]);
+  }
+  return motion;
+}
+
+/// Angle in degrees between the bones of two clips in frame 0.
+double bone_angle(const ml::Motion& a, const ml::Motion& b, const char* from, const char* to) {
+  const auto p = a.positions(), q = b.positions();
+  auto bone = [&](const ml::Motion& m, const auto& x) {
+    return ml::normalized(x[static_cast<std::size_t>(m.skeleton[to])] - x[static_cast<std::size_t>(m.skeleton[from])]);
+  };
+  return std::acos(std::min(1.0, dot(bone(a, p), bone(b, q)))) * 180 / std::numbers::pi;
+}
+
+ml::Skeleton smpl_with(const std::vector<std::pair<std::string, ml::Vec3<double>>>& offsets) {
+  ml::Skeleton s = ml::smpl24_skeleton();
+  for (const auto& [name, offset] : offsets) s.offsets[static_cast<std::size_t>(s[name])] = offset;
+  return s;
+}
+
+/// Legs apart and arms 30 degrees down in the zero pose, as in CMU's skeletons.
+ml::Skeleton spread() {
+  const double c = std::sqrt(0.75), s = 0.5;
+  return smpl_with({{"left_knee", {0.41 * s, -0.41 * c, 0}},
+                    {"right_knee", {-0.41 * s, -0.41 * c, 0}},
+                    {"left_ankle", {0.41 * s, -0.41 * c, 0}},
+                    {"right_ankle", {-0.41 * s, -0.41 * c, 0}},
+                    {"left_elbow", {0.27 * c, -0.27 * s, 0}},
+                    {"right_elbow", {-0.27 * c, -0.27 * s, 0}}});
+}
+
+}  // namespace
+
+TEST_CASE("a skeleton follows itself") {
+  const auto walk = synthetic::walk({.frames = 30, .turn = 1});
+  const auto same = ml::retarget(walk, ml::smpl24_skeleton(), {.floor = false});
+  const auto p = walk.positions(), q = same.positions();
+  for (std::size_t i = 0; i < p.size(); ++i) CHECK(ml::norm(p[i] - q[i]) < 1e-9);
+}
+
+TEST_CASE("bones take the directions of the source's bones, whatever the zero pose") {
+  // The source stands like the target's rest pose: its limbs have to turn for that.
+  const ml::SkeletonMap map(spread());
+  const auto down = ml::Vec3{0.0, -1.0, 0.0}, left = ml::Vec3{1.0, 0.0, 0.0};
+  std::vector<ml::Quaternion<double>> world(24, ml::Quaternion<double>::identity());
+  for (const char* side : {"left", "right"}) {
+    const auto joint = [&](const char* name) {
+      return static_cast<std::size_t>(map.source()[side + std::string(name)]);
+    };
+    const auto leg = ml::rotation_between(map.source().offset(map.source()[side + std::string("_knee")]), down);
+    const auto arm = ml::rotation_between(map.source().offset(map.source()[side + std::string("_elbow")]),
+                                          side[0] == 'l' ? left : -left);
+    for (const char* name : {"_hip", "_knee", "_ankle", "_foot"}) world[joint(name)] = leg;
+    world[joint("_shoulder")] = arm;
+  }
+  const auto rest = ml::retarget(posed(map.source(), world), map);
+  for (const auto& q : rest.local) CHECK(ml::distance(q, ml::Quaternion<double>::identity()) < 1e-6);
+
+  // And in any other pose, bone by bone.
+  ml::Philox rng{.seed = 5};
+  for (auto& q : world) {
+    std::vector<double> n(4);
+    rng.normal(std::span<double>(n));
+    q = ml::normalized(ml::Quaternion{n[0], n[1], n[2], n[3]});
+  }
+  const auto source = posed(map.source(), world);
+  const auto target = ml::retarget(source, map);
+  for (const auto& [from, to] : {std::pair{"left_hip", "left_knee"}, std::pair{"left_knee", "left_ankle"},
+                                 std::pair{"right_shoulder", "right_elbow"}, std::pair{"right_elbow", "right_wrist"},
+                                 std::pair{"left_wrist", "left_hand"}, std::pair{"pelvis", "spine1"}}) {
+    CHECK(bone_angle(source, target, from, to) < 1e-4);
+  }
+}
+
+TEST_CASE("soles stay level: feet roll with their shins and keep their pitch") {
+  // Shins lean back by 10 degrees in the zero pose, in which the feet stand flat.
+  const double s = std::sin(0.17), c = std::cos(0.17);
+  const auto source =
+      smpl_with({{"left_ankle", {0, -0.41 * c, -0.41 * s}}, {"right_ankle", {0, -0.41 * c, -0.41 * s}}});
+  const auto flat =
+      ml::retarget(posed(source, std::vector<ml::Quaternion<double>>(24, ml::Quaternion<double>::identity())),
+                   ml::SkeletonMap(source));
+  ml::JointTransforms<double> world;
+  flat.world(0, world);
+  CHECK(ml::distance(world.rotation[7], ml::Matrix3<double>::identity()) < 1e-9);
+  const auto p = flat.positions();
+  CHECK(p[7].z - p[4].z == Approx(-0.41 * s));  // the shin leans as in the source
+}
+
+TEST_CASE("arbitrary local axes: Bandai-Namco's skeleton in its T-pose") {
+  const ml::SkeletonTable& table = ml::skeleton_table("Bandai-Namco");
+  std::vector<ml::Joint> joints;
+  std::vector<ml::Quaternion<double>> world;
+  const ml::Skeleton& smpl = ml::smpl24_skeleton();
+  // Its joints, in SMPL's places, with the axes that the table states.
+  std::map<std::string, std::string> source_of;
+  for (const auto& m : table.joints) {
+    if (source_of.contains(m.target) || m.target == "spine1") continue;
+    source_of[m.target] = m.source;
+  }
+  for (int j = 0; j < smpl.size(); ++j) {
+    if (!source_of.contains(smpl.name(j))) continue;
+    int p = smpl.parent(j);
+    ml::Vec3<double> offset = smpl.offset(j);
+    while (p >= 0 && !source_of.contains(smpl.name(p))) offset = offset + smpl.offset(p), p = smpl.parent(p);
+    const auto frame = ml::detail::axes_rotation(*table.find(smpl.name(j)));
+    const std::string parent = p < 0 ? "" : source_of[smpl.name(p)];
+    if (p >= 0) offset = rotate(inverse(ml::detail::axes_rotation(*table.find(smpl.name(p)))), offset);
+    joints.push_back({source_of[smpl.name(j)], parent, 100.0 * offset});
+    world.push_back(frame);
+  }
+  const auto source = ml::Skeleton::from_joints(joints);
+  CHECK(ml::detect_skeleton_table(source).name == "Bandai-Namco");
+  const ml::SkeletonMap map(source);
+  CHECK(map.report().leg_ratio == Approx(0.01));
+  const auto rest = ml::retarget(posed(source, world), map);
+  // Toes and ankles are pitched by design: our made-up foot is not as steep as Bandai-Namco's.
+  for (std::size_t j = 0; j < 24; ++j) CHECK(ml::distance(rest.local[j], ml::Quaternion<double>::identity()) < 1e-9);
+  CHECK(rest.root_at(0).y == Approx(0.95));
+}
+
+TEST_CASE("the path is scaled by the legs and the feet stand on the floor") {
+  auto walk = synthetic::walk({.frames = 60});
+  for (auto& offset : walk.skeleton.offsets) offset = 2.0 * offset;
+  for (auto& r : walk.root) r = 2.0 * r + ml::Vec3{0.0, 7.0, 0.0};
+  const ml::SkeletonMap map(walk.skeleton);
+  CHECK(map.report().leg_ratio == Approx(0.5));
+  CHECK(map.report().arm_ratio == Approx(0.5));
+  const auto small = ml::retarget(walk, map);
+  const auto wanted = synthetic::walk({.frames = 60});
+  const auto travelled = [](const ml::Motion& m) { return m.root.back() - m.root.front(); };
+  CHECK(ml::norm(travelled(small) - travelled(wanted)) < 1e-9);
+  double lowest = 1;
+  for (const auto& p : small.positions()) lowest = std::min(lowest, p.y);
+  CHECK(lowest == Approx(0.01).epsilon(0.5));  // the toes at rest
+}
+
+TEST_CASE("place_on_floor ignores single low frames and leaves empty clips alone") {
+  auto walk = synthetic::walk({.frames = 60});
+  const double before = walk.root_at(10).y;
+  walk.root[30].y -= 5;
+  const double shift = ml::place_on_floor(walk);
+  CHECK(std::abs(shift) < 0.05);
+  CHECK(walk.root_at(10).y == Approx(before + shift));
+  ml::Motion empty = walk;
+  empty.root.clear(), empty.local.clear();
+  CHECK(ml::place_on_floor(empty) == 0);
+}
+
+TEST_CASE("chains of other lengths: shares of two joints") {
+  // One long spine joint drives three: the middle one gets half of what it turns.
+  const ml::SkeletonTable table{"two spines",
+                                {{"pelvis", "pelvis"},
+                                 {"spine1", "pelvis", "+x+y", {}, "spine1", 0.5},
+                                 {"spine2", "spine1"},
+                                 {"left_hip", "left_hip"},
+                                 {"right_hip", "right_hip"},
+                                 {"left_knee", "left_knee"},
+                                 {"right_knee", "right_knee"},
+                                 {"left_ankle", "left_ankle"},
+                                 {"right_ankle", "right_ankle"}}};
+  auto pose = synthetic::walk({.frames = 1});
+  std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
+  pose.local[3] = synthetic::about_x(0.8);
+  const ml::SkeletonMap map(pose.skeleton, ml::smpl24_skeleton(), table);
+  const auto bent = ml::retarget(pose, map);
+  CHECK(ml::distance(bent.local[3], synthetic::about_x(0.4)) < 1e-9);
+  CHECK(ml::distance(bent.local[6], synthetic::about_x(0.4)) < 1e-9);
+  CHECK(ml::distance(bent.local[9], ml::Quaternion<double>::identity()) < 1e-9);  // not mapped: at rest
+  CHECK(std::count(map.report().unmapped.begin(), map.report().unmapped.end(), "spine3") == 1);
+  CHECK(std::count(map.report().unused.begin(), map.report().unused.end(), "head") == 1);
+  CHECK(to_string(map.report()).starts_with("two spines: legs x 1, arms x 0; target joints at rest: "));
+}
+
+TEST_CASE("tables are recognised by the names of joints") {
+  for (const ml::SkeletonTable& table : ml::skeleton_tables()) {
+    CAPTURE(table.name);
+    std::vector<std::string> names;
+    std::vector<int> parents;
+    for (const auto& m : table.joints) {
+      CHECK_NOTHROW(ml::detail::axes_rotation(m));
+      CHECK(ml::smpl24_skeleton().find(m.target) >= 0);
+      for (const std::string& name : {m.source, m.second}) {
+        if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) continue;
+        parents.push_back(names.empty() ? -1 : 0);
+        names.push_back(name);
+      }
+    }
+    const std::vector<ml::Vec3<double>> offsets(names.size());
+    const auto skeleton = ml::Skeleton::from_arrays(names, parents, offsets);
+    CHECK(ml::detect_skeleton_table(skeleton).name == table.name);
+  }
+  CHECK(ml::detect_skeleton_table(ml::humanml3d22_skeleton()).name == "SMPL");
+}
+
+TEST_CASE("what is missing is named") {
+  ml::Skeleton s = ml::smpl24_skeleton();
+  s.names[static_cast<std::size_t>(s["left_knee"])] = "kneecap";
+  CHECK_THROWS_WITH_AS(ml::detect_skeleton_table(s), Contains("SMPL, needs a joint 'left_knee'"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap(s, ml::smpl24_skeleton(), ml::skeleton_table("CMU Daz")),
+                       Contains("[motionlang.config.103] SkeletonMap: CMU Daz needs a joint 'hip'"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::skeleton_table("CMU Max"), Contains("[motionlang.config.103]"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap(ml::smpl24_skeleton(), ml::kit21_skeleton()), Contains("_hip'"),
+                       ml::config_error);
+  ml::SkeletonTable no_hips{"no hips", {{"pelvis", "pelvis"}}};
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap(ml::smpl24_skeleton(), ml::smpl24_skeleton(), no_hips),
+                       Contains("no hips has no 'left_hip'"), ml::config_error);
+  ml::Skeleton flat = ml::smpl24_skeleton();
+  for (auto& offset : flat.offsets) offset = {};
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap{flat}, Contains("[motionlang.config.101]"), ml::config_error);
+  const ml::SkeletonMap map(ml::smpl24_skeleton());
+  CHECK_THROWS_WITH_AS(ml::retarget(synthetic::walk({.frames = 2}, ml::humanml3d22_skeleton()), map),
+                       Contains("[motionlang.config.106]"), ml::config_error);
+  for (const char* axes : {"", "+x+x", "+x-x", "x+y+", "+a+b", "+x+y+z"}) {
+    CHECK_THROWS_WITH_AS(ml::detail::axes_rotation({"pelvis", "hips", axes}), Contains("does not name two axes"),
+                         ml::config_error);
+  }
+}
