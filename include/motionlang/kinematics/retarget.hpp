@@ -32,7 +32,8 @@ inline std::string to_string(const RetargetReport& r) {
     for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
     return out.empty() ? std::string("none") : out;
   };
-  return concat_text(r.table, ": legs x ", r.leg_ratio, ", arms x ", r.arm_ratio,
+  auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
+  return concat_text(r.table, ": legs x ", rounded(r.leg_ratio), ", arms x ", rounded(r.arm_ratio),
                      "; target joints at rest: ", list(r.unmapped), "; source joints not used: ", list(r.unused));
 }
 
