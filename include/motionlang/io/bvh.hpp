@@ -6,8 +6,10 @@
 /// channel replaces that coordinate of the OFFSET.
 #pragma once
 
-#include <algorithm>  // find
-#include <numbers>    // pi
+#include <algorithm>      // any_of, count_if
+#include <numbers>        // pi
+#include <unordered_map>  // names
+#include <unordered_set>  // names
 
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/io/bvh_text.hpp>
@@ -38,13 +40,20 @@ inline double frames_per_second(double frame_time) {
 
 inline double& coordinate(Vec3<double>& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-/// `name`, or `name` with the first number behind it that makes it new.
-inline std::string unique_name(const std::string& name, const std::vector<std::string>& taken) {
-  auto is_taken = [&](const std::string& n) { return std::find(taken.begin(), taken.end(), n) != taken.end(); };
-  std::string unique = name;
-  for (int i = 2; is_taken(unique); ++i) unique = name + "_" + std::to_string(i);
-  return unique;
-}
+/// Gives every name only once: "Hand", "Hand_2", "Hand_3".
+class UniqueNames {
+ public:
+  std::string operator()(const std::string& name) {
+    int& number = next_.try_emplace(name, 1).first->second;
+    std::string unique = name;
+    for (; !taken_.insert(unique).second; unique = name + "_" + std::to_string(number)) ++number;
+    return unique;
+  }
+
+ private:
+  std::unordered_set<std::string> taken_;
+  std::unordered_map<std::string, int> next_;  // the number that was tried last
+};
 
 /// A joint of the file with the place of its channels in a frame.
 struct BvhJoint {
@@ -163,8 +172,9 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   motion.name = file.name;
   motion.fps = detail::frames_per_second(file.frame_time);
   Skeleton& skeleton = motion.skeleton;
+  detail::UniqueNames unique;
   for (const detail::BvhJoint& j : joints) {
-    skeleton.names.push_back(detail::unique_name(j.node->name, skeleton.names));
+    skeleton.names.push_back(unique(j.node->name));
     skeleton.parents.push_back(j.parent);
     const bool is_root = skeleton.size() == 1;
     skeleton.offsets.push_back(options.scale * (is_root ? j.node->offset : detail::constant_offset(j, table)));
@@ -210,15 +220,15 @@ inline EulerAngles<double> continue_curve(const EulerAngles<double>& angles, con
   return step(twin) < step(same) ? twin : same;
 }
 
-/// Names that every reader accepts: letters, digits, "_", "-", "." (no blanks, no ":"), and each only once.
-inline std::string plain_name(std::string_view name, const std::vector<std::string>& taken) {
+/// A name that every reader accepts: letters, digits, "_", "-", "." (no blanks, no ":").
+inline std::string plain_name(std::string_view name) {
   std::string plain(name);
   for (char& c : plain) {
     const bool keep =
         (lower(c) >= 'a' && lower(c) <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
     if (!keep) c = '_';
   }
-  return unique_name(plain.empty() ? "joint" : plain, taken);
+  return plain.empty() ? "joint" : plain;
 }
 
 /// Joints so that every child follows its parent before any other branch: the order of a BVH file.
@@ -259,13 +269,13 @@ inline Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {}) {
   std::vector<BvhChannel> channels{BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
   for (const int axis : order.axis) channels.push_back(static_cast<BvhChannel>(axis + 3));
   std::vector<int> node_of(joints.size());
-  std::vector<std::string> names;
+  detail::UniqueNames unique;
   for (const int j : joints) {
-    names.push_back(detail::plain_name(skeleton.name(j), names));
+    const std::string name = unique(detail::plain_name(skeleton.name(j)));
     node_of[static_cast<std::size_t>(j)] = static_cast<int>(file.nodes.size());
     const int parent = j == 0 ? -1 : node_of[static_cast<std::size_t>(skeleton.parent(j))];
     const Vec3<double> offset = j == 0 ? Vec3<double>{} : options.scale * skeleton.offset(j);
-    file.nodes.push_back({.name = names.back(), .parent = parent, .offset = offset, .channels = channels});
+    file.nodes.push_back({.name = name, .parent = parent, .offset = offset, .channels = channels});
     if (skeleton.children(j).empty()) {
       const Vec3<double> end = options.scale * detail::end_offset(skeleton, j, options.end_length);
       file.nodes.push_back(

@@ -270,6 +270,13 @@ TEST_CASE("BVH: a single joint, and a bone of no length, get an end") {
   check_equal(file.nodes[1].offset, {0, 20, 0});
 }
 
+TEST_CASE("BVH: thousands of joints of one name take no time") {
+  std::string text = "HIERARCHY ROOT b { OFFSET 0 0 0 CHANNELS 1 Xposition ";
+  for (int i = 0; i < 4000; ++i) text += "JOINT b { OFFSET 0 0 0 }";
+  const auto motion = ml::to_motion(ml::parse_bvh(text + "} MOTION Frames: 1 Frame Time: 1 1"));
+  CHECK(motion.skeleton.names.back() == "b_4001");
+}
+
 TEST_CASE("BVH: malformed files are refused where they are wrong") {
   auto refuses = [](const std::string& text, const char* message) {
     CHECK_THROWS_WITH_AS(ml::parse_bvh(text, "f.bvh"), Contains(message), ml::io_error);
