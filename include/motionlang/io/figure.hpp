@@ -150,8 +150,9 @@ inline Figure make_figure(const Skeleton& skeleton) {
     RoundCone cone{skeleton.parents[j], {}, skeleton.offsets[j], limb_radius(p), limb_radius(j), Side::middle};
     if (anatomy.trunk[j]) {
       cone.radius_from = cone.radius_to = trunk_radius;
-    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk
-      cone.radius_from = is_middle(j) ? 0.9 * trunk_radius : 1.2 * cone.radius_to;
+    } else if (anatomy.trunk[p]) {  // hips, collars, neck: the ends of the trunk, a little inside the limb that follows
+      cone.radius_from = 0.85 * trunk_radius;
+      cone.radius_to *= 0.97;
     } else if (anatomy.reach[j] + length < 0.2 * unit && !is_middle(j)) {  // fingers, toes, tips: thinner than long
       cone.radius_to = std::min(cone.radius_to, 0.4 * length);
       cone.radius_from = std::min(cone.radius_from, std::max(cone.radius_to, 0.5 * length));

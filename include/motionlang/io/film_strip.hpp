@@ -9,8 +9,8 @@
 #include <numbers>  // pi
 #include <tuple>    // legend
 
+#include <motionlang/io/detail/figure_pose.hpp>
 #include <motionlang/io/detail/markup.hpp>
-#include <motionlang/io/figure.hpp>
 #include <motionlang/io/file.hpp>
 #include <motionlang/io/track.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -122,24 +122,24 @@ class FilmStrip {
 
   /// Chooses the scale so that figures fit into their cells, and the places of the floor and of everything below it.
   void measure() {
-    double low = 1e300, high = -1e300, half_width = 0.2 * figure_.size;
-    nearest_ = 1e300;
-    farthest_ = -1e300;
-    JointTransforms<double> world;
-    for (Index frame = 0; frame < motion_.frames(); ++frame) {
-      motion_.world(frame, world);
+    const auto [low, high] = heights(motion_, figure_);
+    ground_ = low;
+    nearest_ = farthest_ = depth_of_root(0);
+    for (Index frame = 1; frame < motion_.frames(); ++frame) {
       nearest_ = std::min(nearest_, depth_of_root(frame));
       farthest_ = std::max(farthest_, depth_of_root(frame));
+    }
+    double half_width = 0.2 * figure_.size;
+    JointTransforms<double> world;
+    for (int i = 0; i < poses_; ++i) {
+      motion_.world(frame_of(i), world);
       for (const RoundCone& c : figure_.cones) {
-        const auto [from, to] = ends(world, c);
+        const auto [from, to] = cone_ends(world, c);
         for (const auto& [p, r] : {std::pair{from, c.radius_from}, std::pair{to, c.radius_to}}) {
-          low = std::min(low, p.y - r);
-          high = std::max(high, p.y + r);
-          half_width = std::max(half_width, std::abs(dot(p - motion_.root_at(frame), view_.right)) + r);
+          half_width = std::max(half_width, std::abs(dot(p - motion_.root_at(frame_of(i)), view_.right)) + r);
         }
       }
     }
-    ground_ = low;
     const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - low);
     scale_ = std::min({1.25 * cell_ / (2 * half_width), tallest_figure, tallest_picture});
     const double depth = farthest_ - nearest_, tallest = 0.45 * figure_.size;  // of the floor in the picture
@@ -147,14 +147,6 @@ class FilmStrip {
     const double rise = depth * view_.sine * depth_scale_;
     floor_ = header + (high - low) * view_.cosine * scale_ + rise + 0.08 * figure_.size * scale_;
     labels_ = floor_ + 0.16 * figure_.size * scale_ + 14;
-  }
-
-  struct Ends {
-    Vec3<double> from, to;
-  };
-  static Ends ends(const JointTransforms<double>& world, const RoundCone& c) {
-    const auto j = static_cast<std::size_t>(c.joint);
-    return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
   }
 
   std::string backdrop() const {
@@ -199,7 +191,7 @@ class FilmStrip {
     for (auto& [joint, piece] : by_joint) {
       const double share = 1.0 / static_cast<double>(piece.cones.size());
       for (const RoundCone* c : piece.cones) {
-        const auto [from, to] = ends(world, *c);
+        const auto [from, to] = cone_ends(world, *c);
         const Vec3<double> r = 0.5 * (from + to) - root;
         piece.depth += share * (dot(r, view_.away) * view_.cosine - r.y * view_.sine);
         piece.distance += share * dot(r, view_.away);
@@ -231,7 +223,7 @@ class FilmStrip {
       const double shade = std::clamp(piece.distance / (0.35 * figure_.size), 0.0, 1.0);
       std::string shapes;
       for (const RoundCone* c : piece.cones) {
-        const auto [from, to] = ends(world, *c);
+        const auto [from, to] = cone_ends(world, *c);
         shapes += outline(project(from), c->radius_from * scale_, project(to), c->radius_to * scale_);
       }
       const std::string fill = colour(piece.cones.front()->side, shade);
