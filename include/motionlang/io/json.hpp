@@ -46,6 +46,10 @@ inline nlohmann::json parse_json(std::string_view text, std::string_view name = 
     const std::string_view message = e.what();
     const std::size_t detail = message.rfind(": ");  // behind id and position
     fail(e.byte == 0 ? 0 : e.byte - 1, detail == message.npos ? message : message.substr(detail + 2));
+  } catch (const nlohmann::json::out_of_range& e) {  // ... parsing '1e999'
+    const std::string_view message = e.what();
+    const std::size_t number = message.find('\'') + 1;
+    fail(text.find(message.substr(number, message.rfind('\'') - number)), "a number beyond the range of double");
   }
   return {};
 }

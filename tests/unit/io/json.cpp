@@ -34,6 +34,7 @@ TEST_CASE("a mistake is reported with line and column") {
   CHECK(at("").starts_with("[motionlang.io.403] file:1:1: "));
   CHECK(at("[1,2").starts_with("[motionlang.io.403] file:1:"));
   CHECK(at("{}\n{}").starts_with("[motionlang.io.403] file:2:1: "));
+  CHECK(at("[1,\n-1e999]").starts_with("[motionlang.io.403] file:2:1: a num"));
   CHECK(at("\"\xFF\"").starts_with("[motionlang.io.403] file:1:"));
 }
 
