@@ -4,6 +4,7 @@
 
 #include <algorithm>  // max
 #include <cmath>      // sin, cos
+#include <limits>     // infinity
 #include <numbers>    // pi
 
 #include <motionlang/geometry/axis_angle.hpp>
@@ -70,6 +71,15 @@ inline ml::Motion walk(const Walk& options = {}, const ml::Skeleton& skeleton = 
     motion.world(frame, before);
   }
   return motion;
+}
+
+/// Largest distance between the same joint in the same frame; infinity if the motions differ in size.
+inline double largest_distance(const ml::Motion& a, const ml::Motion& b) {
+  const auto p = a.positions(), q = b.positions();
+  if (p.size() != q.size()) return std::numeric_limits<double>::infinity();
+  double worst = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) worst = std::max(worst, ml::norm(p[i] - q[i]));
+  return worst;
 }
 
 }  // namespace synthetic

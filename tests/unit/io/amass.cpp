@@ -19,14 +19,6 @@ ml::NpyArray matrix(ml::Index rows, ml::Index columns, double value = 0) {
   return ml::NpyArray::of(std::span<const double>(values), {rows, columns});
 }
 
-double largest_distance(const ml::Motion& a, const ml::Motion& b) {
-  const auto p = a.positions(), q = b.positions();
-  REQUIRE(p.size() == q.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) worst = std::max(worst, ml::norm(p[i] - q[i]));
-  return worst;
-}
-
 }  // namespace
 
 TEST_CASE("a motion comes back") {
@@ -40,7 +32,7 @@ TEST_CASE("a motion comes back") {
     CHECK(clip.motion.skeleton == ml::smpl24_skeleton());
     CHECK(clip.body.gender == "female");
     CHECK(clip.body.betas == std::vector<double>{1, 2});
-    CHECK(largest_distance(motion, clip.motion) < 1e-12);
+    CHECK(synthetic::largest_distance(motion, clip.motion) < 1e-12);
   }
 }
 

@@ -33,14 +33,6 @@ std::vector<std::byte> other_program_bytes() {
   return ml::detail::inflate(std::span(zlib).subspan(2), 10'000, "zlib").data;  // after the two bytes of zlib's header
 }
 
-double largest_distance(const ml::Motion& a, const ml::Motion& b) {
-  const auto p = a.positions(), q = b.positions();
-  REQUIRE(p.size() == q.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) worst = std::max(worst, ml::norm(p[i] - q[i]));
-  return worst;
-}
-
 /// A document under construction: floats go to the binary chunk, one accessor each.
 struct Builder {
   json document{{"asset", {{"version", "2.0"}}}, {"buffers", json::array({json::object()})}};
@@ -94,7 +86,7 @@ TEST_CASE("a motion comes back") {
     CHECK(back.frames() == frames);
     CHECK(back.skeleton.names == motion.skeleton.names);
     CHECK(back.skeleton.parents == motion.skeleton.parents);
-    CHECK(largest_distance(motion, back) < 1e-5);
+    CHECK(synthetic::largest_distance(motion, back) < 1e-5);
   }
 }
 
@@ -121,7 +113,7 @@ TEST_CASE("all skeletons can be written, also one joint and names that are not U
     const ml::Motion motion = standing(s);
     const ml::Motion back = ml::GlbFile(ml::glb_bytes(std::span(&motion, 1)), "memory").motion("motion");
     CHECK(back.skeleton.size() == s.size());
-    CHECK(largest_distance(motion, back) < 1e-6);
+    CHECK(synthetic::largest_distance(motion, back) < 1e-6);
   }
 }
 
