@@ -27,6 +27,9 @@ struct MdmSmplConfig {
 /// the frames are read off its end. Source  Petrovich et al., "Multi-track timeline control" (2024), section 4.3;
 /// nv-tlabs/stmc src/model/mdm_smpl.py, whose
 ///         state-dict keys (behind "denoiser.") are the field names
+/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
+/// the
+///         batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
 /// Differs from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
@@ -82,9 +85,14 @@ struct MdmSmplDenoiser {
       raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.count(), " texts, ", t.size(), " steps");
     }
     const Sequences<B> time(time_tokens(t), Offsets::equal(n, 1));
-    return add_positions(
-        concat_tokens(time, text_tokens(text), repeat_sequence(registers, n), x.with(skel_embedding(x.rows))),
-        positions.rows());
+    const auto tokens =
+        concat_tokens(time, text_tokens(text), repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
+    PoolVector<PositionGap> gaps;  // what follows the text stands where it would behind the longest text of the batch
+    for (Index s = 0; s < n; ++s) {
+      const Index length = text.tokens.offsets.length(s);
+      gaps.push_back({1 + length, text.tokens.offsets.longest() - length});
+    }
+    return add_positions(tokens, positions.rows(), gaps);
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {

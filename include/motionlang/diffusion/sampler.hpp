@@ -167,7 +167,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     }
     const auto step = advance(x, used, t);
     watch(t, step);
-    x = t > 0 ? step.x_prev : step.x0;
+    x = t > 0 ? step.x_prev : to_x0(d, Prediction::eps, e, x, std::span<const Index>(&t, 1));
     old.insert(old.begin(), e);
     if (old.size() >= static_cast<std::size_t>(order)) old.pop_back();
     progress(d.steps() - t, d.steps());

@@ -67,12 +67,13 @@ struct Gru {
   }
 };
 
-/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2": PyTorch numbers the parameters instead of nesting them.
+/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2": PyTorch numbers the parameters instead of nesting them. Other paths
+/// stay.
 inline std::string gru_key(const std::string& path) {
-  const auto at = path.find("layers.");
-  if (at == std::string::npos) return path;
-  const auto dot = path.find('.', at + 7);
-  return path.substr(0, at) + path.substr(dot + 1) + "_l" + path.substr(at + 7, dot - at - 7);
+  constexpr std::string_view nested = "gru.layers.";
+  if (!path.starts_with(nested)) return path;
+  const auto dot = path.find('.', nested.size());
+  return "gru." + path.substr(dot + 1) + "_l" + path.substr(nested.size(), dot - nested.size());
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -46,13 +46,23 @@ class PositionTable {
   Tensor<B, 2> rows_;
 };
 
-/// Adds row i of the table to row i of each sequence. Throws shape_error 203 for a sequence longer than the table.
+/// Positions of a sequence that are left out, as if padding stood there: `rows` of them before row `before`.
+struct PositionGap {
+  Index before = 0, rows = 0;
+};
+
+/// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
+/// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
 template <Backend B>
-Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table) {
+Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std::span<const PositionGap> gaps = {}) {
+  if (!gaps.empty() && static_cast<Index>(gaps.size()) != x.count()) {
+    raise<shape_error>(204, "add_positions: ", gaps.size(), " gaps for ", x.count(), " sequences");
+  }
   PoolVector<Index> rows;
   rows.reserve(static_cast<std::size_t>(x.offsets.rows()));
   for (Index s = 0; s < x.count(); ++s) {
-    for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i);
+    const PositionGap gap = gaps.empty() ? PositionGap{} : gaps[static_cast<std::size_t>(s)];
+    for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
   }
   return x.with(gather(table, rows) + x.rows);
 }

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+/// Parameters of modules in safetensors files: paths of fields are the names of tensors.
+#pragma once
+
+#include <motionlang/io/safetensors.hpp>
+#include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/module.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
+template <Module M>
+std::string tensor_key(const std::string& prefix, const std::string& path) {
+  if constexpr (requires { M::official_key(path); })
+    return prefix + M::official_key(path);
+  else
+    return prefix + path;
+}
+
+/// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
+/// A variable stays the variable it was. Throws io_error 407 if the shape is another.
+template <Backend B, int R>
+void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
+                   const std::string& where) {
+  if (view.shape != tensor.shape())
+    raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", tensor.shape());
+  using S = typename B::scalar;
+  auto make = [&]<class C>() -> typename C::tensor {
+    if constexpr (std::is_constructible_v<typename C::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+      const auto numbers = direct<S>(view);
+      if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
+    }
+    const std::vector<S> values = values_of<S>(view);
+    return C::from_span(std::span<const S>(values), view.shape);
+  };
+  if constexpr (AutodiffBackend<B>) {
+    B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();
+  } else {
+    tensor = Tensor<B, R>(make.template operator()<B>());
+  }
+}
+
+/// Names that a file lacks, and names that nobody asked for.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
+/// Returns what did not match; throws io_error 407 for a tensor of another shape.
+template <Module M>
+KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+  KeyReport report;
+  std::vector<std::string> known;
+  visit_tensors(module, [&](const std::string& path, auto& tensor) {
+    known.push_back(tensor_key<M>(prefix, path));
+    const TensorView* view = file.find(known.back());
+    if (view == nullptr)
+      report.missing.push_back(known.back());
+    else
+      assign_tensor(tensor, *view, file.owner(), file.name());
+  });
+  std::sort(known.begin(), known.end());
+  for (const TensorView& t : file.tensors()) {
+    if (t.name.starts_with(prefix) && !std::binary_search(known.begin(), known.end(), t.name))
+      report.unexpected.push_back(t.name);
+  }
+  return report;
+}
+/// The same, where every name has to match. Throws io_error 406 with both lists.
+template <Module M>
+void load_module(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+  const KeyReport report = load_module_partly(module, file, prefix);
+  if (report.missing.empty() && report.unexpected.empty()) return;
+  auto list = [](const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size() && i < 5; ++i) text += (i == 0 ? " " : ", ") + names[i];
+    return text + (names.size() > 5 ? ", ..." : "");
+  };
+  raise<io_error>(406, file.name(), ": ", report.missing.size(), " tensors are missing:", list(report.missing), "; ",
+                  report.unexpected.size(), " are not expected:", list(report.unexpected));
+}
+
+/// Tensors on their way into a file, with their own memory.
+class TensorStore {
+ public:
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another.
+  template <Scalar S>
+  void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
+    switch (dtype) {
+      case DType::F32:
+        return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
+      case DType::F64:
+        return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
+      case DType::F16:
+        return put<std::uint16_t>(std::move(name), shape, values, dtype,
+                                  [](S x) { return float_to_half(static_cast<float>(x)); });
+      case DType::BF16:
+        return put<std::uint16_t>(std::move(name), shape, values, dtype,
+                                  [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
+      default:
+        raise<config_error>(101, "TensorStore: '", name, "' cannot be stored as ", dtype);
+    }
+  }
+  /// All tensors of a module.
+  template <Module M>
+  void add_module(const M& module, const std::string& prefix = "", DType dtype = DType::F32) {
+    visit_tensors(module, [&](const std::string& path, const auto& t) {
+      add(tensor_key<M>(prefix, path), t.shape(), t.span(), dtype);
+    });
+  }
+  std::vector<TensorView> views() const {
+    std::vector<TensorView> out;
+    for (const Entry& e : entries_) out.push_back({e.name, e.dtype, e.shape, e.bytes});
+    return out;
+  }
+
+ private:
+  struct Entry {
+    std::string name;
+    DType dtype;
+    Shape shape;
+    std::vector<std::byte> bytes;
+  };
+  template <class Stored, Scalar S, class F>
+  void put(std::string name, const Shape& shape, std::span<const S> values, DType dtype, F convert) {
+    Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Stored v = convert(values[i]);
+      std::memcpy(e.bytes.data() + i * sizeof(Stored), &v, sizeof(Stored));
+    }
+    entries_.push_back(std::move(e));
+  }
+  std::vector<Entry> entries_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,349 @@
+// Golden functions: stitching, steps and whole chains of STMC, on its own denoiser and on MDM and MotionDiffuse.
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/reference.hpp>
+#include <motionlang/backend/xtensor.hpp>
+#include <motionlang/compose/baselines.hpp>
+#include <motionlang/compose/collage.hpp>
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/features/guoh3d.hpp>
+
+#include "models.hpp"
+#include "timelines.hpp"
+
+namespace {
+
+using golden::Case, golden::Registration, golden::tensor;
+namespace ml = motionlang;
+using ml::Index;
+
+ml::BatchPlan plan_of(const Case& c) { return ml::plan_timelines(golden::timelines_of(c), golden::plan_options(c)); }
+ml::PlanOptions hard_cuts(const Case& c) {
+  auto options = golden::plan_options(c);
+  options.extend = options.transition_crops = false;
+  return options;
+}
+
+template <ml::Backend B>
+void stitching(Case& c) {
+  const auto plan = plan_of(c);
+  const auto rows = ml::CropRows::of(plan);
+  const auto shape = c.shape("in/crops");
+  std::vector<Index> lengths;
+  for (Index i = 0; i < rows.offsets.count(); ++i) lengths.push_back(rows.offsets.length(i));
+  const auto crops = ml::from_padded(tensor<B, 3>(c, "in/crops"), std::span<const Index>(lengths));
+  const ml::Stitcher<B> stitch(plan, golden::layout_of(c), crops.offsets, plan.frames);
+  c.out("composite", {std::ssize(plan.timelines), plan.frames, shape.back()}, stitch(crops.rows).span());
+}
+
+template <ml::Backend B>
+void interpolation(Case& c) {
+  const auto plan = ml::plan_timelines(golden::timelines_of(c), hard_cuts(c));
+  const auto motion = golden::rows<B>(c, "in/motion");
+  c.out("motion", c.shape("in/motion"),
+        ml::interpolate_transitions(plan, golden::layout_of(c), motion, c.shape("in/motion")[1]).span());
+}
+
+/// (timelines, frames, features) with zeros behind the end of each timeline; `stride` rows of x per timeline.
+template <ml::Backend B>
+ml::Tensor<B, 3> ends_cut(const ml::Tensor<B, 2>& x, const ml::BatchPlan& plan, Index stride) {
+  std::vector<Index> lengths;
+  for (const auto& p : plan.timelines) lengths.push_back(p.frames);
+  const auto all = ml::reshape<3>(x, {std::ssize(plan.timelines), stride, x.size(1)});
+  return ml::to_padded(ml::from_padded(all, std::span<const Index>(lengths)), 0, plan.frames);
+}
+
+template <ml::Backend B>
+ml::TextFeatures<B> normalised(const golden::MdmSmplModel<B>& m, ml::TextFeatures<B> text) {
+  text.tokens.rows = m.text_normalizer.normalize(text.tokens.rows);
+  return text;
+}
+
+template <ml::Backend B>
+void single_step(Case& c) {
+  const auto m = golden::mdm_smpl_model<B>(c);
+  const auto d = golden::diffusion_of(c.config());
+  const auto t = c.config()["t"].as<Index>();
+  const ml::Collage<B, ml::MdmSmplDenoiser<B>> collage(
+      m.denoiser, plan_of(c), golden::layout_of(c), normalised(m, golden::text_features<B>(c)),
+      normalised(m, golden::one_text<B>(c, "in/text_empty")), c.config()["guidance"].as<double>());
+  const auto x = golden::rows<B>(c, "in/x_t");
+  const auto s = collage.step(x, t);
+  std::vector<Index> lengths;
+  const auto& offsets = collage.crop_offsets();
+  for (Index i = 0; i < offsets.count(); ++i) lengths.push_back(offsets.length(i));
+  c.out("lengths", lengths);
+  auto crops = [&](const std::string& name, const ml::Tensor<B, 2>& rows) {
+    golden::out(c, name, ml::to_padded(ml::Sequences<B>(rows, offsets), 0, c.shape("out/" + name)[1]));
+  };
+  crops("crops", s.crops);
+  crops("cond", s.cond);
+  crops("null", s.null);
+  crops("guided", s.guided);
+  const auto step = ml::ancestral_step(d, x, s.x0, golden::rows<B>(c, "noise/000"), std::span(&t, 1),
+                                       {.noise_scale = golden::noise_scale_of(c.config())});
+  auto motion = [&](const std::string& name, const ml::Tensor<B, 2>& rows) {
+    golden::out(c, name, ends_cut(rows, collage.plan(), collage.stride()));
+  };
+  motion("composite", step.x0);
+  motion("mean", step.mean);
+  motion("x_prev", step.x_prev);
+}
+
+/// A chain on any denoiser: the plan of the mode, the noise as the collage wants it, the outputs that all hosts share.
+template <ml::Backend B, class D>
+struct Host {
+  Case& c;
+  const D& denoiser;
+  ml::FeatureLayout layout;
+  ml::TextFeatures<B> text, null;
+  ml::Prediction prediction = ml::Prediction::x0;
+  std::function<ml::Tensor<B, 3>(const std::string&)> noise;  // a file's noise as (sequences, frames, features)
+
+  /// Returns the motions, normalised, and hands over x_after_... and first_composite through `out`.
+  template <class Out>
+  ml::Tensor<B, 3> run(const ml::BatchPlan& plan, bool independent, const Out& out) const {
+    const auto config = c.config();
+    const auto d = golden::diffusion_of(config);
+    const auto traits = denoiser.traits();
+    const auto used = independent ? ml::independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
+    const ml::Collage<B, D> collage(denoiser, used, layout, text, null, config["guidance"].template as<double>());
+    auto rows = [&](Index draw) {  // rows that the file does not have are never read by a crop
+      const auto z = noise(golden::noise_name(draw));
+      const Index more = collage.stride() - z.size(1);
+      const auto all = more <= 0 ? ml::slice(z, 1, 0, collage.stride())
+                                 : ml::concat(1, z, ml::Tensor<B, 3>::zeros({z.size(0), more, z.size(2)}));
+      return ml::reshape<2>(all, {all.size(0) * all.size(1), all.size(2)});
+    };
+    const Index first = d.steps() - 1;
+    const auto x0 = ml::sample_collage<B>(collage, d, prediction, rows, {.noise_scale = golden::noise_scale_of(config)},
+                                          {}, [&](Index t, const auto& step) {
+                                            if (t == first)
+                                              out("first_composite", ends_cut(step.x0, used, collage.stride()));
+                                            out("x_after_" + golden::three_digits(t),
+                                                ends_cut(step.x_prev, used, collage.stride()));
+                                          });
+    if (!independent) {
+      out("x0", ends_cut(x0, used, collage.stride()));
+      return ends_cut(x0, plan, collage.stride());
+    }
+    // The clips, each cut to its interval, then hard cuts, then perhaps interpolation.
+    std::vector<Index> lengths;
+    for (const auto& p : plan.timelines) {
+      for (const auto& crop : p.crops) lengths.push_back(crop.range.size());
+    }
+    const auto all = ml::reshape<3>(x0, {std::ssize(lengths), collage.stride(), x0.size(1)});
+    const auto clips = ml::from_padded(all, std::span<const Index>(lengths));
+    out("x0", ml::to_padded(clips));
+    const ml::Stitcher<B> stitch(plan, layout, clips.offsets, plan.frames);
+    auto motion = stitch(clips.rows);
+    if (config["mode"].template as<std::string>() == "sinc_lerp")
+      motion = ml::interpolate_transitions(plan, layout, motion, plan.frames);
+    return ends_cut(motion, plan, plan.frames);
+  }
+};
+
+bool is_independent(const Case& c) { return c.config()["mode"].as<std::string>().starts_with("sinc"); }
+std::vector<Index> frames_of(const ml::BatchPlan& plan) {
+  std::vector<Index> frames;
+  for (const auto& p : plan.timelines) frames.push_back(p.frames);
+  return frames;
+}
+
+/// singletrack and onetext: the original file in seconds, converted, written, read again in frames.
+std::vector<ml::Timeline> converted(Case& c) {
+  std::vector<ml::TimelineInSeconds> out;
+  const bool single = c.config()["mode"].as<std::string>() == "singletrack";
+  for (const auto& t : ml::parse_timelines_in_seconds(c.text().as<std::string>(), {.allow_empty = true})) {
+    out.push_back(single ? ml::single_track(t) : ml::one_text(t));
+  }
+  const auto timelines =
+      ml::parse_timelines(ml::write_timelines(out), {.fps = c.config()["fps"].as<double>(), .allow_empty = true});
+  std::vector<Index> intervals;
+  std::string texts;
+  for (const auto& t : timelines) {
+    for (const auto& i : t.intervals) {
+      intervals.insert(intervals.end(), {i.start, i.end});
+      texts += (texts.empty() ? "" : "\n") + i.text;
+    }
+  }
+  c.out("intervals", {std::ssize(intervals) / 2, 2}, intervals);
+  c.out_text("texts_utf8", texts);
+  return timelines;
+}
+
+template <ml::Backend B>
+void chain(Case& c) {
+  const auto m = golden::mdm_smpl_model<B>(c);
+  const auto mode = c.config()["mode"].as<std::string>();
+  const auto timelines = mode == "singletrack" || mode == "onetext" ? converted(c) : golden::timelines_of(c);
+  const auto plan = ml::plan_timelines(timelines, is_independent(c) ? hard_cuts(c) : golden::plan_options(c));
+  const Host<B, ml::MdmSmplDenoiser<B>> host{.c = c,
+                                             .denoiser = m.denoiser,
+                                             .layout = golden::layout_of(c),
+                                             .text = normalised(m, golden::text_features<B>(c)),
+                                             .null = normalised(m, golden::one_text<B>(c, "in/text_empty")),
+                                             .noise = [&](const std::string& name) { return tensor<B, 3>(c, name); }};
+  const auto motion = host.run(plan, is_independent(c), [&](const std::string& name, const ml::Tensor<B, 3>& t) {
+    golden::out_if_wanted(c, name, t);
+  });
+  c.out("n_frames", frames_of(plan));
+  // un-normalised, then zero again behind the ends
+  const auto whole = m.motion_normalizer.denormalize(motion);
+  golden::out(c, "motion",
+              ends_cut(ml::reshape<2>(whole, {whole.size(0) * whole.size(1), whole.size(2)}), plan, plan.frames));
+}
+
+/// Plain text to motion: every text is a timeline of its own.
+ml::BatchPlan one_timeline_each(std::span<const Index> lengths) {
+  std::vector<ml::TimelinePlan> plans;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    plans.push_back(ml::plan_timeline({{{std::to_string(i), 0, lengths[i], ml::BodyParts::all()}}}));
+  }
+  return ml::batch_plans(std::move(plans));
+}
+/// All features belong to one part: nothing is composed.
+ml::FeatureLayout whole_layout(Index features) {
+  return ml::FeatureLayout::from_owner("whole", features, [](Index) { return ml::BodyPart::legs; });
+}
+
+template <ml::Backend B>
+void text_chain(Case& c) {
+  const auto m = golden::mdm_smpl_model<B>(c);
+  const auto lengths = c.values<Index>("in/lengths");
+  const auto plan = one_timeline_each(lengths);
+  const Host<B, ml::MdmSmplDenoiser<B>> host{.c = c,
+                                             .denoiser = m.denoiser,
+                                             .layout = whole_layout(m.denoiser.to_skel_layer.out()),
+                                             .text = normalised(m, golden::text_features<B>(c)),
+                                             .null = normalised(m, golden::one_text<B>(c, "in/text_empty")),
+                                             .noise = [&](const std::string& name) { return tensor<B, 3>(c, name); }};
+  const auto x0 = host.run(
+      plan, false, [&](const std::string& name, const ml::Tensor<B, 3>& t) { golden::out_if_wanted(c, name, t); });
+  golden::out(c, "x0_normalised", x0);
+  const auto whole = m.motion_normalizer.denormalize(x0);
+  golden::out(c, "motion",
+              ends_cut(ml::reshape<2>(whole, {whole.size(0) * whole.size(1), whole.size(2)}), plan, plan.frames));
+}
+
+template <ml::Backend B>
+ml::Tensor<B, 3> mdm_noise(const Case& c, const std::string& name) {
+  const auto s = c.shape(name);
+  return ml::reshape<3>(golden::mdm_rows(tensor<B, 4>(c, name)), {s[0], s[3], s[1] * s[2]});
+}
+template <ml::Backend B>
+void out_mdm(Case& c, const std::string& name, const ml::Tensor<B, 3>& t) {
+  if (!c.wants(name)) return;
+  const auto s = c.shape("out/" + name);
+  golden::out(c, name,
+              golden::mdm_layout(ml::reshape<2>(t, {t.size(0) * t.size(1), t.size(2)}), {s[0], s[1], s[2], t.size(1)}));
+}
+
+template <ml::Backend B>
+void mdm_text_chain(Case& c) {
+  const auto m = golden::mdm_model<B>(c);
+  const auto s = c.shape("noise/000");
+  const std::vector<Index> lengths(static_cast<std::size_t>(s[0]), s[3]);
+  const auto text = golden::text_features<B>(c);
+  const Host<B, ml::MdmDenoiser<B>> host{.c = c,
+                                         .denoiser = m,
+                                         .layout = whole_layout(m.config.nfeats),
+                                         .text = text,
+                                         .null = golden::zero_text(ml::gather(text, std::vector<Index>{0})),
+                                         .noise = [&](const std::string& name) { return mdm_noise<B>(c, name); }};
+  auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { out_mdm(c, name, t); };
+  out("motion", host.run(one_timeline_each(lengths), false, out));
+}
+
+template <ml::Backend B>
+void motiondiffuse_text_chain(Case& c) {
+  const auto m = golden::motiondiffuse_model<B>(c);
+  const auto lengths = c.values<Index>("in/lengths");
+  const auto text = golden::clip_features<B>(c);
+  const Host<B, ml::MotionDiffuseDenoiser<B>> host{
+      .c = c,
+      .denoiser = m,
+      .layout = whole_layout(m.config.input_feats),
+      .text = text,
+      .null = ml::gather(text, std::vector<Index>{0}),
+      .prediction = ml::Prediction::eps,
+      .noise = [&](const std::string& name) { return tensor<B, 3>(c, name); }};
+  auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { golden::out_if_wanted(c, name, t); };
+  out("motion", host.run(one_timeline_each(lengths), false, out));
+}
+
+/// Joints of normalised features, (timelines, frames, 22, 3), zero behind the ends.
+template <ml::Backend B>
+void out_joints(Case& c, const ml::Tensor<B, 3>& motion, const ml::BatchPlan& plan) {
+  using S = typename B::scalar;
+  const ml::Normalizer<B> statistics{tensor<B, 1>(c, "in/mean"), tensor<B, 1>(c, "in/std"), 0};
+  std::vector<S> out(static_cast<std::size_t>(motion.size(0) * motion.size(1) * 66));
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const auto one = ml::slice(ml::slice(motion, 0, static_cast<Index>(m), static_cast<Index>(m) + 1), 1, 0,
+                               plan.timelines[m].frames);
+    const auto features = statistics.denormalize(one);
+    std::size_t at = m * static_cast<std::size_t>(motion.size(1)) * 66;
+    for (const auto& j : ml::guoh3d_joints<S>(features.span())) out[at++] = j.x, out[at++] = j.y, out[at++] = j.z;
+  }
+  c.out("joints", {motion.size(0), motion.size(1), 22, 3}, out);
+}
+
+template <ml::Backend B>
+void chain_on_mdm(Case& c) {
+  const auto m = golden::mdm_model<B>(c);
+  const auto plan =
+      ml::plan_timelines(golden::timelines_of(c), is_independent(c) ? hard_cuts(c) : golden::plan_options(c));
+  auto text = golden::text_features<B>(c);
+  const auto empty = c.values<unsigned char>("in/text_is_empty");
+  std::vector<typename B::scalar> keep(empty.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = empty[i] != 0 ? 0 : 1;
+  text.tokens.rows = text.tokens.rows * ml::Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
+  const Host<B, ml::MdmDenoiser<B>> host{.c = c,
+                                         .denoiser = m,
+                                         .layout = ml::guoh3dfeats_layout(),
+                                         .text = text,
+                                         .null = golden::zero_text(ml::gather(text, std::vector<Index>{0})),
+                                         .noise = [&](const std::string& name) { return mdm_noise<B>(c, name); }};
+  auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { out_mdm(c, name, t); };
+  const auto motion = host.run(plan, is_independent(c), out);
+  out("motion", motion);
+  out_joints(c, motion, plan);
+  c.out("n_frames", frames_of(plan));
+}
+
+template <ml::Backend B>
+void chain_on_motiondiffuse(Case& c) {
+  const auto m = golden::motiondiffuse_model<B>(c);
+  const auto plan =
+      ml::plan_timelines(golden::timelines_of(c), is_independent(c) ? hard_cuts(c) : golden::plan_options(c));
+  const Host<B, ml::MotionDiffuseDenoiser<B>> host{
+      .c = c,
+      .denoiser = m,
+      .layout = ml::guoh3dfeats_layout(),
+      .text = golden::clip_features<B>(c),
+      .null = golden::clip_features<B>(c, "in/clip_rows_empty", "in/end_position_empty"),
+      .prediction = ml::Prediction::eps,
+      .noise = [&](const std::string& name) { return tensor<B, 3>(c, name); }};
+  auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { golden::out_if_wanted(c, name, t); };
+  const auto motion = host.run(plan, is_independent(c), out);
+  out("motion", motion);
+  out_joints(c, motion, plan);
+  c.out("n_frames", frames_of(plan));
+}
+
+template <ml::Backend B>
+std::vector<Registration> over(const std::string& variant) {
+  return {{"stmc stitching", variant, stitching<B>},
+          {"stmc transition interpolation", variant, interpolation<B>},
+          {"stmc step", variant, single_step<B>},
+          {"stmc chain", variant, chain<B>},
+          {"mdm smpl text chain", variant, text_chain<B>},
+          {"mdm text chain", variant, mdm_text_chain<B>},
+          {"motiondiffuse text chain", variant, motiondiffuse_text_chain<B>},
+          {"stmc chain on mdm", variant, chain_on_mdm<B>},
+          {"stmc chain on motiondiffuse", variant, chain_on_motiondiffuse<B>}};
+}
+const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");
+const auto eigen = over<ml::EigenBackend<float>>("eigen<float>");
+const auto xtensor = over<ml::XtensorBackend<float>>("xtensor<float>");
+
+}  // namespace
