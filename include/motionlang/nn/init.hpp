@@ -8,6 +8,21 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
+struct NoInit {
+  template <class S>
+  void normal(std::span<S> out) {
+    std::fill(out.begin(), out.end(), S(0));
+  }
+  template <class S>
+  void uniform(std::span<S> out) {
+    std::fill(out.begin(), out.end(), S(0));
+  }
+  NoInit split(std::string_view) const { return {}; }
+  NoInit split(std::uint64_t) const { return {}; }
+};
+static_assert(Rng<NoInit>);
+
 /// Uniform in [-bound, bound].
 template <Backend B, int R>
 Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {

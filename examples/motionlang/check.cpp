@@ -1,0 +1,58 @@
+// motionlang check: what a timeline says, who moves what when, and what is wrong with it.
+#include <cstdio>
+
+#include <motionlang/compose/plan.hpp>
+
+#include "commands.hpp"
+#include "timelines.hpp"
+
+namespace program {
+
+namespace {
+
+void run(const std::string& path, double fps, double overlap) {
+  const auto timelines = read_timelines(path, fps);
+  for (std::size_t m = 0; m < timelines.size(); ++m) {
+    const auto plan = ml::plan_timeline(timelines[m], {.overlap = ml::frame_at(overlap, fps)});
+    std::printf("timeline %zu: %td frames, %.2f s, %td texts\n", m, plan.frames, static_cast<double>(plan.frames) / fps,
+                std::ssize(timelines[m].intervals));
+    for (const auto& i : plan.timeline.intervals) {
+      std::string parts;
+      for (int p = 0; p < ml::body_part_count; ++p) {
+        if (i.parts.has(static_cast<ml::BodyPart>(p)))
+          parts += (parts.empty() ? "" : ", ") + ml::to_string(static_cast<ml::BodyPart>(p));
+      }
+      std::printf("  %6.2f - %6.2f s  %-40s %s\n", static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps,
+                  i.text.empty() ? "(no text: moves freely)" : i.text.c_str(), parts.c_str());
+    }
+    for (int p = 0; p < ml::body_part_count; ++p) {
+      std::printf("  %-10s", ml::body_part_names[static_cast<std::size_t>(p)].data());
+      for (const auto& part : plan.merged) {
+        if (part.part != static_cast<ml::BodyPart>(p)) continue;
+        const auto& text = plan.timeline.intervals[static_cast<std::size_t>(part.owner)].text;
+        std::printf(" [%.2f-%.2f %s]", static_cast<double>(part.range.start) / fps,
+                    static_cast<double>(part.range.end) / fps, text.empty() ? "-" : text.c_str());
+      }
+      std::printf("\n");
+    }
+  }
+  std::printf("%s is a valid timeline file.\n", path.c_str());
+}
+
+}  // namespace
+
+void add_check(CLI::App& app) {
+  struct Options {
+    std::string path;
+    double fps = 20, overlap = 0.5;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand(
+      "check", "Reads a timeline and shows which text moves which part when; errors name line and column");
+  c->add_option("timeline", o->path, "Timeline file")->required();
+  c->add_option("--fps", o->fps, "Frames per second of the model")->capture_default_str();
+  c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")->capture_default_str();
+  c->callback([o] { run(o->path, o->fps, o->overlap); });
+}
+
+}  // namespace program

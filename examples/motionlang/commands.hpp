@@ -1,0 +1,36 @@
+// The commands of the motionlang program. Each fills a CLI11 subcommand with its options and says what to run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace program {
+
+/// Exit codes, as --help lists them.
+enum Exit : int { ok = 0, failed = 1, usage = 2, bad_timeline = 3, stopped = 130 };
+
+/// Set by Ctrl-C. Long work looks at it between steps, ends cleanly, and leaves nothing half written.
+inline std::atomic<bool> interrupted{false};
+
+/// What was typed, for the metadata of what is made.
+inline std::string command_line;
+
+void add_generate(CLI::App& app);
+void add_info(CLI::App& app);
+void add_check(CLI::App& app);
+void add_train(CLI::App& app);
+void add_judge(CLI::App& app);
+
+/// The weights that come with the repository, unless MOTIONLANG_MODEL names others.
+inline std::filesystem::path default_model() {
+  if (const char* named = std::getenv("MOTIONLANG_MODEL")) return named;
+  return MOTIONLANG_DEFAULT_MODEL;
+}
+/// A model is a file, or a folder with one *.safetensors file in it.
+std::filesystem::path model_file(const std::filesystem::path& path);
+
+}  // namespace program

@@ -1,0 +1,45 @@
+// What `generate` and `judge` share: a model over one of the backends, behind one interface.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/progress.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+struct GenerationSettings {
+  std::uint64_t seed = 0;
+  ml::Index steps = 0;               // 0: all
+  std::string sampler = "ddpm";      // or ddim
+  std::optional<double> guidance{};  // the model's own unless given
+  double overlap = 0.5;              // seconds around a cut
+  std::string noise_file{};          // noise/000, noise/001, ... instead of the seed
+};
+
+/// A loaded model. Motions come back in the order of the timelines.
+class Generator {
+ public:
+  virtual ~Generator() = default;
+  virtual std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
+                                      ml::Progress progress) const = 0;
+  virtual double fps() const = 0;
+};
+
+/// backend: eigen, xtensor or reference. Throws config_error 103 for another.
+std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model);
+
+// One per backend, each in its own translation unit.
+std::unique_ptr<Generator> load_eigen(const std::filesystem::path& model);
+std::unique_ptr<Generator> load_xtensor(const std::filesystem::path& model);
+std::unique_ptr<Generator> load_reference(const std::filesystem::path& model);
+
+}  // namespace program

@@ -1,0 +1,57 @@
+// The Generator over one backend.
+#pragma once
+
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/io/stmc_file.hpp>
+
+#include "generation.hpp"
+
+namespace program {
+
+template <ml::Backend B>
+class GeneratorOver final : public Generator {
+ public:
+  explicit GeneratorOver(const std::filesystem::path& file)
+      : file_(ml::SafetensorsFile::open(file)), config_(ml::stmc_config(file_)), model_(ml::load_stmc<B>(file_)) {}
+
+  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
+                              ml::Progress progress) const override {
+    if (s.sampler != "ddpm" && s.sampler != "ddim")
+      ml::raise<ml::config_error>(103, "sampler '", s.sampler, "' is neither ddpm nor ddim");
+    ml::StmcOptions options;
+    options.overlap = ml::frame_at(s.overlap, config_.fps);
+    options.guidance = s.guidance.value_or(config_.guidance);
+    options.steps = s.steps;
+    options.sampling.sampler =
+        s.sampler == "ddim" ? ml::CollageOptions::Sampler::ddim : ml::CollageOptions::Sampler::ddpm;
+    options.sampling.noise_scale = config_.noise_scale;
+    options.progress = progress;
+    const auto features = s.noise_file.empty() ? model_.generate(timelines, ml::Philox{.seed = s.seed}, options)
+                                               : model_.generate_from(timelines, noise_from(s.noise_file), options);
+    std::vector<ml::Motion> motions;
+    for (const auto& f : features) {
+      const std::vector<double> values(f.span().begin(), f.span().end());
+      motions.push_back(ml::smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, config_.fps));
+    }
+    return motions;
+  }
+  double fps() const override { return config_.fps; }
+
+ private:
+  static auto noise_from(const std::string& path) {
+    return [file = ml::SafetensorsFile::open(path)](ml::Index draw, const ml::Shape& shape) {
+      std::string digits = std::to_string(draw);
+      digits.insert(0, digits.size() < 3 ? 3 - digits.size() : 0, '0');
+      const auto& view = file.tensor("noise/" + digits);
+      if (view.shape != shape)
+        ml::raise<ml::io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", this timeline needs ", shape);
+      return ml::Tensor<B, 3>::from(ml::values_of<typename B::scalar>(view), shape);
+    };
+  }
+
+  ml::SafetensorsFile file_;
+  ml::StmcModelConfig config_;
+  ml::Stmc<B> model_;
+};
+
+}  // namespace program

@@ -1,0 +1,92 @@
+// motionlang info: what is in a file of weights, a motion, or a timeline.
+#include <cstdio>
+
+#include <motionlang/io/amass.hpp>
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/glb_reader.hpp>
+#include <motionlang/io/safetensors.hpp>
+#include <motionlang/metrics/motion_quality.hpp>
+
+#include "commands.hpp"
+#include "timelines.hpp"
+
+namespace program {
+
+namespace {
+
+void weights(const std::string& path) {
+  const auto file = ml::SafetensorsFile::open(path);
+  ml::Index numbers = 0;
+  std::size_t bytes = 0;
+  for (const auto& t : file.tensors()) {
+    numbers += t.shape.count();
+    bytes += t.bytes.size();
+  }
+  std::printf("%s: %zu tensors, %td numbers, %.1f MB\n", path.c_str(), file.tensors().size(), numbers,
+              static_cast<double>(bytes) * 1e-6);
+  for (const auto& [key, value] : file.metadata()) {
+    const bool list = value.find('\n') != std::string::npos;
+    if (list)
+      std::printf("  %-24s (%td lines)\n", key.c_str(), std::count(value.begin(), value.end(), '\n') + 1);
+    else
+      std::printf("  %-24s %s\n", key.c_str(), value.c_str());
+  }
+  for (const auto& t : file.tensors())
+    std::printf("  %-60s %-5s %s\n", t.name.c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
+}
+
+void motion(const std::string& path, const ml::Motion& m) {
+  std::printf("%s: %td frames, %g frames per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
+              m.skeleton.size());
+  if (m.frames() == 0) return;
+  ml::Vec3<double> low = m.root_at(0), high = low;
+  for (const auto& p : m.root) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  std::printf("  root moves within x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m\n", low.x, high.x, low.y, high.y,
+              low.z, high.z);
+  for (int j = 0; j < m.skeleton.size(); ++j) {
+    std::printf("  %3d %-24s %s\n", j, m.skeleton.name(j).c_str(),
+                j == 0 ? "" : m.skeleton.name(m.skeleton.parent(j)).c_str());
+  }
+}
+
+void joints(const std::string& path) {
+  const auto j = ml::read_joints_npy(path);
+  std::printf("%s: joint positions, %td frames x %td joints\n", path.c_str(), j.frames, j.joints);
+}
+
+void run(const std::string& path) {
+  const std::string kind = std::filesystem::path(path).extension().string();
+  if (kind == ".safetensors") return weights(path);
+  if (kind == ".bvh") return motion(path, ml::read_bvh_motion(path));
+  if (kind == ".npz") return motion(path, ml::read_amass(path).motion);
+  if (kind == ".npy") return joints(path);
+  if (kind == ".glb") {
+    const auto file = ml::GlbFile::open(path);
+    const auto names = file.animation_names();
+    std::printf("%zu animations\n", names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) std::printf("  %zu %s\n", i, names[i].c_str());
+    if (!names.empty()) motion(path, file.motion(ml::Index{0}, 30));
+    return;
+  }
+  for (const auto& t : read_timelines(path, 20)) {
+    std::printf("timeline: %td texts, %.2f s\n", std::ssize(t.intervals), static_cast<double>(t.end()) / 20);
+    for (const auto& i : t.intervals)
+      std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
+                  i.text.c_str());
+  }
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  const auto path = std::make_shared<std::string>();
+  CLI::App* c = app.add_subcommand(
+      "info", "Shows what a file holds: weights (.safetensors), motion (.bvh .glb .npz .npy), or a timeline");
+  c->add_option("file", *path, "The file")->required()->check(CLI::ExistingFile);
+  c->callback([path] { run(*path); });
+}
+
+}  // namespace program

@@ -1,0 +1,49 @@
+// motionlang: timelines of texts to 3D human motion, and what belongs to it. See README.md.
+#include <csignal>
+#include <cstdio>
+
+#include <motionlang/core/error.hpp>
+#include <motionlang/version.hpp>
+
+#include "commands.hpp"
+
+namespace {
+
+void on_interrupt(int) {
+  if (program::interrupted.exchange(true)) std::_Exit(program::stopped);  // twice: at once
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  for (int i = 0; i < argc; ++i) program::command_line += (i == 0 ? "motionlang" : std::string(" ") + argv[i]);
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+
+  CLI::App app{"motionlang " MOTIONLANG_VERSION ": 3D human motion from language", "motionlang"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", MOTIONLANG_VERSION);
+  app.footer(
+      "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong;\n"
+      "3 the timeline is wrong; 130 stopped by Ctrl-C (what was finished is kept).");
+  program::add_generate(app);
+  program::add_check(app);
+  program::add_info(app);
+  program::add_train(app);
+  program::add_judge(app);
+  try {
+    app.parse(argc, argv);
+    return program::ok;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? program::ok : program::usage;
+  } catch (const motionlang::timeline_error& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return program::bad_timeline;
+  } catch (const motionlang::cancelled&) {
+    std::fprintf(stderr, "\nstopped\n");
+    return program::stopped;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return program::failed;
+  }
+}

@@ -1,0 +1,26 @@
+// Reading what the user wrote: timelines, or plain texts with durations.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/io/file.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+/// Every timeline of a file, in frames. A list of "text # duration" gives one timeline for each line, on the whole body.
+/// Throws timeline_error 5xx with line and column.
+inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
+  const std::string text = ml::read_file(path);
+  const ml::TimelineTextOptions options{.fps = fps, .name = path};
+  if (!ml::is_text_list(text)) return ml::parse_timelines(text, options);
+  std::vector<ml::Timeline> out;
+  for (const auto& t : ml::parse_text_list(text, options))
+    out.push_back({{{t.text, 0, t.frames, ml::BodyParts::all()}}});
+  return out;
+}
+
+}  // namespace program

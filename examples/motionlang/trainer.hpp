@@ -1,0 +1,66 @@
+// Training of the bundled model: denoiser and caption encoder together.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/optim/adamw.hpp>
+
+#include "training_data.hpp"
+
+namespace program {
+
+struct TrainingConfig {
+  ml::StmcModelConfig model{
+      .denoiser = {.latent_dim = 256, .ff_size = 768, .num_layers = 6, .num_heads = 4, .dropout = 0.05}};
+  ml::Index vocabulary = 800;
+  ml::Index steps = 16000;
+  ml::Index batch = 32;
+  double lr = 4e-4;
+  ml::Index warmup = 500;
+  double weight_decay = 0.01;
+  double clip_norm = 1;
+  double ema = 0.999;
+  double velocity_weight = 1;  // of the loss on differences between neighbouring frames
+  std::uint64_t seed = 1;
+  SampleOptions samples{};
+};
+
+/// All state of a training run. Every step depends on the state and the step's number only, so that a run which is stopped and
+/// resumed gives the numbers of one that was not.
+class Trainer {
+ public:
+  using B = ml::EigenBackend<float>;
+  using A = ml::Autodiff<B>;
+
+  /// A fresh run: learns the vocabulary, measures mean and deviation of the features, draws the weights.
+  Trainer(TrainingConfig config, const TrainingSet& data);
+
+  ml::Index steps_done() const { return steps_; }
+  /// One optimiser step; returns the loss.
+  double step();
+  const std::vector<float>& losses() const { return losses_; }
+
+  /// Everything that is needed to go on, in float32.
+  void save(const std::filesystem::path& checkpoint) const;
+  /// Goes on where `checkpoint` stopped. Throws io_error 406, 407 if it belongs to other sizes.
+  void resume(const std::filesystem::path& checkpoint);
+  /// The averaged weights, in half precision.
+  void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
+
+ private:
+  TrainingConfig config_;
+  const TrainingSet* data_;
+  ml::GaussianDiffusion diffusion_;
+  ml::Stmc<A> model_;
+  ml::Stmc<B> average_;
+  ml::AdamW<A> adam_;
+  ml::Index steps_ = 0;
+  std::vector<float> losses_;
+};
+
+}  // namespace program

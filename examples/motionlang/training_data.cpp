@@ -1,0 +1,220 @@
+#include "training_data.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/io/amc.hpp>
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/overlay.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+namespace program {
+
+using ml::Index;
+
+namespace {
+
+constexpr double training_fps = 20;
+
+std::vector<std::string> split(std::string_view line, std::string_view separator) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find(separator, at), line.size());
+    std::string_view field = line.substr(at, end - at);
+    while (!field.empty() && field.front() == ' ') field.remove_prefix(1);
+    while (!field.empty() && (field.back() == ' ' || field.back() == '\r')) field.remove_suffix(1);
+    out.emplace_back(field);
+    at = end + separator.size();
+  }
+  return out;
+}
+
+struct Line {
+  std::string clip;
+  double start = 0, end = 0;
+  ml::BodyParts parts;
+  std::vector<std::string> captions;
+};
+
+std::vector<Line> read_captions(const std::filesystem::path& path) {
+  std::vector<Line> lines;
+  const std::string text = ml::read_file(path);
+  std::size_t number = 0;
+  for (const std::string& row : split(text, "\n")) {
+    ++number;
+    if (row.empty() || row[0] == '#') continue;
+    auto wrong = [&](const std::string& what) { ml::raise<ml::io_error>(403, path.string(), ":", number, ": ", what); };
+    const auto fields = split(row, "\t");
+    if (fields.size() != 5) wrong("expected clip, start, end, parts, captions, separated by tabs");
+    Line line{fields[0], 0, 0, {}, split(fields[4], "|")};
+    auto seconds = [&](const std::string& field, double& value) {
+      if (std::from_chars(field.data(), field.data() + field.size(), value).ec != std::errc{})
+        wrong("'" + field + "' is not a time");
+    };
+    seconds(fields[1], line.start);
+    seconds(fields[2], line.end);
+    if (!(line.end > line.start)) wrong("the segment is empty");
+    for (const std::string& name : split(fields[3], ",")) {
+      const auto part = ml::parse_body_part(name);
+      if (!part) wrong("'" + name + "' is no body part");
+      line.parts = line.parts.with(*part);
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+/// A clip of the free tier on our skeleton, at its own frame rate. `name` has no extension: .bvh, or .amc with its .asf.
+ml::Motion read_clip(const std::filesystem::path& data, const std::string& name) {
+  const auto bvh = data / (name + ".bvh"), amc = data / (name + ".amc");
+  if (std::filesystem::exists(bvh)) return ml::retarget(ml::read_bvh_motion(bvh));
+  if (std::filesystem::exists(amc)) {
+    const std::string subject = amc.stem().string().substr(0, amc.stem().string().find('_'));
+    auto asf = amc.parent_path() / (subject + ".asf");
+    if (!std::filesystem::exists(asf))
+      asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
+    return ml::retarget(ml::read_amc(amc, ml::read_asf(asf)));
+  }
+  ml::raise<ml::io_error>(401, "no ", bvh.string(), " and no ", amc.string());
+}
+
+ml::BodyParts arms() { return ml::BodyParts{}.with(ml::BodyPart::left_arm).with(ml::BodyPart::right_arm); }
+
+}  // namespace
+
+std::string mirrored_caption(const std::string& caption) {
+  static const std::map<std::string, std::string> other{{"left", "right"},
+                                                        {"right", "left"},
+                                                        {"clockwise", "counterclockwise"},
+                                                        {"counterclockwise", "clockwise"},
+                                                        {"leftwards", "rightwards"},
+                                                        {"rightwards", "leftwards"}};
+  std::string out, word;
+  auto flush = [&] {
+    const auto found = other.find(word);
+    out += found == other.end() ? word : found->second;
+    word.clear();
+  };
+  for (char c : caption) {
+    if (c >= 'a' && c <= 'z')
+      word += c;
+    else
+      flush(), out += c;
+  }
+  flush();
+  return out;
+}
+
+TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data,
+                         ml::Progress progress) {
+  const auto lines = read_captions(captions);
+  std::map<std::string, ml::Motion> clips;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    progress(static_cast<Index>(i), std::ssize(lines));
+    const Line& line = lines[i];
+    auto found = clips.find(line.clip);
+    if (found == clips.end()) {
+      found = clips.emplace(line.clip, ml::resample(read_clip(data, line.clip), training_fps)).first;
+    }
+    const ml::Motion& clip = found->second;
+    const Index first = std::clamp<Index>(static_cast<Index>(line.start * training_fps + 0.5), 0, clip.frames());
+    const Index last = std::clamp<Index>(static_cast<Index>(line.end * training_fps + 0.5), first, clip.frames());
+    if (last - first < 8)
+      ml::raise<ml::io_error>(403, captions.string(), ": ", line.clip, " ", line.start, " to ", line.end, " s holds ",
+                              last - first, " frames");
+    Segment s{line.clip, ml::crop(clip, first, last), line.parts, line.captions, {}};
+    s.loop = ml::find_loop(s.motion, 12);
+    segments_.push_back(std::move(s));
+  }
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    const ml::BodyParts p = segments_[i].parts;
+    all_.push_back(i);
+    if ((p.bits & arms().bits) == 0 && p.has(ml::BodyPart::legs)) bases_.push_back(i);
+    if ((p.bits & arms().bits) != 0 && !p.has(ml::BodyPart::legs)) overlays_.push_back(i);
+  }
+}
+
+double TrainingSet::seconds() const {
+  double total = 0;
+  for (const Segment& s : segments_) total += s.motion.seconds();
+  return total;
+}
+
+std::vector<std::string> TrainingSet::all_captions() const {
+  std::vector<std::string> out;
+  for (const Segment& s : segments_) {
+    for (const std::string& c : s.captions) {
+      out.push_back(c);
+      out.push_back(mirrored_caption(c));
+    }
+  }
+  out.emplace_back("while and then");  // words that composing adds
+  return out;
+}
+
+ml::Motion TrainingSet::variant(const Segment& s, Index frames, bool mirrored, ml::Philox& rng,
+                                const SampleOptions& options) const {
+  const double factor = 1 + options.speed * (2 * rng.uniform() - 1);
+  const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed
+  ml::Motion m = s.motion;
+  if (s.loop && m.frames() < wanted) m = ml::go_round(m, *s.loop, wanted);
+  if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
+    const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(m.frames() - wanted + 1)));
+    m = ml::crop(m, first, first + wanted);
+  } else {  // otherwise the whole action, with up to a tenth cut off at the ends
+    const auto spare = static_cast<std::uint32_t>(m.frames() / 10 + 1);
+    const auto cut = static_cast<Index>(rng.below(spare)),
+               before = static_cast<Index>(rng.below(static_cast<std::uint32_t>(cut + 1)));
+    m = ml::crop(m, before, m.frames() - (cut - before));
+  }
+  m = ml::change_speed(m, factor);
+  if (m.frames() > options.longest) m = ml::crop(m, 0, options.longest);
+  return mirrored ? ml::mirror(m) : m;
+}
+
+Sample TrainingSet::draw(ml::Philox rng, const SampleOptions& options) const {
+  const Index range = options.longest - options.shortest;
+  // short lengths more often than long ones: most texts of a timeline last a few seconds
+  const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 1.5));
+  const bool mirrored = rng.uniform() < options.mirror;
+  auto caption_of = [&](const Segment& s) {
+    const auto& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
+    return mirrored ? mirrored_caption(c) : c;
+  };
+  Sample sample;
+  ml::Motion motion;
+  if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
+    const Segment &base = pick(bases_, rng), &overlay = pick(overlays_, rng);
+    const auto with = variant(overlay, frames, mirrored, rng, options);
+    ml::BodyParts parts = overlay.parts;
+    if (mirrored) {
+      const bool left = parts.has(ml::BodyPart::left_arm), right = parts.has(ml::BodyPart::right_arm);
+      parts.bits &= ~arms().bits;
+      if (left) parts = parts.with(ml::BodyPart::right_arm);
+      if (right) parts = parts.with(ml::BodyPart::left_arm);
+    }
+    motion = ml::overlay_parts(variant(base, with.frames(), mirrored, rng, options), with, parts);
+    const double which = rng.uniform();
+    const std::string about_arms = caption_of(overlay), about_legs = caption_of(base);
+    sample.caption = which < 0.45   ? about_arms
+                     : which < 0.7  ? about_legs
+                     : which < 0.85 ? about_legs + " while " + about_arms
+                                    : about_arms + " and " + about_legs;
+  } else {
+    const Segment& s = pick(all_, rng);
+    motion = variant(s, frames, mirrored, rng, options);
+    sample.caption = caption_of(s);
+  }
+  if (motion.frames() < 4) return draw(rng.split("again"), options);
+  if (rng.uniform() < options.no_text) sample.caption.clear();
+  const auto features = ml::smplrifke_from_motion(motion);
+  sample.features.assign(features.begin(), features.end());
+  sample.frames = motion.frames();
+  return sample;
+}
+
+}  // namespace program

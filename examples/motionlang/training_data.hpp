@@ -1,0 +1,75 @@
+// The training set: captioned segments of motion capture, and the samples that are made from them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/core/rng.hpp>
+#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/loops.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+/// One line of captions.tsv, with its motion on the 24-joint skeleton at 20 frames per second.
+struct Segment {
+  std::string clip;
+  ml::Motion motion;
+  ml::BodyParts parts;  // that the captions are about
+  std::vector<std::string> captions;
+  std::optional<ml::Loop> loop;  // for going on longer than the recording
+};
+
+/// What the network is trained on: features (frames, 205), not normalised, and a caption.
+struct Sample {
+  std::vector<float> features;
+  ml::Index frames = 0;
+  std::string caption;
+};
+
+struct SampleOptions {
+  ml::Index shortest = 16, longest = 196;  // frames
+  double no_text = 0.1;                    // probability of the caption ""
+  double compose = 0.5;                    // probability that the arms come from another segment
+  double mirror = 0.5;
+  double speed = 0.2;  // factors 1 - speed ... 1 + speed
+};
+
+class TrainingSet {
+ public:
+  /// Reads captions.tsv and the clips that it names below `data`. `progress` is told how many clips are read.
+  /// Throws io_error 401, 403.
+  TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, ml::Progress progress);
+
+  const std::vector<Segment>& segments() const { return segments_; }
+  double seconds() const;
+  /// All captions and their mirror images: what a tokenizer learns from.
+  std::vector<std::string> all_captions() const;
+
+  /// A sample that depends on the generator only:
+  ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
+  ///   - or, as SINC composes its training data, a segment about the legs with the arms of a segment about the arms, under the
+  ///     caption of either or of both;
+  ///   - with the caption "" instead, now and then.
+  Sample draw(ml::Philox rng, const SampleOptions& options) const;
+
+ private:
+  ml::Motion variant(const Segment& s, ml::Index frames, bool mirrored, ml::Philox& rng,
+                     const SampleOptions& options) const;
+  const Segment& pick(const std::vector<std::size_t>& list, ml::Philox& rng) const {
+    return segments_[list[rng.below(static_cast<std::uint32_t>(list.size()))]];
+  }
+
+  std::vector<Segment> segments_;
+  std::vector<std::size_t> all_, bases_, overlays_;  // bases: nothing about the arms; overlays: only arms, head, spine
+};
+
+/// "left" and "right", "clockwise" and "counterclockwise" exchanged, word by word.
+std::string mirrored_caption(const std::string& caption);
+
+}  // namespace program

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+/// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
+///
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; and, for people: license,
+///             provenance, data, command, commit. Nothing in the file is executed.
+#pragma once
+
+#include <charconv>  // numbers in the metadata
+
+#include <motionlang/io/module_file.hpp>
+#include <motionlang/systems/stmc.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Sizes of a bundled model: everything that its constructor needs.
+struct StmcModelConfig {
+  MdmSmplConfig denoiser{};
+  CaptionEncoderConfig text{};
+  Index diffusion_steps = 100;
+  NoiseScale noise_scale = NoiseScale::posterior_std;  // what the model should be sampled with
+  double guidance = 2.5;
+  double fps = 20;
+};
+
+namespace detail {
+
+using Metadata = std::map<std::string, std::string>;
+
+template <class N>
+N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+  N value{};
+  const std::string& text = found->second;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
+  }
+  return value;
+}
+inline std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? otherwise : found->second;
+}
+/// A size that a file may ask for: a hostile one must not make us allocate.
+inline Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file) {
+  const auto n = metadata_number<Index>(metadata, key, file);
+  if (n < 1 || n > largest)
+    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in 1 ... ", largest);
+  return n;
+}
+
+inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
+  const auto found = metadata.find("text.vocabulary");
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
+  std::vector<std::string> pieces;
+  for (std::size_t at = 0; at <= found->second.size();) {
+    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
+    pieces.push_back(found->second.substr(at, end - at));
+    at = end + 1;
+  }
+  return WordPiece(std::move(pieces));
+}
+
+}  // namespace detail
+
+/// The sizes as metadata. `vocabulary` of the tokenizer.
+inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
+  std::string vocabulary;
+  for (const std::string& piece : tokenizer.vocabulary()) vocabulary += (vocabulary.empty() ? "" : "\n") + piece;
+  auto text = [](auto n) { return concat_text(n); };
+  return {
+      {"model", "stmc"},
+      {"format", "1"},
+      {"features", "smplrifke"},
+      {"fps", text(c.fps)},
+      {"denoiser.nfeats", text(c.denoiser.nfeats)},
+      {"denoiser.latent_dim", text(c.denoiser.latent_dim)},
+      {"denoiser.ff_size", text(c.denoiser.ff_size)},
+      {"denoiser.num_layers", text(c.denoiser.num_layers)},
+      {"denoiser.num_heads", text(c.denoiser.num_heads)},
+      {"denoiser.nb_registers", text(c.denoiser.nb_registers)},
+      {"text.width", text(c.text.width)},
+      {"text.heads", text(c.text.heads)},
+      {"text.d_ff", text(c.text.d_ff)},
+      {"text.layers", text(c.text.layers)},
+      {"text.out", text(c.text.out)},
+      {"text.vocabulary", vocabulary},
+      {"diffusion.schedule", "cosine"},
+      {"diffusion.steps", text(c.diffusion_steps)},
+      {"diffusion.noise_scale", c.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
+      {"guidance", text(c.guidance)}};
+}
+/// The sizes that a file declares. Throws config_error 101, 103, 107.
+inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
+  const auto& m = file.metadata();
+  const std::string& name = file.name();
+  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1") {
+    raise<config_error>(103, name, ": not an STMC model of format 1 (metadata 'model' and 'format')");
+  }
+  if (detail::metadata_text(m, "features", "") != "smplrifke" ||
+      detail::metadata_text(m, "diffusion.schedule", "") != "cosine") {
+    raise<config_error>(103, name, ": features '", detail::metadata_text(m, "features", ""), "' or schedule '",
+                        detail::metadata_text(m, "diffusion.schedule", ""), "' is unknown");
+  }
+  auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
+  StmcModelConfig c;
+  c.denoiser.nfeats = size("denoiser.nfeats", 4096);
+  c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
+  c.denoiser.ff_size = size("denoiser.ff_size", 32768);
+  c.denoiser.num_layers = size("denoiser.num_layers", 256);
+  c.denoiser.num_heads = size("denoiser.num_heads", 256);
+  c.denoiser.nb_registers = size("denoiser.nb_registers", 256);
+  c.text.width = size("text.width", 8192);
+  c.text.heads = size("text.heads", 256);
+  c.text.d_ff = size("text.d_ff", 32768);
+  c.text.layers = size("text.layers", 256);
+  c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
+  c.diffusion_steps = size("diffusion.steps", 100000);
+  c.fps = detail::metadata_number<double>(m, "fps", name);
+  c.guidance = detail::metadata_number<double>(m, "guidance", name);
+  c.noise_scale = detail::metadata_text(m, "diffusion.noise_scale", "") == "posterior_variance"
+                      ? NoiseScale::posterior_variance
+                      : NoiseScale::posterior_std;
+  return c;
+}
+
+/// A model of the given sizes. `rng` draws the parameters; NoInit leaves them zero.
+template <Backend B>
+Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
+  auto denoiser_rng = rng.split("denoiser");
+  auto text_rng = rng.split("text");
+  return {.denoiser = MdmSmplDenoiser<B>(c.denoiser, denoiser_rng),
+          .text_encoder = CaptionEncoder<B>(c.text, std::move(tokenizer), text_rng),
+          .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
+          .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
+          .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
+          .layout = smplrifke_layout()};
+}
+
+/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107.
+template <Backend B>
+Stmc<B> load_stmc(const SafetensorsFile& file) {
+  const StmcModelConfig c = stmc_config(file);
+  const auto& weights = file.tensor("denoiser.skel_embedding.weight").shape;
+  if (weights.rank() != 2 ||
+      weights[0] != c.denoiser.latent_dim) {  // before memory is taken for what the metadata claims
+    raise<io_error>(407, file.name(), ": denoiser.skel_embedding.weight is ", weights, ", latent_dim ",
+                    c.denoiser.latent_dim);
+  }
+  Stmc<B> model = make_stmc<B>(c, detail::metadata_vocabulary(file.metadata(), file.name()), NoInit{});
+  load_module(model, file);
+  prepare(model);
+  return model;
+}
+template <Backend B>
+Stmc<B> load_stmc(const std::filesystem::path& path) {
+  return load_stmc<B>(SafetensorsFile::open(path));
+}
+
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit.
+template <Backend B>
+void save_stmc(const std::filesystem::path& path, const Stmc<B>& model, const StmcModelConfig& config,
+               const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
+  TensorStore store;
+  store.add_module(model, "", dtype);
+  auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
+  for (const auto& [key, value] : about) metadata[key] = value;
+  write_safetensors(path, store.views(), metadata);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// Two motions in one body: some parts move as in one clip, the rest as in another.
+#pragma once
+
+#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
+/// everything else are the base's. SMPL's joints only. Throws config_error 103 for another skeleton.
+/// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
+inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
+  if (base.skeleton.names != other.skeleton.names ||
+      base.skeleton.size() > static_cast<int>(smpl_part_of_joint.size())) {
+    raise<config_error>(103, "overlay_parts: '", base.name, "' and '", other.name,
+                        "' are not on one skeleton of SMPL's joints");
+  }
+  Motion out = base;
+  const Index frames = std::min(base.frames(), other.frames());
+  out.root.resize(static_cast<std::size_t>(frames));
+  out.local.resize(static_cast<std::size_t>(frames * base.skeleton.size()));
+  for (Index f = 0; f < frames; ++f) {
+    const auto from = other.rotations(f);
+    const auto to = out.rotations(f);
+    for (std::size_t j = 1; j < to.size(); ++j) {
+      if (parts.has(smpl_part_of_joint[j])) to[j] = from[j];
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+/// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
+///
+/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The tokenizers of
+/// BERT and CLIP, with their Unicode rules, are other headers.
+#pragma once
+
+#include <algorithm>      // max
+#include <map>            // word counts, in a fixed order
+#include <span>           // texts
+#include <string>         // pieces
+#include <string_view>    // lookups
+#include <unordered_map>  // piece -> id
+#include <vector>         // pieces
+
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Pieces that continue a word begin with "##". The first three ids are fixed.
+class WordPiece {
+ public:
+  static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
+
+  WordPiece() = default;
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice.
+  explicit WordPiece(std::vector<std::string> vocabulary) : pieces_(std::move(vocabulary)) {
+    if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
+      raise<config_error>(107, "WordPiece: a vocabulary of ", pieces_.size(),
+                          " pieces does not begin with [CLS], [SEP], [UNK]");
+    }
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (!ids_.emplace(pieces_[i], static_cast<Index>(i)).second)
+        raise<config_error>(107, "WordPiece: piece '", pieces_[i], "' stands twice");
+      longest_ = std::max(longest_, pieces_[i].size());
+    }
+  }
+
+  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at least
+  /// `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
+  static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2) {
+    std::map<std::string, Index> counts;
+    for (const std::string& t : texts) {
+      for (const std::string& w : words(t)) ++counts[w];
+    }
+    struct Word {
+      std::vector<std::string> pieces;
+      Index count;
+    };
+    std::vector<Word> split;
+    std::vector<std::string> vocabulary{"[CLS]", "[SEP]", "[UNK]"};
+    std::map<std::string, Index> known;
+    for (const auto& [word, count] : counts) {
+      Word w{{}, count};
+      for (std::size_t i = 0; i < word.size(); ++i) w.pieces.push_back((i == 0 ? "" : "##") + word.substr(i, 1));
+      for (const auto& p : w.pieces) known[p] += count;
+      split.push_back(std::move(w));
+    }
+    for (const auto& [piece, count] : known) vocabulary.push_back(piece);
+    while (static_cast<Index>(vocabulary.size()) < size) {
+      std::map<std::string, Index> single;
+      std::map<std::pair<std::string, std::string>, Index> pairs;
+      for (const Word& w : split) {
+        for (std::size_t i = 0; i < w.pieces.size(); ++i) {
+          single[w.pieces[i]] += w.count;
+          if (i + 1 < w.pieces.size()) pairs[{w.pieces[i], w.pieces[i + 1]}] += w.count;
+        }
+      }
+      double best_score = 0;
+      std::pair<std::string, std::string> best;
+      for (const auto& [pair, count] : pairs) {
+        if (count < least) continue;
+        const double score = static_cast<double>(count) /
+                             (static_cast<double>(single[pair.first]) * static_cast<double>(single[pair.second]));
+        if (score > best_score) best_score = score, best = pair;
+      }
+      if (best_score == 0) break;
+      const std::string merged = best.first + best.second.substr(2);
+      for (Word& w : split) {
+        for (std::size_t i = 0; i + 1 < w.pieces.size(); ++i) {
+          if (w.pieces[i] != best.first || w.pieces[i + 1] != best.second) continue;
+          w.pieces[i] = merged;
+          w.pieces.erase(w.pieces.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        }
+      }
+      vocabulary.push_back(merged);
+    }
+    return WordPiece(std::move(vocabulary));
+  }
+
+  const std::vector<std::string>& vocabulary() const { return pieces_; }
+  Index size() const { return static_cast<Index>(pieces_.size()); }
+
+  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that cannot be
+  /// split is [UNK].
+  std::vector<Index> encode(std::string_view text, Index longest = 64) const {
+    std::vector<Index> ids{begin_id};
+    for (const std::string& w : words(text)) append_word(ids, w);
+    if (static_cast<Index>(ids.size()) > longest - 1) ids.resize(static_cast<std::size_t>(longest - 1));
+    ids.push_back(end_id);
+    return ids;
+  }
+
+  /// Lower-case runs of letters and digits.
+  static std::vector<std::string> words(std::string_view text) {
+    std::vector<std::string> out;
+    bool inside = false;
+    for (char c : text) {
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+      const bool part = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+      if (part && !inside) out.emplace_back();
+      if (part) out.back() += c;
+      inside = part;
+    }
+    return out;
+  }
+
+ private:
+  void append_word(std::vector<Index>& ids, const std::string& word) const {
+    const std::size_t before = ids.size();
+    for (std::size_t at = 0; at < word.size();) {
+      const std::string prefix = at == 0 ? "" : "##";
+      std::size_t length = std::min(word.size() - at, longest_);
+      auto found = ids_.end();
+      for (; length > 0 && found == ids_.end(); --length) found = ids_.find(prefix + word.substr(at, length));
+      if (found == ids_.end()) {
+        ids.resize(before);
+        ids.push_back(unknown_id);
+        return;
+      }
+      ids.push_back(found->second);
+      at += length + 1;
+    }
+  }
+
+  std::vector<std::string> pieces_;
+  std::unordered_map<std::string, Index> ids_;
+  std::size_t longest_ = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,45 @@
+// Timing for the benchmarks: medians, and one line per measurement in the form that ../shared/perf/side_by_side.py reads.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/parallel.hpp>
+
+namespace bench {
+
+inline double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// work,config,variant,threads,min_ms,median_ms,p90_ms,gflop,gflops. Returns the median in seconds.
+template <class F>
+double report(const std::string& work, const std::string& config, const std::string& variant, double gflop, F f,
+              double seconds = 3, int least = 5) {
+  f();
+  f();  // pools fill
+  std::vector<double> times;
+  for (const double start = now();
+       static_cast<int>(times.size()) < least || (now() - start < seconds && times.size() < 300);) {
+    const double before = now();
+    f();
+    times.push_back(now() - before);
+  }
+  std::sort(times.begin(), times.end());
+  const double median = times[times.size() / 2];
+  std::printf("%s,%s,%s,%d,%.3f,%.3f,%.3f,%.3f,%.1f\n", work.c_str(), config.c_str(), variant.c_str(),
+              motionlang::thread_count(), times.front() * 1e3, median * 1e3, times[times.size() * 9 / 10] * 1e3, gflop,
+              gflop / median);
+  std::fflush(stdout);
+  return median;
+}
+
+/// Multiplications and additions of encoder layers on sequences of `tokens`, in 1e9.
+inline double encoder_gflop(double tokens, double d, double ff, double layers) {
+  return (2 * tokens * d * 4 * d + 4 * tokens * tokens * d + 4 * tokens * d * ff) * layers * 1e-9;
+}
+
+}  // namespace bench
