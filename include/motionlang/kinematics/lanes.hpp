@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+/// Forward kinematics of a whole batch: the function of forward.hpp over many poses at once.
+///
+///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
+///
+/// On a bare backend eight poses at a time go through SIMD registers (Lane), on all threads. On an Autodiff backend every number
+/// is a tensor over batch and time, so that the result can be differentiated.
+#pragma once
+
+#include <type_traits>  // which path
+
+#include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/lane.hpp>
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/geometry/rotation6d.hpp>
+#include <motionlang/kinematics/forward.hpp>
+#include <motionlang/tensor/index.hpp>
+#include <motionlang/tensor/ops.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Poses of a batch: rotations as their first two rows, and root positions.
+template <Backend B>
+struct LanePoses {
+  Tensor<B, 4> rot6d;  // (batch, time, joints, 6)
+  Tensor<B, 3> root;   // (batch, time, 3)
+};
+/// Throws shape_error 204 if the two do not fit.
+template <Backend B>
+LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
+  if (rot6d.size(3) != 6 || root.shape() != Shape{rot6d.size(0), rot6d.size(1), 3}) {
+    raise<shape_error>(204, "lanes: rotations ", rot6d.shape(), ", root ", root.shape());
+  }
+  return {std::move(rot6d), std::move(root)};
+}
+
+namespace detail {
+
+/// Lane::size poses from pose `first` on; poses behind `count` repeat the last one and are not stored.
+template <Scalar S>
+void forward_kinematics_lane(const Skeleton& skeleton, const S* rot6d, const S* root, Index first, Index count,
+                             S* joints, std::vector<Rotation6dRows<Lane<S>>>& local, JointTransforms<Lane<S>>& world) {
+  const auto n = static_cast<std::size_t>(skeleton.size());
+  local.resize(n);
+  Vec3<Lane<S>> place;
+  auto coordinates = [](auto& v) { return std::array{&v.x, &v.y, &v.z}; };
+  for (int i = 0; i < Lane<S>::size; ++i) {
+    const Index pose = std::min(first + i, count - 1);
+    const S* at = rot6d + pose * static_cast<Index>(6 * n);
+    for (std::size_t j = 0; j < n; ++j, at += 6) {
+      const auto a = coordinates(local[j].a), b = coordinates(local[j].b);
+      for (std::size_t c = 0; c < 3; ++c) (*a[c])[i] = at[c], (*b[c])[i] = at[3 + c];
+    }
+    const auto p = coordinates(place);
+    for (std::size_t c = 0; c < 3; ++c) (*p[c])[i] = root[3 * pose + static_cast<Index>(c)];
+  }
+  forward_kinematics(skeleton, std::span<const Rotation6dRows<Lane<S>>>(local), place, world);
+  for (int i = 0; i < Lane<S>::size && first + i < count; ++i) {
+    S* to = joints + (first + i) * static_cast<Index>(3 * n);
+    for (std::size_t j = 0; j < n; ++j, to += 3)
+      to[0] = world.position[j].x[i], to[1] = world.position[j].y[i], to[2] = world.position[j].z[i];
+  }
+}
+
+}  // namespace detail
+
+/// Plain arrays: rot6d (poses, joints, 6), root (poses, 3) -> joints (poses, joints, 3). Throws shape_error 205.
+template <Scalar S>
+void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std::span<const S> root,
+                        std::span<S> joints) {
+  const Index n = skeleton.size(), poses = static_cast<Index>(root.size()) / 3;
+  if (static_cast<Index>(rot6d.size()) != 6 * n * poses || static_cast<Index>(joints.size()) != 3 * n * poses ||
+      root.size() % 3 != 0) {
+    raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
+                       joints.size(), " joint values for ", n, " joints");
+  }
+  constexpr Index block = 64 * Lane<S>::size;
+  parallel_for((poses + block - 1) / block, [&](Index b) {
+    std::vector<Rotation6dRows<Lane<S>>> local;
+    JointTransforms<Lane<S>> world;
+    for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += Lane<S>::size) {
+      detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
+    }
+  });
+}
+
+/// -> (batch, time, joints, 3). Throws shape_error 204 if the number of joints is another.
+template <Backend B>
+Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& poses) {
+  const Index batch = poses.rot6d.size(0), time = poses.rot6d.size(1), n = poses.rot6d.size(2);
+  if (n != skeleton.size())
+    raise<shape_error>(204, "forward_kinematics: rotations ", poses.rot6d.shape(), " for ", skeleton.size(), " joints");
+  if constexpr (AutodiffBackend<B>) {
+    using T = Tensor<B, 2>;
+    auto number = [&](Index joint, Index c) {
+      return reshape<2>(slice(slice(poses.rot6d, 2, joint, joint + 1), 3, c, c + 1), {batch, time});
+    };
+    auto vector = [&](Index joint, Index c) {
+      return Vec3<T>{number(joint, c), number(joint, c + 1), number(joint, c + 2)};
+    };
+    std::vector<Rotation6dRows<T>> local;
+    for (Index j = 0; j < n; ++j) local.push_back({vector(j, 0), vector(j, 3)});
+    auto root = [&](Index c) { return reshape<2>(slice(poses.root, 2, c, c + 1), {batch, time}); };
+    const auto world =
+        forward_kinematics(skeleton, std::span<const Rotation6dRows<T>>(local), Vec3<T>{root(0), root(1), root(2)});
+    std::vector<Tensor<B, 3>> numbers;
+    for (const auto& p : world.position) {
+      for (const T* c : {&p.x, &p.y, &p.z}) numbers.push_back(reshape<3>(*c, {batch, time, 1}));
+    }
+    return reshape<4>(concat(std::span<const Tensor<B, 3>>(numbers), 2), {batch, time, n, 3});
+  } else {
+    using S = typename B::scalar;
+    PoolVector<S> joints(static_cast<std::size_t>(batch * time * n * 3));
+    forward_kinematics<S>(skeleton, poses.rot6d.span(), poses.root.span(), std::span<S>(joints));
+    return Tensor<B, 4>::from(std::span<const S>(joints), {batch, time, n, 3});
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
