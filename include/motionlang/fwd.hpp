@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+/// Declarations of the types that interfaces mention, at the cost of the concepts and no third-party header.
+///
+///     #include <motionlang/fwd.hpp>
+///     void play(const motionlang::Motion& motion, const motionlang::Timeline& timeline);
+///     template <motionlang::Backend B> void train(motionlang::Linear<B>& layer);
+///
+/// A backend has to be complete before anything is made of it: Tensor<EigenBackend<float>, 2> needs its header. Stmc is
+/// not here because its parameters are constrained by the denoiser.
+#pragma once
+
+#include <motionlang/core/concepts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+// core
+class error;
+class Offsets;
+class Progress;
+struct Context;
+struct Philox;
+template <Scalar S>
+struct Dual;
+template <Scalar S>
+struct Lane;
+
+// tensor
+template <Backend B, int Rank>
+class Tensor;
+template <Backend B>
+struct Sequences;
+template <AutodiffBackend A>
+class Gradients;
+
+// backend
+template <Scalar S>
+struct ReferenceBackend;
+template <Scalar S>
+struct EigenBackend;
+template <Scalar S>
+struct XtensorBackend;
+template <Backend B>
+struct Autodiff;
+
+// geometry
+template <class S>
+struct Vec3;
+template <class S>
+struct Quaternion;
+template <class S>
+struct Matrix3;
+template <class S>
+struct AxisAngle;
+template <class S>
+struct EulerAngles;
+template <class S>
+struct Rigid;
+
+// kinematics
+struct BodyParts;
+struct Motion;
+struct Skeleton;
+template <ScalarLike S>
+struct Pose;
+
+// features
+struct FeatureLayout;
+template <Backend B>
+struct Normalizer;
+
+// nn, text
+template <Backend B>
+struct Embedding;
+template <Backend B>
+struct LayerNorm;
+template <Backend B>
+struct Linear;
+template <Backend B>
+struct MultiheadAttention;
+template <Backend B>
+struct TransformerDecoder;
+template <Backend B>
+struct TransformerEncoder;
+template <Backend B>
+struct TextFeatures;
+template <Backend B>
+struct CaptionEncoder;
+class WordPiece;
+
+// diffusion, optim
+class GaussianDiffusion;
+template <Backend B>
+struct MdmDenoiser;
+template <Backend B>
+struct MdmSmplDenoiser;
+template <Backend B>
+struct MotionDiffuseDenoiser;
+template <AutodiffBackend A>
+class AdamW;
+
+// compose
+template <class T>
+struct BasicInterval;
+template <class T>
+struct BasicTimeline;
+using Interval = BasicInterval<Index>;
+using Timeline = BasicTimeline<Index>;
+using IntervalInSeconds = BasicInterval<double>;
+using TimelineInSeconds = BasicTimeline<double>;
+struct StmcOptions;
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+/// The whole library but for what needs a third-party package: add the backends that you use, and the files.
+///
+///     #include <motionlang/motionlang.hpp>
+///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp
+///     #include <motionlang/io/bvh.hpp>           // and whichever of io/
+#pragma once
+
+#include <motionlang/fwd.hpp>
+#include <motionlang/version.hpp>
+
+#include <motionlang/core/activation.hpp>
+#include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/concepts.hpp>
+#include <motionlang/core/context.hpp>
+#include <motionlang/core/dropout.hpp>
+#include <motionlang/core/dual.hpp>
+#include <motionlang/core/error.hpp>
+#include <motionlang/core/fields.hpp>
+#include <motionlang/core/half.hpp>
+#include <motionlang/core/lane.hpp>
+#include <motionlang/core/mt19937.hpp>
+#include <motionlang/core/numpy_random.hpp>
+#include <motionlang/core/offsets.hpp>
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/progress.hpp>
+#include <motionlang/core/python_random.hpp>
+#include <motionlang/core/rng.hpp>
+#include <motionlang/core/scalar_math.hpp>
+#include <motionlang/core/shape.hpp>
+#include <motionlang/core/torch_random.hpp>
+#include <motionlang/core/utf8.hpp>
+
+#include <motionlang/tensor/fused.hpp>
+#include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/index.hpp>
+#include <motionlang/tensor/module.hpp>
+#include <motionlang/tensor/ops.hpp>
+#include <motionlang/tensor/sequences.hpp>
+#include <motionlang/tensor/tensor.hpp>
+
+#include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/geometry/euler.hpp>
+#include <motionlang/geometry/matrix.hpp>
+#include <motionlang/geometry/pytorch3d.hpp>
+#include <motionlang/geometry/quaternion.hpp>
+#include <motionlang/geometry/rigid.hpp>
+#include <motionlang/geometry/rotation6d.hpp>
+#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/geometry/so3.hpp>
+#include <motionlang/geometry/vec.hpp>
+
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/reference.hpp>
+
+#include <motionlang/kinematics/body_model.hpp>
+#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/forward.hpp>
+#include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/kinematics/loops.hpp>
+#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/overlay.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/skeleton.hpp>
+#include <motionlang/kinematics/skeleton_tables.hpp>
+#include <motionlang/kinematics/smoothing.hpp>
+#include <motionlang/kinematics/standard.hpp>
+
+#include <motionlang/nn/dropout.hpp>
+#include <motionlang/nn/embedding.hpp>
+#include <motionlang/nn/gru.hpp>
+#include <motionlang/nn/init.hpp>
+#include <motionlang/nn/layer_norm.hpp>
+#include <motionlang/nn/linear.hpp>
+#include <motionlang/nn/linear_attention.hpp>
+#include <motionlang/nn/multihead_attention.hpp>
+#include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/text_features.hpp>
+#include <motionlang/nn/timestep_embedding.hpp>
+#include <motionlang/nn/transformer_decoder.hpp>
+#include <motionlang/nn/transformer_encoder.hpp>
+
+#include <motionlang/loss/info_nce.hpp>
+#include <motionlang/loss/kl.hpp>
+#include <motionlang/loss/reconstruction.hpp>
+
+#include <motionlang/optim/adamw.hpp>
+#include <motionlang/optim/ema.hpp>
+#include <motionlang/optim/lr_schedule.hpp>
+
+#include <motionlang/features/amass_resample.hpp>
+#include <motionlang/features/guoh3d.hpp>
+#include <motionlang/features/layout.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/features/statistics.hpp>
+
+#include <motionlang/diffusion/denoiser.hpp>
+#include <motionlang/diffusion/gaussian.hpp>
+#include <motionlang/diffusion/guidance.hpp>
+#include <motionlang/diffusion/mdm.hpp>
+#include <motionlang/diffusion/mdm_smpl.hpp>
+#include <motionlang/diffusion/motiondiffuse.hpp>
+#include <motionlang/diffusion/respacing.hpp>
+#include <motionlang/diffusion/sampler.hpp>
+#include <motionlang/diffusion/schedule.hpp>
+
+#include <motionlang/text/caption_encoder.hpp>
+#include <motionlang/text/text_encoder.hpp>
+#include <motionlang/text/word_piece.hpp>
+
+#include <motionlang/metrics/motion_quality.hpp>
+
+#include <motionlang/compose/baselines.hpp>
+#include <motionlang/compose/body_part_lexicon.hpp>
+#include <motionlang/compose/collage.hpp>
+#include <motionlang/compose/combine.hpp>
+#include <motionlang/compose/intervals.hpp>
+#include <motionlang/compose/plan.hpp>
+#include <motionlang/compose/sinc_assignment.hpp>
+#include <motionlang/compose/timeline.hpp>
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/compose/transition.hpp>
+
+#include <motionlang/systems/stmc.hpp>
