@@ -41,16 +41,6 @@ ml::StmcModelConfig completed(const TrainingConfig& c) {
   return model;
 }
 
-template <ml::Backend To, ml::Backend From>
-ml::Stmc<To> converted(const ml::Stmc<From>& m) {
-  return {.denoiser = ml::convert<To>(m.denoiser),
-          .text_encoder = ml::convert<To>(m.text_encoder),
-          .motion_normalizer = ml::convert<To>(m.motion_normalizer),
-          .text_normalizer = ml::convert<To>(m.text_normalizer),
-          .diffusion = m.diffusion,
-          .layout = m.layout};
-}
-
 }  // namespace
 
 Trainer::Trainer(TrainingConfig config, const TrainingSet& data)
@@ -63,7 +53,7 @@ Trainer::Trainer(TrainingConfig config, const TrainingSet& data)
   average_ = ml::make_stmc<B>(config_.model, ml::WordPiece::learn(captions, config_.vocabulary),
                               ml::Philox{.seed = config_.seed}.split("init"));
   average_.motion_normalizer = measure<B>(data, config_);
-  model_ = converted<A>(average_);
+  model_ = ml::convert_stmc<A>(average_);
   adam_.config.weight_decay = config_.weight_decay;
 }
 

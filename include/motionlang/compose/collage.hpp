@@ -73,11 +73,12 @@ class Collage {
 
  private:
   void check_lengths(const DenoiserTraits& traits) const {
+    const Index longest = traits.crop_frames > 0 ? traits.crop_frames : traits.longest_crop;
     for (const TimelinePlan& p : plan_.timelines) {
       for (const Crop& c : p.crops) {
-        if (traits.crop_frames == 0 || c.range.size() <= traits.crop_frames) continue;
+        if (longest == 0 || c.range.size() <= longest) continue;
         raise<timeline_error>(508, "Collage: '", p.text(c), "' needs a crop of ", c.range.size(),
-                              " frames with its overlap; the denoiser accepts ", traits.crop_frames);
+                              " frames with its overlap; the denoiser accepts ", longest);
       }
     }
   }

@@ -31,12 +31,19 @@ class ThreadPool {
   }
 
   int size() const { return static_cast<int>(workers_.size()) + 1; }
+  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
+  static int number() { return number_; }
 
   void resize(int threads) {
     stop();
     workers_.reserve(static_cast<std::size_t>(threads - 1));
     stopping_ = false;
-    for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = round_.load()] { work(seen); });
+    for (int i = 1; i < threads; ++i) {
+      workers_.emplace_back([this, i, seen = round_.load()] {
+        number_ = i;
+        work(seen);
+      });
+    }
   }
 
   /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
@@ -120,6 +127,7 @@ class ThreadPool {
     inside_ = outer;
   }
 
+  inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
   std::vector<std::thread> workers_;
   std::mutex caller_, sleep_;
@@ -138,6 +146,9 @@ class ThreadPool {
 
 /// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
 inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+inline int thread_number() { return detail::ThreadPool::number(); }
 
 /// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
 inline void set_thread_count(int threads) {

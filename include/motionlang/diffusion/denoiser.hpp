@@ -13,6 +13,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
   Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
+  Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
 };

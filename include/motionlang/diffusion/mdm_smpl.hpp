@@ -70,7 +70,8 @@ struct MdmSmplDenoiser {
         positions(c.max_len, c.latent_dim),
         dropout_p(c.dropout) {}
 
-  DenoiserTraits traits() const { return {}; }
+  /// Behind the tokens for time and text and the registers.
+  DenoiserTraits traits() const { return {.longest_crop = positions.rows().size(0) - 2 - registers.size(0)}; }
 
   /// (sequences, latent)
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }

@@ -2,6 +2,8 @@
 /// Parameters of modules in safetensors files: paths of fields are the names of tensors.
 #pragma once
 
+#include <cmath>  // isfinite
+
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/module.hpp>
@@ -18,7 +20,8 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
 }
 
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. Throws io_error 407 if the shape is another.
+/// A variable stays the variable it was. Throws io_error 407 if the shape is another, numeric_error 301 if a number is NaN
+/// or infinite.
 template <Backend B, int R>
 void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -38,6 +41,10 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   } else {
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
+  const auto numbers = tensor.span();
+  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](S x) { return !std::isfinite(x); });
+  if (wrong != numbers.end())
+    raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
 /// Names that a file lacks, and names that nobody asked for.

@@ -49,6 +49,13 @@ inline Index metadata_size(const Metadata& metadata, const std::string& key, Ind
     raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in 1 ... ", largest);
   return n;
 }
+inline double metadata_real(const Metadata& metadata, const std::string& key, double least, double largest,
+                            const std::string& file) {
+  const auto x = metadata_number<double>(metadata, key, file);
+  if (!(x >= least && x <= largest))
+    raise<config_error>(101, file, ": metadata '", key, "' = ", x, " is not in ", least, " ... ", largest);
+  return x;
+}
 
 inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
   const auto found = metadata.find("text.vocabulary");
@@ -103,25 +110,34 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
     raise<config_error>(103, name, ": features '", detail::metadata_text(m, "features", ""), "' or schedule '",
                         detail::metadata_text(m, "diffusion.schedule", ""), "' is unknown");
   }
+  const std::string scale = detail::metadata_text(m, "diffusion.noise_scale", "posterior_std");
+  if (scale != "posterior_std" && scale != "posterior_variance")
+    raise<config_error>(103, name, ": diffusion.noise_scale '", scale, "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
+  auto heads = [&](const std::string& key, Index width) {
+    const Index n = size(key, 256);
+    if (width % n != 0 || width % 2 != 0)
+      raise<config_error>(101, name, ": ", key, " = ", n, " does not divide the even width ", width);
+    return n;
+  };
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
+  if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
+    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features, " features");
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
-  c.denoiser.num_heads = size("denoiser.num_heads", 256);
+  c.denoiser.num_heads = heads("denoiser.num_heads", c.denoiser.latent_dim);
   c.denoiser.nb_registers = size("denoiser.nb_registers", 256);
   c.text.width = size("text.width", 8192);
-  c.text.heads = size("text.heads", 256);
+  c.text.heads = heads("text.heads", c.text.width);
   c.text.d_ff = size("text.d_ff", 32768);
   c.text.layers = size("text.layers", 256);
   c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
   c.diffusion_steps = size("diffusion.steps", 100000);
-  c.fps = detail::metadata_number<double>(m, "fps", name);
-  c.guidance = detail::metadata_number<double>(m, "guidance", name);
-  c.noise_scale = detail::metadata_text(m, "diffusion.noise_scale", "") == "posterior_variance"
-                      ? NoiseScale::posterior_variance
-                      : NoiseScale::posterior_std;
+  c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
+  c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
+  c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
   return c;
 }
 
@@ -138,17 +154,38 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .layout = smplrifke_layout()};
 }
 
-/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107.
+/// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
+/// claim. Throws io_error 406, 407.
+inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
+  auto expect = [&](const std::string& name, const Shape& shape) {
+    if (const Shape& found = file.tensor(name).shape; found != shape)
+      raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
+  };
+  auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
+    for (Index i = 0; i < layers; ++i) {
+      const std::string layer = concat_text(prefix, ".layers.", i);
+      expect(layer + ".self_attn.in_proj_weight", {3 * width, width});
+      expect(layer + ".linear1.weight", {d_ff, width});
+    }
+  };
+  const MdmSmplConfig& d = c.denoiser;
+  expect("denoiser.registers", {d.nb_registers, d.latent_dim});
+  expect("denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
+  expect("denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
+  transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
+  expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
+  expect("text_encoder.projection.weight", {c.text.out, c.text.width});
+  transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
+}
+
+/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107, numeric_error
+/// 301.
 template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
-  const auto& weights = file.tensor("denoiser.skel_embedding.weight").shape;
-  if (weights.rank() != 2 ||
-      weights[0] != c.denoiser.latent_dim) {  // before memory is taken for what the metadata claims
-    raise<io_error>(407, file.name(), ": denoiser.skel_embedding.weight is ", weights, ", latent_dim ",
-                    c.denoiser.latent_dim);
-  }
-  Stmc<B> model = make_stmc<B>(c, detail::metadata_vocabulary(file.metadata(), file.name()), NoInit{});
+  WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
+  check_sizes(file, c, tokenizer.size());
+  Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
   prepare(model);
   return model;

@@ -118,6 +118,14 @@ struct Stmc {
   TextFeatures<B> encode(const std::vector<std::string>& texts) const {
     auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
     features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
+    if (denoiser.traits().empty_text_is_null) {
+      std::vector<typename B::scalar> keep;
+      for (std::size_t i = 0; i < texts.size(); ++i) {
+        const Index rows = features.tokens.offsets.length(static_cast<Index>(i));
+        keep.insert(keep.end(), static_cast<std::size_t>(rows), texts[i].empty() ? 0 : 1);
+      }
+      features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
+    }
     return features;
   }
   static std::vector<std::string> texts_of(const BatchPlan& plan) {
@@ -137,6 +145,17 @@ struct Stmc {
     return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
   }
 };
+
+/// The same model over another backend, with copies of all numbers.
+template <Backend To, Backend From, template <class> class D, template <class> class E>
+Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
+  return {.denoiser = convert<To>(m.denoiser),
+          .text_encoder = convert<To>(m.text_encoder),
+          .motion_normalizer = convert<To>(m.motion_normalizer),
+          .text_normalizer = convert<To>(m.text_normalizer),
+          .diffusion = m.diffusion,
+          .layout = m.layout};
+}
 
 /// Weights packed for inference. The model must not be changed afterwards.
 template <Backend B, class D, class E>

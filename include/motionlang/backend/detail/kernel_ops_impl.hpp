@@ -12,18 +12,20 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Memory of this thread that kernels may scribble on; grows and stays.
+/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that a
+/// region that ran before takes nothing from the system, whichever threads do the work.
 template <class S>
-S* scratch(Index count) {
-  thread_local BufferHandle buffer;
-  thread_local Index capacity = 0;
-  if (count > capacity) {
-    buffer = BufferHandle{};
-    buffer = BufferHandle(static_cast<std::size_t>(count) * sizeof(S));
-    capacity = count;
-  }
-  return static_cast<S*>(buffer.data());
-}
+class Scratch {
+ public:
+  explicit Scratch(Index count)
+      : piece_((count + 63) / 64 * 64), memory_(static_cast<std::size_t>(piece_ * thread_count()) * sizeof(S)) {}
+  /// The piece of the calling thread.
+  S* mine() const { return static_cast<S*>(memory_.data()) + piece_ * thread_number(); }
+
+ private:
+  Index piece_;
+  BufferHandle memory_;
+};
 
 /// A weight in the panels of the current kernels.
 template <class S>
@@ -60,10 +62,11 @@ void run_gemm(const Gemm<S>& g) {
   const Index row_parts = small ? 1 : parts(g.m, kernel.row_block);
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
+  const Scratch<S> scratch(kernel.gemm_scratch);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
     kernel.gemm_block(g, g.m * r / row_parts, g.m * (r + 1) / row_parts, panels * j / panel_parts,
-                      panels * (j + 1) / panel_parts, scratch<S>(kernel.gemm_scratch));
+                      panels * (j + 1) / panel_parts, scratch.mine());
   });
 }
 
@@ -90,16 +93,16 @@ Index attention_scratch(const Offsets& q, const Offsets& k, Index width) {
 }
 template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const Index need = attention_scratch<S>(q, k, t.width);
+  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
   parallel_for(q.count() * t.heads, [&](Index i) {
-    if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch<S>(need));
+    if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch.mine());
   });
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  const Index need = attention_scratch<S>(q, k, t.width);
+  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
   parallel_for(q.count() * t.heads,
-               [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch<S>(need)); });
+               [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }
 
 template <class S>
@@ -230,8 +233,9 @@ template <Scalar S>
 Dense<S> KernelOps<S>::softmax(const Dense<S>& x) {
   Dense<S> y(x.shape());
   const Index n = x.shape().back();
+  const detail::Scratch<S> scratch(n + 64);
   detail::parallel_ranges(x.shape()[0], n, [&](Index a, Index b) {
-    detail::kernels<S>().softmax_rows(x.data(), n, a, b, y.data(), detail::scratch<S>(n + 64));
+    detail::kernels<S>().softmax_rows(x.data(), n, a, b, y.data(), scratch.mine());
   });
   return y;
 }
