@@ -6,18 +6,11 @@
 #include <thread>
 #include <vector>
 
-#include <motionlang/core/parallel.hpp>
+#include "../../support/threads.hpp"
 
 namespace ml = motionlang;
 
 namespace {
-
-/// Sets the number of threads for one test.
-struct Threads {
-  int before = ml::thread_count();
-  explicit Threads(int n) { ml::set_thread_count(n); }
-  ~Threads() { ml::set_thread_count(before); }
-};
 
 bool each_once(ml::Index count) {
   std::vector<std::atomic<int>> seen(static_cast<std::size_t>(count));

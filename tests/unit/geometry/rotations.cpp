@@ -1,4 +1,4 @@
-// Rotations: every representation, at the identity, near it, at random, and near and at half a turn.
+// Rotations: orders of angles, conventions, derivatives, registers. What every representation can do is in tests/laws.
 #include <doctest/doctest.h>
 
 #include <numbers>
@@ -7,68 +7,25 @@
 
 #include <motionlang/core/dual.hpp>
 #include <motionlang/core/lane.hpp>
-#include <motionlang/core/rng.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
-#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/geometry/so3.hpp>
+
+#include "../../support/rotation_samples.hpp"
 
 namespace ml = motionlang;
+using rotations::difference, rotations::length, rotations::tolerance;
 
 namespace {
-
-template <class S>
-constexpr double tolerance = sizeof(S) == 4 ? 2e-6 : 2e-14;
-
-/// Rotation vectors that hurt: 0, tiny, random, close to pi, exactly pi about several axes.
-template <class S>
-std::vector<ml::Vec3<S>> rotation_vectors() {
-  std::vector<ml::Vec3<S>> out{
-      {S(0), S(0), S(0)}, {S(1e-8), S(0), S(0)}, {S(0), S(-1e-8), S(1e-8)}, {S(1e-4), S(1e-4), S(0)}};
-  const double pi = std::numbers::pi;
-  ml::Philox rng{.seed = 3};
-  for (int i = 0; i < 40; ++i) {
-    std::vector<double> n(3);
-    rng.normal(std::span<double>(n));
-    const auto axis = ml::normalized(ml::Vec3{n[0], n[1], n[2]});
-    for (double angle : {rng.uniform() * pi, 0.5 * pi, pi - 1e-3, pi - 1e-7, pi})
-      out.push_back(ml::vec_cast<S>(angle * axis));
-  }
-  for (const auto& a : {ml::Vec3{pi, 0.0, 0.0}, ml::Vec3{0.0, -pi, 0.0}, ml::Vec3{0.0, 0.0, pi},
-                        pi * std::sqrt(0.5) * ml::Vec3{1.0, -1.0, 0.0}}) {
-    out.push_back(ml::vec_cast<S>(a));
-  }
-  return out;
-}
-
-template <class S>
-double difference(const ml::Matrix3<S>& a, const ml::Matrix3<S>& b) {
-  double worst = 0;
-  for (std::size_t i = 0; i < 9; ++i) worst = std::max(worst, std::abs(double(a.m[i]) - double(b.m[i])));
-  return worst;
-}
-
-template <class S>
-double length(const ml::Vec3<S>& v) {
-  return double(ml::norm(v));
-}
 
 constexpr const char* all_orders[] = {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX",
                                       "XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ"};
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("every representation gives the same matrix back", S, float, double) {
-  for (const auto& v : rotation_vectors<S>()) {
-    const auto q = ml::to_quaternion(ml::AxisAngle<S>{v});
-    const auto r = ml::to_matrix(q);
-    CHECK(double(ml::dot(q, q)) == doctest::Approx(1).epsilon(1e-6));
-    CHECK(difference(r * ml::transpose(r), ml::Matrix3<S>::identity()) < tolerance<S>);
-    CHECK(difference(r, ml::exp_so3(v)) < 2 * tolerance<S>);
-    CHECK(difference(r, ml::to_matrix(ml::to_quaternion(r))) < 2 * tolerance<S>);
-    CHECK(difference(r, ml::to_matrix(ml::to_axis_angle(r))) < 4 * tolerance<S>);
-    CHECK(difference(r, ml::exp_so3(ml::log_so3(r))) < 4 * tolerance<S>);
-    CHECK(difference(r, ml::to_matrix(ml::to_rotation6d_rows(r))) < 2 * tolerance<S>);
-    CHECK(difference(r, ml::to_matrix(ml::to_rotation6d_columns(r))) < 2 * tolerance<S>);
+TEST_CASE_TEMPLATE("every order of Euler angles gives the same matrix back", S, float, double) {
+  for (const auto& v : rotations::vectors<S>()) {
+    const auto r = ml::exp_so3(v);
     for (const char* letters : all_orders) {
       const auto e = ml::to_euler(r, ml::EulerOrder::parse(letters));
       const double bound = length(v) < 1e-6 ? 1e-6 : 4 * tolerance<S>;  // proper orders are locked at the identity
@@ -78,7 +35,7 @@ TEST_CASE_TEMPLATE("every representation gives the same matrix back", S, float, 
 }
 
 TEST_CASE_TEMPLATE("the logarithm inverts the exponential, also at pi", S, float, double) {
-  for (const auto& v : rotation_vectors<S>()) {
+  for (const auto& v : rotations::vectors<S>()) {
     const auto back = ml::log_so3(ml::exp_so3(v));
     const double err = std::min(length(back - v), length(back + v));  // at pi both signs are right
     CHECK(err < (length(v) > 3.14 ? 200 : 4) * tolerance<S>);
@@ -119,19 +76,6 @@ TEST_CASE("quarter turns go the right way: active, right-handed, column vectors"
   CHECK(length(ml::to_matrix(q) * ml::Vec3{1.0, 0.0, 0.0} - v) < 1e-15);
 }
 
-TEST_CASE("slerp has the ends, the middle and a constant speed") {
-  const auto vectors = rotation_vectors<double>();
-  for (std::size_t i = 0; i + 7 < vectors.size(); i += 5) {
-    const auto a = ml::to_quaternion(ml::AxisAngle<double>{vectors[i]}),
-               b = ml::to_quaternion(ml::AxisAngle<double>{vectors[i + 7]});
-    const double full = ml::distance(a, b);
-    CHECK(ml::distance(ml::slerp(a, b, 0.0), a) < 1e-7);
-    CHECK(ml::distance(ml::slerp(a, b, 1.0), b) < 1e-7);
-    for (double t : {0.25, 0.5, 0.9})
-      CHECK(ml::distance(a, ml::slerp(a, b, t)) == doctest::Approx(t * full).epsilon(1e-6));
-  }
-}
-
 TEST_CASE("the shortest rotation between directions, also opposite ones") {
   const std::vector<ml::Vec3<double>> directions{{1, 0, 0},  {0, 1, 0},      {0, 0, -1},
                                                  {-1, 0, 0}, {0.6, -0.8, 0}, {-0.6, 0.8, 0}};
@@ -146,7 +90,7 @@ TEST_CASE("the shortest rotation between directions, also opposite ones") {
 
 TEST_CASE("derivatives stay right through the small-angle branches") {
   using D = ml::Dual<double>;
-  for (const auto& v : rotation_vectors<double>()) {
+  for (const auto& v : rotations::vectors<double>()) {
     if (length(v) > 3.1) continue;  // the logarithm has no derivative at pi
     const ml::Vec3<double> d{0.3, -0.5, 0.8};
     const ml::Vec3<D> x{D(v.x, d.x), D(v.y, d.y), D(v.z, d.z)};
@@ -161,7 +105,7 @@ TEST_CASE("derivatives stay right through the small-angle branches") {
 
 TEST_CASE_TEMPLATE("eight poses in a register are eight poses", S, float, double) {
   using L = ml::Lane<S>;
-  const auto vectors = rotation_vectors<S>();
+  const auto vectors = rotations::vectors<S>();
   for (std::size_t at = 0; at + L::size <= vectors.size(); at += L::size) {
     ml::Vec3<L> v;
     for (int i = 0; i < L::size; ++i)
@@ -179,7 +123,7 @@ TEST_CASE_TEMPLATE("eight poses in a register are eight poses", S, float, double
 }
 
 TEST_CASE("the published formulas agree with ours away from their weak spots") {
-  for (const auto& v : rotation_vectors<double>()) {
+  for (const auto& v : rotations::vectors<double>()) {
     if (length(v) < 1e-3 || length(v) > 3.1) continue;
     const auto r = ml::exp_so3(v);
     CHECK(length(ml::pytorch3d::matrix_to_axis_angle(r) - v) < 1e-9);
