@@ -1,5 +1,6 @@
 // motionlang info: what is in a file of weights, a motion, or a timeline.
 #include <cstdio>
+#include <filesystem>
 
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>

@@ -1,5 +1,6 @@
 // motionlang train: from BVH files and captions to the weights of a model.
 #include <cstdio>
+#include <filesystem>
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/metrics/motion_quality.hpp>

@@ -1,6 +1,7 @@
 // Runs a fuzz target over the files of a folder, without libFuzzer. Ends with an error if there are none.
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 
 #include <motionlang/io/file.hpp>
 

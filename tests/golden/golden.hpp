@@ -9,6 +9,7 @@
 // A variant is a label ("double", "float", "reference<double>", "eigen<float>", ...); each gets a line of its own.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <set>

@@ -10,11 +10,10 @@
 /// may contain dots ("tx_embedding.0") where the official key has a level that is no module here.
 #pragma once
 
-#include <optional>  // members that a model may lack
-#include <string>    // paths
-#include <tuple>     // the list
-#include <utility>   // index_sequence
-#include <vector>    // repeated members
+#include <optional>     // members that a model may lack
+#include <string>       // paths
+#include <string_view>  // names
+#include <vector>       // repeated members
 
 #include <motionlang/core/concepts.hpp>
 
@@ -26,11 +25,19 @@ struct Field {
   T M::*member;
 };
 
-/// Pairs (name, pointer to member) to a tuple of `Field`.
-constexpr std::tuple<> fields() { return {}; }
-template <class M, class T, class... Rest>
-constexpr auto fields(const char* name, T M::*member, Rest... rest) {
-  return std::tuple_cat(std::tuple<Field<M, T>>{{name, member}}, fields(rest...));
+/// The fields of a module, first and rest; `NoFields` ends the list. (A std::tuple compiles several times slower.)
+struct NoFields {};
+template <class First, class Rest>
+struct FieldList {
+  First first;
+  Rest rest;
+};
+
+/// Pairs (name, pointer to member) to a list of `Field`.
+constexpr NoFields fields() { return {}; }
+template <class M, class T, class... Others>
+constexpr auto fields(const char* name, T M::*member, Others... others) {
+  return FieldList<Field<M, T>, decltype(fields(others...))>{{name, member}, fields(others...)};
 }
 
 namespace detail {
@@ -44,12 +51,14 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-inline std::string join_path(const std::string& prefix, const std::string& name) {
-  return prefix.empty() ? name : prefix + "." + name;
+inline std::string join_path(const std::string& prefix, std::string_view name) {
+  std::string path = prefix;
+  if (!path.empty()) path += '.';
+  return path += name;
 }
 
-template <class F, class First, class... Others>
-void visit_fields(const std::string& prefix, F& f, First& first, Others&... others);
+template <class F, class... Objects>
+void visit_fields(const std::string& prefix, F& f, Objects&... objects);
 
 /// Walks over one member, or over the same member of several objects of the same structure.
 template <class F, class First, class... Others>
@@ -72,20 +81,33 @@ void visit_member(const std::string& path, F& f, First& first, Others&... others
   }
 }
 
-/// Field number I of several objects. The others may be the same template over another backend: fields are matched by
-/// position.
-template <std::size_t I, class F, class First, class... Others>
-void visit_field(const std::string& prefix, F& f, First& first, Others&... others) {
-  visit_member(join_path(prefix, std::get<I>(First::fields()).name), f, first.*(std::get<I>(First::fields()).member),
-               others.*(std::get<I>(Others::fields()).member)...);
+/// An object and those of its fields that are still to be walked over.
+template <class List, class Object>
+struct Walk {
+  List list;
+  Object& object;
+  auto& member() const { return object.*(list.first.member); }
+  auto rest() const { return Walk<decltype(list.rest), Object>{list.rest, object}; }
+};
+template <class Object>
+auto walk(Object& object) {
+  return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
 }
 
-template <class F, class First, class... Others>
-void visit_fields(const std::string& prefix, F& f, First& first, Others&... others) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (visit_field<I>(prefix, f, first, others...), ...);
+/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over another
+/// backend: fields are matched by position.
+template <class F, class First, class... Walks>
+void each_field(F& f, const First& first, const Walks&... others) {
+  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
+    f(first.list.first.name, first.member(), others.member()...);
+    each_field(f, first.rest(), others.rest()...);
   }
-  (std::make_index_sequence<std::tuple_size_v<decltype(First::fields())>>{});
+}
+
+template <class F, class... Objects>
+void visit_fields(const std::string& prefix, F& f, Objects&... objects) {
+  auto member = [&](const char* name, auto&... members) { visit_member(join_path(prefix, name), f, members...); };
+  each_field(member, walk(objects)...);
 }
 
 }  // namespace detail

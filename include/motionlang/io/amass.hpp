@@ -79,7 +79,7 @@ struct AmassMatrix {
 /// motion       on a skeleton whose first 22 joints are SMPL's; joints after them (the hands) are left out
 /// rest_pelvis  J_0 of the body that will be shown, in the model's own frame; see the head of this file
 /// Throws       config_error 106 for another skeleton, io_error 401
-inline void write_amass(const std::filesystem::path& path, const Motion& motion, const AmassBody& body = {},
+inline void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
                         const Vec3<double>& rest_pelvis = {}) {
   motion.validate();
   detail::require_smpl(motion.skeleton);
@@ -110,14 +110,14 @@ inline void write_amass(const std::filesystem::path& path, const Motion& motion,
 /// dropped, the two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws io_error
 /// 406 if an array is missing, 407 if one has another shape, 403 for an impossible frame rate,
 ///         numeric_error 301 if a value is not finite
-inline AmassClip read_amass(const std::filesystem::path& path, const Vec3<double>& rest_pelvis = {}) {
+inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
   const NpzArchive npz = NpzArchive::open(path);
   const detail::AmassMatrix poses(npz, "poses"), trans(npz, "trans");
   if (poses.columns < 3 * detail::amass_joints || trans.columns != 3 || trans.rows != poses.rows) {
     raise<io_error>(407, npz.file(), ": poses (", poses.rows, ", ", poses.columns, ") and trans (", trans.rows, ", ",
                     trans.columns, "), expected (N, 66 or more) and (N, 3)");
   }
-  AmassClip clip{{smpl24_skeleton(), 0, {}, {}, path.stem().string()}, {}};
+  AmassClip clip{{smpl24_skeleton(), 0, {}, {}, path.stem()}, {}};
   Motion& motion = clip.motion;
   motion.fps = npz.read(npz.has("mocap_framerate") ? "mocap_framerate" : "mocap_frame_rate").value<double>();
   if (!(motion.fps > 0 && motion.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", motion.fps);
@@ -140,7 +140,7 @@ inline AmassClip read_amass(const std::filesystem::path& path, const Vec3<double
 
 /// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads.
 /// Throws io_error 401.
-inline void write_joints_npy(const std::filesystem::path& path, const Motion& motion) {
+inline void write_joints_npy(const FilePath& path, const Motion& motion) {
   motion.validate();
   std::vector<float> values;
   for (const Vec3<double>& p : motion.positions()) {
@@ -156,7 +156,7 @@ struct JointPositions {
   std::vector<Vec3<double>> positions;
 };
 /// Throws io_error 401 to 405, 407 if the array is not (frames, joints, 3).
-inline JointPositions read_joints_npy(const std::filesystem::path& path) {
+inline JointPositions read_joints_npy(const FilePath& path) {
   const NpyArray array = read_npy(path);
   if (array.shape.size() != 3 || array.shape[2] != 3) {
     raise<io_error>(407, path.string(), ": not an array (frames, joints, 3)");

@@ -7,7 +7,6 @@
 /// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
 #pragma once
 
-#include <filesystem>  // paths
 
 #include <motionlang/io/detail/asf_parser.hpp>
 #include <motionlang/io/file.hpp>
@@ -24,7 +23,7 @@ inline AsfSkeleton parse_asf(std::string_view text, std::string_view name = "ASF
   return detail::AsfParser(text, name).parse();
 }
 /// Throws io_error 401 and as parse_asf.
-inline AsfSkeleton read_asf(const std::filesystem::path& path) { return parse_asf(read_file(path), path.string()); }
+inline AsfSkeleton read_asf(const FilePath& path) { return parse_asf(read_file(path), path.string()); }
 
 /// One joint for each bone, at its start; metres.
 inline Skeleton to_skeleton(const AsfSkeleton& asf) {
@@ -121,7 +120,7 @@ inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const Amc
   return detail::AmcParser(text, name, asf).parse(options.fps);
 }
 /// Throws io_error 401 and as parse_amc.
-inline Motion read_amc(const std::filesystem::path& path, const AsfSkeleton& asf, const AmcReadOptions& options = {}) {
+inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {}) {
   return parse_amc(read_file(path), asf, options, path.string());
 }
 

@@ -198,7 +198,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   return motion;
 }
 /// Throws io_error 401 and as parse_bvh, to_motion.
-inline Motion read_bvh_motion(const std::filesystem::path& path, const BvhReadOptions& options = {}) {
+inline Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {}) {
   return to_motion(read_bvh(path), options);
 }
 
@@ -300,7 +300,7 @@ inline Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {}) {
   return file;
 }
 /// Throws io_error 401 and as to_bvh.
-inline void write_bvh(const std::filesystem::path& path, const Motion& motion, const BvhWriteOptions& options = {}) {
+inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWriteOptions& options = {}) {
   write_bvh(path, to_bvh(motion, options));
 }
 

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>     // BvhChannel
-#include <filesystem>  // paths
 #include <vector>      // nodes, values
 
 #include <motionlang/core/shape.hpp>
@@ -160,7 +159,7 @@ inline Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text") 
   return detail::BvhParser(text, name).parse();
 }
 /// Throws io_error 401 and as parse_bvh.
-inline Bvh read_bvh(const std::filesystem::path& path) { return parse_bvh(read_file(path), path.string()); }
+inline Bvh read_bvh(const FilePath& path) { return parse_bvh(read_file(path), path.string()); }
 
 namespace detail {
 
@@ -228,6 +227,6 @@ inline std::string format_bvh(const Bvh& file) {
   return out;
 }
 /// Throws io_error 401.
-inline void write_bvh(const std::filesystem::path& path, const Bvh& file) { write_file(path, format_bvh(file)); }
+inline void write_bvh(const FilePath& path, const Bvh& file) { write_file(path, format_bvh(file)); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -11,7 +11,6 @@
 #include <cstddef>     // byte
 #include <cstdio>      // rename, remove
 #include <cstring>     // strerror
-#include <filesystem>  // paths
 #include <memory>      // shared_ptr
 #include <span>        // contents
 #include <string>      // contents
@@ -20,12 +19,34 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's io.
+class FilePath {
+ public:
+  FilePath(const char* text) : text_(text) {}
+  FilePath(std::string text) : text_(std::move(text)) {}
+  template <class Path>
+  requires requires(const Path& path) { path.lexically_normal().string(); }
+  FilePath(const Path& path) : text_(path.string()) {}
+
+  const std::string& string() const { return text_; }
+  const char* c_str() const { return text_.c_str(); }
+  /// The last part without its extension: "walk" of "clips/walk.bvh".
+  std::string stem() const {
+    const std::string name = text_.substr(text_.find_last_of('/') + 1);
+    const std::size_t dot = name.find_last_of('.');
+    return dot == 0 ? name : name.substr(0, dot);
+  }
+
+ private:
+  std::string text_;
+};
+
 namespace detail {
 
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags, mode_t mode = 0)
+  Descriptor(const FilePath& path, int flags, mode_t mode = 0)
       : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
   }
@@ -33,7 +54,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  std::size_t size(const std::filesystem::path& path) const {
+  std::size_t size(const FilePath& path) const {
     struct stat s {};
     if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
     return static_cast<std::size_t>(s.st_size);
@@ -49,7 +70,7 @@ class Descriptor {
 class MappedFile {
  public:
   /// Throws io_error 401.
-  static std::shared_ptr<const MappedFile> open(const std::filesystem::path& path) {
+  static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
   ~MappedFile() {
@@ -61,7 +82,7 @@ class MappedFile {
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
 
  private:
-  explicit MappedFile(const std::filesystem::path& path) {
+  explicit MappedFile(const FilePath& path) {
     const detail::Descriptor file(path, O_RDONLY);
     size_ = file.size(path);
     if (size_ == 0) return;  // an empty mapping is an error of mmap
@@ -73,15 +94,15 @@ class MappedFile {
 };
 
 /// The whole file as text. Throws io_error 401.
-inline std::string read_file(const std::filesystem::path& path) {
+inline std::string read_file(const FilePath& path) {
   const auto file = MappedFile::open(path);
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Throws io_error
 /// 401.
-inline void write_file(const std::filesystem::path& path, std::span<const std::byte> contents) {
-  const std::filesystem::path temporary = path.string() + ".part-" + std::to_string(::getpid());
+inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
+  const FilePath temporary = path.string() + ".part-" + std::to_string(::getpid());
   auto failed = [&](const char* what) {
     const int reason = errno;
     std::remove(temporary.c_str());
@@ -99,7 +120,7 @@ inline void write_file(const std::filesystem::path& path, std::span<const std::b
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");
 }
-inline void write_file(const std::filesystem::path& path, std::string_view contents) {
+inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
 }
 

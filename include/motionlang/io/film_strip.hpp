@@ -336,7 +336,7 @@ inline std::string film_strip_svg(const Motion& motion, std::span<const Track> t
 }
 
 /// Throws io_error 401, and what film_strip_svg throws.
-inline void write_film_strip(const std::filesystem::path& path, const Motion& motion,
+inline void write_film_strip(const FilePath& path, const Motion& motion,
                              std::span<const Track> tracks = {}, const FilmStripOptions& options = {}) {
   write_file(path, film_strip_svg(motion, tracks, options));
 }

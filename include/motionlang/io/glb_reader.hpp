@@ -17,7 +17,7 @@ class GlbFile {
  public:
   /// skin    which of the file's skins; a file without any gives a skeleton of all animated nodes
   /// Throws  io_error 401 to 405; config_error 107 where the JSON has a value of the wrong kind
-  static GlbFile open(const std::filesystem::path& path, Index skin = 0) {
+  static GlbFile open(const FilePath& path, Index skin = 0) {
     return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin);
   }
   GlbFile(std::span<const std::byte> bytes, std::string name, Index skin = 0)
@@ -111,7 +111,7 @@ struct GlbReadOptions {
 };
 
 /// Throws what GlbFile::open and GlbFile::motion throw.
-inline Motion read_glb(const std::filesystem::path& path, const GlbReadOptions& options = {}) {
+inline Motion read_glb(const FilePath& path, const GlbReadOptions& options = {}) {
   const GlbFile file = GlbFile::open(path, options.skin);
   return options.animation.empty() ? file.motion(0, options.fps) : file.motion(options.animation, options.fps);
 }

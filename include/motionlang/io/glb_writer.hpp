@@ -204,11 +204,11 @@ inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const G
 }
 
 /// Throws io_error 401, and what glb_bytes throws.
-inline void write_glb(const std::filesystem::path& path, std::span<const Motion> motions,
+inline void write_glb(const FilePath& path, std::span<const Motion> motions,
                       const GlbWriteOptions& options = {}) {
   write_file(path, glb_bytes(motions, options));
 }
-inline void write_glb(const std::filesystem::path& path, const Motion& motion, const GlbWriteOptions& options = {}) {
+inline void write_glb(const FilePath& path, const Motion& motion, const GlbWriteOptions& options = {}) {
   write_glb(path, std::span(&motion, 1), options);
 }
 

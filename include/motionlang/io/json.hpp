@@ -11,7 +11,6 @@
 #include <algorithm>    // count
 #include <cmath>        // isfinite
 #include <concepts>     // kinds of numbers
-#include <filesystem>   // files
 #include <map>          // objects of one kind
 #include <string>       // texts
 #include <string_view>  // names
@@ -55,7 +54,7 @@ inline nlohmann::json parse_json(std::string_view text, std::string_view name = 
 }
 
 /// Reads a file. Throws io_error 401, 403.
-inline nlohmann::json read_json(const std::filesystem::path& path) {
+inline nlohmann::json read_json(const FilePath& path) {
   return parse_json(read_file(path), path.string());
 }
 

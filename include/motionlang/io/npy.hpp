@@ -278,10 +278,10 @@ inline std::vector<std::byte> npy_bytes(const NpyArray& array) {
 }
 
 /// Throws io_error 401 to 405.
-inline NpyArray read_npy(const std::filesystem::path& path) {
+inline NpyArray read_npy(const FilePath& path) {
   return parse_npy(MappedFile::open(path)->bytes(), path.string());
 }
 /// Throws io_error 401.
-inline void write_npy(const std::filesystem::path& path, const NpyArray& array) { write_file(path, npy_bytes(array)); }
+inline void write_npy(const FilePath& path, const NpyArray& array) { write_file(path, npy_bytes(array)); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -12,7 +12,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 class NpzArchive {
  public:
   /// Throws io_error 401 to 405.
-  static NpzArchive open(const std::filesystem::path& path) { return NpzArchive(ZipArchive::open(path)); }
+  static NpzArchive open(const FilePath& path) { return NpzArchive(ZipArchive::open(path)); }
   explicit NpzArchive(ZipArchive zip) : zip_(std::move(zip)) {}
 
   const std::string& file() const { return zip_.name(); }
@@ -49,7 +49,7 @@ inline std::vector<std::byte> npz_bytes(std::span<const NamedArray> arrays) {
   return zip.finish();
 }
 /// Throws io_error 401 if the file cannot be written, 405 above 4 GiB.
-inline void write_npz(const std::filesystem::path& path, std::span<const NamedArray> arrays) {
+inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) {
   write_file(path, npz_bytes(arrays));
 }
 

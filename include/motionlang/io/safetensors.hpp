@@ -31,7 +31,7 @@ class SafetensorsFile {
 
   /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
   /// axes), 405 (impossible sizes).
-  static SafetensorsFile open(const std::filesystem::path& path) {
+  static SafetensorsFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
     return from_bytes(file->bytes(), path.string(), file);
   }
@@ -276,7 +276,7 @@ inline std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tens
 
 /// Writes a file in one step: readers see the old one or the new one. Throws io_error 401, and what safetensors_bytes
 /// throws. The metadata {"format": "pt"} let Python tools accept the file.
-inline void write_safetensors(const std::filesystem::path& path, std::span<const TensorView> tensors,
+inline void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
                               const std::map<std::string, std::string>& metadata = {{"format", "pt"}}) {
   write_file(path, safetensors_bytes(tensors, metadata));
 }

@@ -132,12 +132,12 @@ inline std::string viewer_html(std::span<const ViewerMotion> motions, const View
 }
 
 /// Throws io_error 401, and what viewer_html throws.
-inline void write_viewer(const std::filesystem::path& path, const Motion& motion, std::span<const Track> tracks = {},
+inline void write_viewer(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
                          const ViewerOptions& options = {}) {
   write_file(path, viewer_html(motion, tracks, options));
 }
 /// Several motions, of which the reader chooses one.
-inline void write_viewer(const std::filesystem::path& path, std::span<const ViewerMotion> motions,
+inline void write_viewer(const FilePath& path, std::span<const ViewerMotion> motions,
                          const ViewerOptions& options = {}) {
   write_file(path, viewer_html(motions, options));
 }

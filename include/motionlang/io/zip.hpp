@@ -29,7 +29,7 @@ struct ZipEntry {
 class ZipArchive {
  public:
   /// Throws io_error 401 to 405.
-  static ZipArchive open(const std::filesystem::path& path) {
+  static ZipArchive open(const FilePath& path) {
     auto file = MappedFile::open(path);
     return ZipArchive(file->bytes(), path.string(), file);
   }

@@ -61,12 +61,8 @@ void convert_member(To& to, const From& from) {
 
 template <class To, class From>
 void convert_module(To& to, const From& from) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (convert_member<is_trainable<To>>(to.*(std::get<I>(To::fields()).member),
-                                      from.*(std::get<I>(From::fields()).member)),
-     ...);
-  }
-  (std::make_index_sequence<std::tuple_size_v<decltype(To::fields())>>{});
+  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
+  each_field(member, walk(to), walk(from));
 }
 
 }  // namespace detail

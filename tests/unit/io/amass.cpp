@@ -1,6 +1,7 @@
 // AMASS files: round trip, both spellings and layouts, the turn to Z up, and files that must be refused.
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -119,7 +119,9 @@ struct Kernels {
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 
-#if defined(__x86_64__)
+// Without the optimiser the wider kernels would only take longer to compile.
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
+#define MOTIONLANG_WIDE_KERNELS
 MOTIONLANG_TARGET_PUSH("avx2,fma")
 #define MOTIONLANG_ISA avx2
 #define MOTIONLANG_VECTOR_BYTES 32
@@ -149,7 +151,7 @@ enum class Isa { portable, avx2, avx512, best };
 template <class S>
 const Kernels<S>* kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::table<S>();
-#if defined(__x86_64__)
+#if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
   if (isa == Isa::avx512) {

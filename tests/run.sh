@@ -1,0 +1,10 @@
+#!/bin/sh
+# All tests: installs what is missing, builds every test and runs them.
+set -eu
+cd "$(dirname "$0")/.."
+. .ci/packages.sh
+need cmake ninja-build ccache clang libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev doctest-dev \
+  chromium chromium-driver python3
+build ci
+ctest --preset ci -j "$(nproc)" --progress --output-on-failure
+echo "All tests passed. Next: sh examples/run.sh makes a motion; build/ci/tests holds the programs, tests/README.md explains them."
