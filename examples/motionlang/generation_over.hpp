@@ -23,7 +23,7 @@ class GeneratorOver final : public Generator {
     options.guidance = s.guidance.value_or(config_.guidance);
     options.steps = s.steps;
     options.sampling.sampler =
-        s.sampler == "ddim" ? ml::CollageOptions::Sampler::ddim : ml::CollageOptions::Sampler::ddpm;
+        s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
     options.sampling.noise_scale = config_.noise_scale;
     options.progress = progress;
     const auto features = s.noise_file.empty() ? model_.generate(timelines, ml::Philox{.seed = s.seed}, options)

@@ -9,22 +9,29 @@
 ///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
 ///     const ml::Motion motion = ml::stmc_motion(features);
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Link motionlang::instantiated to compile faster.
+/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>.
+///
+/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
+/// header only says what can be called. For other backends include <motionlang/io/stmc_file.hpp> as well.
 #pragma once
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/features/smplrifke.hpp>
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/io/file_path.hpp>
+#include <motionlang/systems/detail/stmc_class.hpp>
 
+#ifdef MOTIONLANG_INSTANTIATED
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the skeleton's: the
-/// rotations are used, not the predicted positions. Published generation starts facing pi.
 template <Backend B>
-Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20) {
-  const std::vector<double> values(features.span().begin(), features.span().end());
-  return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
-}
+Stmc<B> load_stmc(const FilePath& path);
+
+extern template struct Stmc<EigenBackend<float>>;
+extern template Stmc<EigenBackend<float>> load_stmc<EigenBackend<float>>(const FilePath&);
+extern template Motion stmc_motion<EigenBackend<float>>(const Tensor<EigenBackend<float>, 2>&, double);
+extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::string_view, const TimelineTextOptions&);
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
+#else
+#include <motionlang/io/stmc_file.hpp>
+#endif

@@ -31,7 +31,7 @@ std::vector<float> motion_of(const Timeline& timeline, const ml::StmcOptions& op
 }  // namespace
 
 TEST_CASE("same seed, same bits, on one thread and on two") {
-  for (auto sampler : {ml::CollageOptions::Sampler::ddpm, ml::CollageOptions::Sampler::ddim}) {
+  for (auto sampler : {ml::SamplingOptions::Sampler::ddpm, ml::SamplingOptions::Sampler::ddim}) {
     auto run = [&](int threads) {
       const Threads scope(threads);
       return motion_of(small::several_tracks(), {.sampling = {.sampler = sampler, .eta = 0.5}});

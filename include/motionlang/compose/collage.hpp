@@ -152,22 +152,13 @@ class Collage {
   TextFeatures<B> batch_text_;
 };
 
-/// How a collage is sampled.
-struct CollageOptions {
-  enum class Sampler { ddpm, ddim };
-  Sampler sampler = Sampler::ddpm;
-  double eta = 0;  // of ddim
-  NoiseScale noise_scale = NoiseScale::posterior_variance;
-  bool clip = false;
-};
-
 /// The whole reverse process. noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
 /// (rows, features).
 /// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
-                            Noise&& noise, const CollageOptions& options = {}, Progress progress = {},
+                            Noise&& noise, const SamplingOptions& options = {}, Progress progress = {},
                             const Watch& watch = {}) {
   auto network = [&](const Tensor<B, 2>& x, Index t) {
     return collage
@@ -179,7 +170,7 @@ Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusio
   };
   auto step_noise = [&](Index draw) { return noise(draw + 1); };
   const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
-  if (options.sampler == CollageOptions::Sampler::ddim) {
+  if (options.sampler == SamplingOptions::Sampler::ddim) {
     return sample_ddim<B, 2>(diffusion, noise(0), network, step_noise, options.eta, step, detail::KeepX0{}, progress,
                              watch);
   }

@@ -15,25 +15,11 @@
 #include <span>         // several timelines
 #include <string_view>  // texts of crops
 
+#include <motionlang/compose/options.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
 #include <motionlang/compose/transition.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
-enum class Gaps { fill, refuse };
-/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
-/// 506, or leave the transition out (the result is the same without it).
-enum class HiddenTexts { refuse, ignore };
-
-struct PlanOptions {
-  Index overlap = 10;            // frames in total around a cut; 0.5 s at 20 fps
-  bool extend = true;            // intervals reach into their neighbours by the overlap
-  bool transition_crops = true;  // an unconditional crop around every cut. Both off: SINC, hard cuts
-  Gaps gaps = Gaps::fill;
-  HiddenTexts hidden = HiddenTexts::refuse;
-  Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
-};
 
 /// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
 /// numbers agree with the reference; they take part in nothing.

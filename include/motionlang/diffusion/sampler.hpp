@@ -20,6 +20,15 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
+/// How a whole reverse process is run.
+struct SamplingOptions {
+  enum class Sampler { ddpm, ddim };
+  Sampler sampler = Sampler::ddpm;
+  double eta = 0;  // of ddim
+  NoiseScale noise_scale = NoiseScale::posterior_variance;
+  bool clip = false;
+};
+
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>
 struct AncestralStep {

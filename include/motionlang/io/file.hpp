@@ -16,30 +16,9 @@
 #include <string>      // contents
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/io/file_path.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's io.
-class FilePath {
- public:
-  FilePath(const char* text) : text_(text) {}
-  FilePath(std::string text) : text_(std::move(text)) {}
-  template <class Path>
-  requires requires(const Path& path) { path.lexically_normal().string(); }
-  FilePath(const Path& path) : text_(path.string()) {}
-
-  const std::string& string() const { return text_; }
-  const char* c_str() const { return text_.c_str(); }
-  /// The last part without its extension: "walk" of "clips/walk.bvh".
-  std::string stem() const {
-    const std::string name = text_.substr(text_.find_last_of('/') + 1);
-    const std::size_t dot = name.find_last_of('.');
-    return dot == 0 ? name : name.substr(0, dot);
-  }
-
- private:
-  std::string text_;
-};
 
 namespace detail {
 

@@ -6,155 +6,117 @@
 #pragma once
 
 #include <motionlang/compose/collage.hpp>
-#include <motionlang/diffusion/mdm_smpl.hpp>
-#include <motionlang/features/normalizer.hpp>
-#include <motionlang/text/caption_encoder.hpp>
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/systems/detail/stmc_class.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// How crops become one motion.
-///   stmc        one noise for the timeline, stitched at every step
-///   sinc        every text on its own noise, stitched once at the end with hard cuts (SINC, Athanasiou et al. 2023)
-///   sinc_lerp   the same, interpolated around the cuts
-enum class StmcMode { stmc, sinc, sinc_lerp };
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
+                                                  const StmcOptions& options) const {
+  return generate_from(
+      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
+}
 
-struct StmcOptions {
-  Index overlap = 10;     // frames around a cut, in total
-  double guidance = 2.5;  // weight of classifier-free guidance; 1: none
-  Index steps = 0;        // of sampling; 0: all of the process
-  CollageOptions sampling{};
-  StmcMode mode = StmcMode::stmc;
-  Gaps gaps = Gaps::fill;
-  HiddenTexts hidden = HiddenTexts::refuse;
-  Progress progress{};  // called after every step; may cancel
-};
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options) const {
+  return generate(std::span(&timeline, 1), rng, options).front();
+}
 
-/// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
-///
-///     auto stmc = load_stmc<EigenBackend<float>>("model.safetensors");
-///     auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nraise both arms # 2 # 5 # left arm # right arm\n");
-///     Tensor<B, 2> motion = stmc.generate(timeline, Philox{.seed = 7});      // (frames, features)
-template <Backend B, Denoiser<B> D = MdmSmplDenoiser<B>, TextEncoder<B> E = CaptionEncoder<B>>
-struct Stmc {
-  D denoiser;
-  E text_encoder;
-  Normalizer<B> motion_normalizer, text_normalizer;
-  GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
-  FeatureLayout layout = smplrifke_layout();
-
-  static constexpr auto fields() {
-    return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
-                              &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                                       const StmcOptions& options) const {
+  const bool hard_cuts = options.mode != StmcMode::stmc;
+  const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
+                                                    .extend = !hard_cuts,
+                                                    .transition_crops = !hard_cuts,
+                                                    .gaps = options.gaps,
+                                                    .hidden = options.hidden});
+  const DenoiserTraits traits = denoiser.traits();
+  const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
+  const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
+                              options.guidance);
+  const auto sequences = static_cast<Index>(sampled.timelines.size());
+  const Shape shape{sequences, collage.stride(), layout.size};
+  auto rows = [&](Index draw) {
+    const Tensor<B, 3> z = noise(draw, shape);
+    if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
+    return reshape<2>(z, {sequences * collage.stride(), layout.size});
+  };
+  auto x0 =
+      sample_collage<B>(collage, process(options.steps), traits.prediction, rows, options.sampling, options.progress);
+  Index stride = collage.stride();
+  if (hard_cuts) {
+    x0 = stitch_independent(plan, x0, stride);
+    stride = plan.frames;
+    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(plan, layout, x0, stride);
   }
-
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
-  /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
-  std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
-                                     const StmcOptions& options = {}) const {
-    return generate_from(
-        timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
+  std::vector<Tensor<B, 2>> out;
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const Index first = static_cast<Index>(m) * stride;
+    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + plan.timelines[m].frames)));
   }
-  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const {
-    return generate(std::span(&timeline, 1), rng, options).front();
-  }
+  return out;
+}
 
-  /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
-  /// (sequences, frames, features) as `shape` says; in the SINC modes every text is a sequence.
-  template <class Noise>
-  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
-                                          const StmcOptions& options = {}) const {
-    const bool hard_cuts = options.mode != StmcMode::stmc;
-    const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
-                                                      .extend = !hard_cuts,
-                                                      .transition_crops = !hard_cuts,
-                                                      .gaps = options.gaps,
-                                                      .hidden = options.hidden});
-    const DenoiserTraits traits = denoiser.traits();
-    const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
-    const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                                options.guidance);
-    const auto sequences = static_cast<Index>(sampled.timelines.size());
-    const Shape shape{sequences, collage.stride(), layout.size};
-    auto rows = [&](Index draw) {
-      const Tensor<B, 3> z = noise(draw, shape);
-      if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
-      return reshape<2>(z, {sequences * collage.stride(), layout.size});
-    };
-    auto x0 =
-        sample_collage<B>(collage, process(options.steps), traits.prediction, rows, options.sampling, options.progress);
-    Index stride = collage.stride();
-    if (hard_cuts) {
-      x0 = stitch_independent(plan, x0, stride);
-      stride = plan.frames;
-      if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(plan, layout, x0, stride);
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
+  using S = typename B::scalar;
+  PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+  const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
+  for (Index m = 0; m < shape[0]; ++m) {
+    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
+    stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
+  }
+  return Tensor<B, 3>::from(std::span<const S>(values), shape);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
+  if (steps == 0 || steps == diffusion.steps()) return diffusion;
+  return diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{steps}));
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+TextFeatures<B> Stmc<B, D, E>::encode(const std::vector<std::string>& texts) const {
+  auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
+  features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
+  if (denoiser.traits().empty_text_is_null) {
+    std::vector<typename B::scalar> keep;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const Index rows = features.tokens.offsets.length(static_cast<Index>(i));
+      keep.insert(keep.end(), static_cast<std::size_t>(rows), texts[i].empty() ? 0 : 1);
     }
-    std::vector<Tensor<B, 2>> out;
-    for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
-      const Index first = static_cast<Index>(m) * stride;
-      out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + plan.timelines[m].frames)));
-    }
-    return out;
+    features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
   }
+  return features;
+}
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
-  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const {
-    using S = typename B::scalar;
-    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-    const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
-    for (Index m = 0; m < shape[0]; ++m) {
-      auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
-      stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
-    }
-    return Tensor<B, 3>::from(std::span<const S>(values), shape);
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<std::string> Stmc<B, D, E>::texts_of(const BatchPlan& plan) {
+  std::vector<std::string> texts;
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Interval& i : p.timeline.intervals) texts.push_back(i.text);
   }
+  return texts;
+}
 
-  /// The process with `steps` steps evenly kept; all when 0.
-  GaussianDiffusion process(Index steps) const {
-    if (steps == 0 || steps == diffusion.steps()) return diffusion;
-    return diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{steps}));
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
+  std::vector<Index> lengths;
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Crop& c : p.crops) lengths.push_back(c.range.size());
   }
+  const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
+  const auto clips = from_padded(all, std::span<const Index>(lengths));
+  return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
+}
 
- private:
-  TextFeatures<B> encode(const std::vector<std::string>& texts) const {
-    auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
-    features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
-    if (denoiser.traits().empty_text_is_null) {
-      std::vector<typename B::scalar> keep;
-      for (std::size_t i = 0; i < texts.size(); ++i) {
-        const Index rows = features.tokens.offsets.length(static_cast<Index>(i));
-        keep.insert(keep.end(), static_cast<std::size_t>(rows), texts[i].empty() ? 0 : 1);
-      }
-      features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
-    }
-    return features;
-  }
-  static std::vector<std::string> texts_of(const BatchPlan& plan) {
-    std::vector<std::string> texts;
-    for (const TimelinePlan& p : plan.timelines) {
-      for (const Interval& i : p.timeline.intervals) texts.push_back(i.text);
-    }
-    return texts;
-  }
-  Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
-    std::vector<Index> lengths;
-    for (const TimelinePlan& p : plan.timelines) {
-      for (const Crop& c : p.crops) lengths.push_back(c.range.size());
-    }
-    const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
-    const auto clips = from_padded(all, std::span<const Index>(lengths));
-    return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
-  }
-};
-
-/// The same model over another backend, with copies of all numbers.
-template <Backend To, Backend From, template <class> class D, template <class> class E>
-Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
-  return {.denoiser = convert<To>(m.denoiser),
-          .text_encoder = convert<To>(m.text_encoder),
-          .motion_normalizer = convert<To>(m.motion_normalizer),
-          .text_normalizer = convert<To>(m.text_normalizer),
-          .diffusion = m.diffusion,
-          .layout = m.layout};
+template <Backend B>
+Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
+  const std::vector<double> values(features.span().begin(), features.span().end());
+  return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.

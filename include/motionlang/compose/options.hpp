@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// What a caller can choose when timelines are planned.
+#pragma once
+
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
+enum class Gaps { fill, refuse };
+/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
+/// 506, or leave the transition out (the result is the same without it).
+enum class HiddenTexts { refuse, ignore };
+
+struct PlanOptions {
+  Index overlap = 10;            // frames in total around a cut; 0.5 s at 20 fps
+  bool extend = true;            // intervals reach into their neighbours by the overlap
+  bool transition_crops = true;  // an unconditional crop around every cut. Both off: SINC, hard cuts
+  Gaps gaps = Gaps::fill;
+  HiddenTexts hidden = HiddenTexts::refuse;
+  Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

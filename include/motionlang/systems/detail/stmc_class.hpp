@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+/// What a caller sees of STMC: the model and its options. The bodies are in <motionlang/systems/stmc.hpp>.
+#pragma once
+
+#include <motionlang/compose/options.hpp>
+#include <motionlang/compose/timeline.hpp>
+#include <motionlang/diffusion/mdm_smpl.hpp>
+#include <motionlang/diffusion/sampler.hpp>
+#include <motionlang/features/layout.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/text/caption_encoder.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BatchPlan;
+
+/// How crops become one motion.
+///   stmc        one noise for the timeline, stitched at every step
+///   sinc        every text on its own noise, stitched once at the end with hard cuts (SINC, Athanasiou et al. 2023)
+///   sinc_lerp   the same, interpolated around the cuts
+enum class StmcMode { stmc, sinc, sinc_lerp };
+
+struct StmcOptions {
+  Index overlap = 10;     // frames around a cut, in total
+  double guidance = 2.5;  // weight of classifier-free guidance; 1: none
+  Index steps = 0;        // of sampling; 0: all of the process
+  SamplingOptions sampling{};
+  StmcMode mode = StmcMode::stmc;
+  Gaps gaps = Gaps::fill;
+  HiddenTexts hidden = HiddenTexts::refuse;
+  Progress progress{};  // called after every step; may cancel
+};
+
+/// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
+///
+///     auto stmc = load_stmc<EigenBackend<float>>("model.safetensors");
+///     auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nraise both arms # 2 # 5 # left arm # right arm\n");
+///     Tensor<B, 2> motion = stmc.generate(timeline, Philox{.seed = 7});      // (frames, features)
+template <Backend B, Denoiser<B> D = MdmSmplDenoiser<B>, TextEncoder<B> E = CaptionEncoder<B>>
+struct Stmc {
+  D denoiser;
+  E text_encoder;
+  Normalizer<B> motion_normalizer, text_normalizer;
+  GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
+  FeatureLayout layout = smplrifke_layout();
+
+  static constexpr auto fields() {
+    return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
+                              &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+  }
+
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
+  /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
+                                     const StmcOptions& options = {}) const;
+  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
+
+  /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
+  /// (sequences, frames, features) as `shape` says; in the SINC modes every text is a sequence.
+  template <class Noise>
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                          const StmcOptions& options = {}) const;
+
+  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
+  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
+
+  /// The process with `steps` steps evenly kept; all when 0.
+  GaussianDiffusion process(Index steps) const;
+
+ private:
+  TextFeatures<B> encode(const std::vector<std::string>& texts) const;
+  static std::vector<std::string> texts_of(const BatchPlan& plan);
+  Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
+};
+
+/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the skeleton's: the
+/// rotations are used, not the predicted positions. Published generation starts facing pi.
+template <Backend B>
+Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
