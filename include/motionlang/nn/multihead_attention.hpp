@@ -7,6 +7,13 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
+constexpr void check_heads(Index width, Index heads) {
+  if (heads < 1 || width % heads != 0) {
+    raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
+  }
+}
+
 /// Vaswani et al. (2017), section 3.2.2. `in_proj_weight` (3 width, width) holds the rows of query, key and value in
 /// that order.
 template <Backend B>
@@ -30,8 +37,7 @@ struct MultiheadAttention {
         out_proj(width, width, rng),
         heads(heads_),
         dropout_p(dropout) {
-    if (heads < 1 || width % heads != 0)
-      raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
+    check_heads(width, heads);
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 

@@ -16,6 +16,13 @@ struct TransformerConfig {
   bool norm_first = false;
   double dropout = 0.1;
   bool causal = false;
+
+  /// Itself. A constant configuration is checked while compiling:
+  ///     constexpr auto config = TransformerConfig{.d_model = 256, .heads = 4}.checked();
+  constexpr const TransformerConfig& checked() const {
+    check_heads(d_model, heads);
+    return *this;
+  }
 };
 
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))

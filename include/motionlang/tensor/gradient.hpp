@@ -29,8 +29,8 @@ class Gradients {
 };
 
 /// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
-template <class A>
-Gradients<A> backward(const Tensor<A, 0>& loss) {
+template <Backend A>
+auto backward(const Tensor<A, 0>& loss) {
   static_assert(AutodiffBackend<A>,
                 "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
   return Gradients<A>(A::gradients(loss.data()));

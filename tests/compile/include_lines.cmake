@@ -1,0 +1,91 @@
+# Reads the #include lines of the headers: cmake -DINCLUDE=<repository>/include -P include_lines.cmake
+#
+#   - a folder includes only itself and folders of a lower level
+#   - a third-party package is named only by the header that wraps it; core/ is spared <iostream> and std::function
+#   - motionlang.hpp includes every public header that needs no package
+#   - what fwd.hpp declares is defined somewhere
+cmake_minimum_required(VERSION 3.24)
+
+set(levels "core" "tensor geometry" "backend kinematics nn loss optim" "features vae diffusion text metrics" "compose"
+           "systems" "io")
+set(level 0)
+foreach(folders ${levels})
+  string(REPLACE " " ";" folders ${folders})
+  foreach(folder ${folders})
+    set(level_of_${folder} ${level})
+  endforeach()
+  math(EXPR level "${level} + 1")
+endforeach()
+
+# Pairs: what is included, and the headers that may.
+set(rules "^xtensor/"                       "^backend/detail/xtensor_impl.hpp$"
+          "^(Eigen|unsupported)/"           "^backend/detail/eigen_impl.hpp$"
+          "^nlohmann/json.hpp$"             "^io/json.hpp$"
+          "^(xtl|xtensor-blas|doctest)/"    "^$"
+          "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
+
+set(problems 0)
+macro(problem text)
+  message("${text}")
+  math(EXPR problems "${problems} + 1")
+endmacro()
+
+function(check_motionlang_include header folder included target)
+  if(NOT DEFINED level_of_${target})
+    problem("${header} includes ${included}: folder ${target} has no level")
+  elseif(NOT target STREQUAL folder AND NOT level_of_${target} LESS level_of_${folder})
+    problem("${header} (level ${level_of_${folder}}) includes ${included} (level ${level_of_${target}})")
+  endif()
+  set(problems ${problems} PARENT_SCOPE)
+endfunction()
+
+function(check_other_include header folder included)
+  if(folder STREQUAL "core" AND included MATCHES "^(iostream|functional)$")
+    problem("${header} includes ${included}")
+  endif()
+  while(rules)
+    list(POP_FRONT rules package allowed)
+    if(included MATCHES ${package} AND NOT header MATCHES ${allowed})
+      problem("${header} includes ${included}")
+    endif()
+  endwhile()
+  set(problems ${problems} PARENT_SCOPE)
+endfunction()
+
+file(GLOB_RECURSE headers RELATIVE ${INCLUDE}/motionlang ${INCLUDE}/motionlang/*.hpp ${INCLUDE}/motionlang/*.inc)
+foreach(header ${headers})
+  string(REGEX REPLACE "/.*" "" folder ${header})
+  file(STRINGS ${INCLUDE}/motionlang/${header} lines REGEX "^ *#? *(include|struct|class) ")
+  foreach(line ${lines})
+    if(line MATCHES "^(struct|class) ([A-Za-z0-9_]+)[^;]* {")
+      list(APPEND definitions ${CMAKE_MATCH_2})
+    elseif(line MATCHES "# *include *[<\"]motionlang/(([^/>\"]*)/[^>\"]*)" AND header MATCHES "/")
+      string(REGEX MATCH "motionlang/(([^/>\"]*)/[^>\"]*)" unused ${line})
+      check_motionlang_include(${header} ${folder} ${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
+    elseif(line MATCHES "# *include *[<\"]([^>\"]*)")
+      check_other_include(${header} ${folder} ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+endforeach()
+
+file(STRINGS ${INCLUDE}/motionlang/motionlang.hpp umbrella REGEX "^#include <motionlang/")
+foreach(header ${headers})
+  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|io)/"
+     AND NOT "#include <motionlang/${header}>" IN_LIST umbrella)
+    problem("motionlang.hpp lacks ${header}")
+  endif()
+endforeach()
+
+file(STRINGS ${INCLUDE}/motionlang/fwd.hpp declarations REGEX "^(struct|class) [A-Za-z0-9_]+;")
+foreach(declaration ${declarations})
+  string(REGEX REPLACE "^(struct|class) ([A-Za-z0-9_]+).*" "\\2" name ${declaration})
+  if(NOT name IN_LIST definitions)
+    problem("fwd.hpp declares ${name}, which no header defines")
+  endif()
+endforeach()
+
+list(LENGTH headers count)
+if(problems OR count EQUAL 0)
+  message(FATAL_ERROR "${problems} problems in ${count} headers")
+endif()
+message("${count} headers in order")
