@@ -191,13 +191,13 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   return model;
 }
 template <Backend B>
-Stmc<B> load_stmc(const std::filesystem::path& path) {
+Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
 /// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit.
 template <Backend B>
-void save_stmc(const std::filesystem::path& path, const Stmc<B>& model, const StmcModelConfig& config,
+void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
   TensorStore store;
   store.add_module(model, "", dtype);
