@@ -1,4 +1,4 @@
-// Timing for the benchmarks: medians, and one line per measurement in the form that ../shared/perf/side_by_side.py reads.
+// Timing for the benchmarks: medians, and one line per measurement in the form that run.py reads.
 #pragma once
 
 #include <algorithm>

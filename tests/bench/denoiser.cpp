@@ -1,5 +1,5 @@
 // The published MDM shape (8 layers, width 512, feed-forward 1024, 4 heads): one denoising step, and one training step.
-// Peer: torch_bench.py mdm_step, mdm_ragged, train_mdm in ../shared/perf.      usage: bench_denoiser [threads] [mdm_step train_mdm ...]
+// Peer: peer_torch.py; run.py compares.   usage: bench_denoiser [threads] [mdm_step train_mdm ...]
 #include <cstdlib>
 #include <cstring>
 #include <set>

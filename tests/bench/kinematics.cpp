@@ -1,4 +1,4 @@
-// Forward kinematics: 100,000 frames of 24 joints from 6D rotations. Peer: torch_bench.py fk in ../shared/perf.
+// Forward kinematics: 100,000 frames of 24 joints from 6D rotations. Peer: peer_torch.py.
 #include <cstdlib>
 
 #include <motionlang/core/rng.hpp>

@@ -1,0 +1,108 @@
+"""The peer in PyTorch: the same work as bench_denoiser and bench_kinematics, with random weights.
+
+usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk]
+Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster.
+"""
+import os, sys, time
+THREADS = sys.argv[1] if len(sys.argv) > 1 else "1"
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = THREADS
+import torch
+import torch.nn as nn
+import torch.nn.functional as F
+torch.set_num_threads(int(THREADS))
+
+WIDTH, FEED_FORWARD, HEADS, LAYERS, FEATURES, TEXT = 512, 1024, 4, 8, 205, 512
+LAYOUTS = [("sequence first", False), ("batch first", True)]
+
+
+class Denoiser(nn.Module):
+    """Time token, three text tokens and the frames through eight post-norm layers."""
+
+    def __init__(self, batch_first):
+        super().__init__()
+        self.batch_first = batch_first
+        self.embed, self.read = nn.Linear(FEATURES, WIDTH), nn.Linear(WIDTH, FEATURES)
+        self.time = nn.Sequential(nn.Linear(WIDTH, WIDTH), nn.SiLU(), nn.Linear(WIDTH, WIDTH))
+        self.text = nn.Linear(TEXT, WIDTH)
+        layer = nn.TransformerEncoderLayer(WIDTH, HEADS, FEED_FORWARD, 0.1, "gelu", batch_first=batch_first)
+        self.layers = nn.TransformerEncoder(layer, LAYERS)
+        self.register_buffer("positions", torch.randn(1000, WIDTH))
+
+    def forward(self, x, t, text, mask=None):
+        tokens = torch.cat([self.time(self.positions[t])[:, None], self.text(text), self.embed(x)], 1)
+        tokens = tokens + self.positions[: tokens.shape[1]]
+        if self.batch_first:
+            out = self.layers(tokens, src_key_padding_mask=mask)
+        else:
+            out = self.layers(tokens.transpose(0, 1), src_key_padding_mask=mask).transpose(0, 1)
+        return self.read(out[:, 4:])
+
+
+def report(work, config, variant, run, seconds):
+    run(), run()
+    times, start = [], time.perf_counter()
+    while len(times) < 5 or (time.perf_counter() - start < seconds and len(times) < 300):
+        before = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - before)
+    times.sort()
+    print(f"{work},{config},{variant},{THREADS},{times[0] * 1e3:.3f},{times[len(times) // 2] * 1e3:.3f}", flush=True)
+
+
+def mdm_step():
+    for b in (1, 3, 8):
+        for name, batch_first in LAYOUTS:
+            model = Denoiser(batch_first).eval()
+            x, t, text = torch.randn(2 * b, 200, FEATURES), torch.full((2 * b,), 50), torch.randn(2 * b, 3, TEXT)
+            with torch.no_grad():
+                report("mdm_step", f"B={b} (2B crops) T=200", name, lambda: model(x, t, text), 3)
+
+
+def mdm_ragged():
+    lengths = torch.tensor([200, 52, 163, 97, 71, 120, 44, 139] * 2)
+    mask = torch.arange(204)[None] >= (lengths + 4)[:, None]
+    for name, batch_first in LAYOUTS:
+        model = Denoiser(batch_first).eval()
+        x, t, text = torch.randn(16, 200, FEATURES), torch.full((16,), 50), torch.randn(16, 3, TEXT)
+        with torch.no_grad():
+            report("mdm_ragged", "16 crops 40..200 frames (mean 111) padding mask", name, lambda: model(x, t, text, mask), 3)
+
+
+def train_mdm():
+    for name, batch_first in LAYOUTS:
+        model = Denoiser(batch_first).train()
+        adam = torch.optim.AdamW(model.parameters(), 1e-4)
+        x, t, text = torch.randn(16, 200, FEATURES), torch.randint(0, 100, (16,)), torch.randn(16, 3, TEXT)
+
+        def step():
+            adam.zero_grad(set_to_none=True)
+            F.mse_loss(model(x, t, text), x).backward()
+            adam.step()
+
+        report("train_mdm", "B=16 T=200 dropout 0.1", name, step, 12)
+
+
+PARENTS = [-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21]
+
+
+def fk():
+    frames, offsets, root = torch.randn(100000, 24, 6), torch.randn(24, 3), torch.randn(100000, 3)
+
+    def run():
+        a, b = frames[..., :3], frames[..., 3:]
+        x = F.normalize(a, dim=-1)
+        y = F.normalize(b - (x * b).sum(-1, keepdim=True) * x, dim=-1)
+        rotations = torch.stack([x, y, torch.cross(x, y, dim=-1)], -2)
+        world, joints = [rotations[:, 0]], [root]
+        for j in range(1, 24):
+            parent = PARENTS[j]
+            joints.append(world[parent] @ offsets[j] + joints[parent])
+            world.append(world[parent] @ rotations[:, j])
+        return torch.stack(joints, 1)
+
+    with torch.no_grad():
+        report("fk", "100000 frames 24 joints 6D", "torch", run, 5)
+
+
+for wanted in sys.argv[2:] or ["mdm_step", "mdm_ragged", "train_mdm", "fk"]:
+    {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk}[wanted]()
