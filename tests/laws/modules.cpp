@@ -1,0 +1,12 @@
+// Every module of the library. The denoisers are in the files of their own laws.
+#include "module_laws.hpp"
+#include "small_modules.hpp"
+
+using laws::Small;
+namespace ml = motionlang;
+
+TEST_CASE_TEMPLATE("laws of modules", M, Small<ml::Linear>, Small<ml::Embedding>, Small<ml::LayerNorm>,
+                   Small<ml::Normalizer>, Small<ml::MultiheadAttention>, Small<ml::Gru>, Small<ml::TimestepEmbedding>,
+                   Small<ml::TransformerEncoder>, Small<ml::TransformerDecoder>, Small<ml::CaptionEncoder>) {
+  laws::module_laws<M>();
+}
