@@ -10,7 +10,7 @@ namespace ml = motionlang;
 #ifdef MISTAKE
 using B = ml::ReferenceBackend<float>;
 #else
-using B = ml::Autodiff<ml::ReferenceBackend<float>>;
+using B = ml::Autodiff<ml::ReferenceBackend<float> >;
 #endif
 
 auto differentiate(const ml::Tensor<B, 0>& loss) { return ml::backward(loss); }

@@ -12,5 +12,5 @@ using B = ml::ReferenceBackend<float>;
 #ifdef MISTAKE
 ml::AdamW<B> optimiser{{.lr = 1e-4}};
 #else
-ml::AdamW<ml::Autodiff<B>> optimiser{{.lr = 1e-4}};
+ml::AdamW<ml::Autodiff<B> > optimiser{{.lr = 1e-4}};
 #endif

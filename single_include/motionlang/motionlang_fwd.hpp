@@ -1,0 +1,551 @@
+// SPDX-License-Identifier: MIT
+/// motionlang 0.1.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
+#pragma once
+
+#ifndef MOTIONLANG_HAS_FWD_HPP  // <motionlang/fwd.hpp>
+#define MOTIONLANG_HAS_FWD_HPP
+/// Declarations of the types that interfaces mention, at the cost of the concepts and no third-party header.
+///
+///     #include <motionlang/fwd.hpp>
+///     void play(const motionlang::Motion& motion, const motionlang::Timeline& timeline);
+///     template <motionlang::Backend B> void train(motionlang::Linear<B>& layer);
+///
+/// A backend has to be complete before anything is made of it: Tensor<EigenBackend<float>, 2> needs its header. Stmc is
+/// not here because its parameters are constrained by the denoiser.
+
+#ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
+#define MOTIONLANG_HAS_CORE_CONCEPTS_HPP
+/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
+/// model in tests/laws), and the models.
+
+#include <concepts>     // same_as, convertible_to
+#include <cstdint>      // uint64_t
+#include <span>         // views of values and rows
+#include <string_view>  // names of random streams
+
+#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
+#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
+/// The elementary functions of `ScalarLike` types, for the built-in ones.
+///
+/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
+/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
+
+#include <cmath>  // the functions themselves
+
+#ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
+#define MOTIONLANG_HAS_VERSION_HPP
+/// Version of the library and the inline namespace that carries it.
+
+#define MOTIONLANG_VERSION_MAJOR 0
+#define MOTIONLANG_VERSION_MINOR 1
+#define MOTIONLANG_VERSION_PATCH 0
+#define MOTIONLANG_VERSION "0.1.0"
+
+/// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
+/// layouts, so that object files built with different options do not link silently against each other.
+#ifdef MOTIONLANG_DIAGNOSTICS
+#define MOTIONLANG_ABI v0_diag
+#else
+#define MOTIONLANG_ABI v0
+#endif
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+inline double sqrt(double x) { return std::sqrt(x); }
+inline double exp(double x) { return std::exp(x); }
+inline double log(double x) { return std::log(x); }
+inline double sin(double x) { return std::sin(x); }
+inline double cos(double x) { return std::cos(x); }
+inline double atan2(double y, double x) { return std::atan2(y, x); }
+inline float sqrt(float x) { return std::sqrt(x); }
+inline float exp(float x) { return std::exp(x); }
+inline float log(float x) { return std::log(x); }
+inline float sin(float x) { return std::sin(x); }
+inline float cos(float x) { return std::cos(x); }
+inline float atan2(float y, float x) { return std::atan2(y, x); }
+
+/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
+/// be NaN where it is not taken if the result is to be differentiated.
+constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
+constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SHAPE_HPP  // <motionlang/core/shape.hpp>
+#define MOTIONLANG_HAS_CORE_SHAPE_HPP
+/// Sizes of a tensor, stored inline, and the broadcasting rule.
+
+#include <array>             // storage
+#include <cstddef>           // ptrdiff_t
+#include <initializer_list>  // Shape{2, 3}
+#include <string>            // to_string
+
+#ifndef MOTIONLANG_HAS_CORE_ERROR_HPP  // <motionlang/core/error.hpp>
+#define MOTIONLANG_HAS_CORE_ERROR_HPP
+/// Errors: one hierarchy, one id for each kind of failure, one place that throws.
+///
+/// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
+/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
+/// the module path. The list of ids is `error_ids` below; every one has a test.
+
+#include <charconv>     // to_chars: messages without streams and without the locale
+#include <cstdlib>      // abort
+#include <stdexcept>    // runtime_error
+#include <vector>       // diagnostics path
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Base of every exception of the library. `id()` is stable between versions; the text is not.
+class error : public std::runtime_error {
+ public:
+  error(int id, const std::string& message) : std::runtime_error(message), id_(id) {}
+  int id() const noexcept { return id_; }
+
+ private:
+  int id_;
+};
+
+struct config_error : error {
+  using error::error;
+  static constexpr std::string_view family = "config";
+};  // 1xx
+struct shape_error : error {
+  using error::error;
+  static constexpr std::string_view family = "shape";
+};  // 2xx
+struct numeric_error : error {
+  using error::error;
+  static constexpr std::string_view family = "numeric";
+};  // 3xx
+struct io_error : error {
+  using error::error;
+  static constexpr std::string_view family = "io";
+};  // 4xx
+struct timeline_error : error {
+  using error::error;
+  static constexpr std::string_view family = "timeline";
+};  // 5xx
+
+/// Thrown when a progress callback asks to stop. Not a failure, hence not an `error`.
+struct cancelled : std::runtime_error {
+  cancelled() : std::runtime_error("cancelled by the caller") {}
+};
+
+struct ErrorId {
+  int id;
+  std::string_view meaning;
+};
+
+// clang-format off
+/// Every id with its meaning.
+inline constexpr ErrorId error_ids[] = {
+    // config: a value that cannot work, whatever the data
+    {101, "a size or an option is out of its range"},
+    {102, "two options contradict each other"},
+    {103, "a name is unknown (joint, body part, option, backend)"},
+    {104, "a diffusion schedule has a beta outside (0, 1]"},
+    {105, "a respacing specification cannot be satisfied"},
+    {106, "a skeleton is malformed (order of parents, number of roots, repeated names)"},
+    {107, "a configuration file has a value of the wrong kind"},
+    // shape: sizes of tensors
+    {201, "inner sizes of a product differ"},
+    {202, "shapes cannot be broadcast together"},
+    {203, "an axis or an index is out of range"},
+    {204, "two operands must have the same size along an axis"},
+    {205, "the number of values does not fit the shape"},
+    {206, "the rank is not the one that the type states"},
+    {207, "sequence offsets do not fit the rows"},
+    // numeric: values
+    {301, "a value is NaN or infinite"},
+    {302, "a value lies outside the domain of the function"},
+    // io: files
+    {401, "a file cannot be opened, read or written"},
+    {402, "a file ends too early"},
+    {403, "a file is malformed"},
+    {404, "a file asks for a feature that is not supported"},
+    {405, "a file declares a size that it cannot have"},
+    {406, "tensor names are missing or unexpected"},
+    {407, "a tensor has another shape or type than expected"},
+    // timeline: texts over time
+    {501, "a line has too few or too many fields"},
+    {502, "a time is not a number"},
+    {503, "a body part is unknown"},
+    {504, "an interval is empty or ends before it starts"},
+    {505, "no text covers a stretch of the timeline"},
+    {506, "a text owns no body part at its own start or end"},
+    {507, "the timeline has no line"},
+    {508, "a crop is longer than the denoiser accepts"},
+    {509, "several timelines where one is expected"},
+    {510, "a text cannot be written on a line"},
+};
+// clang-format on
+
+namespace detail {
+
+inline void append(std::string& out, std::string_view s) { out += s; }
+inline void append(std::string& out, char c) { out += c; }
+template <std::same_as<bool> T>  // a template, or string literals would convert to bool
+void append(std::string& out, T b) {
+  out += b ? "true" : "false";
+}
+template <class N>
+requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
+         !std::same_as<N, char>) void append(std::string& out, N n) {
+  char digits[64];
+  out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
+}
+/// Anything with a `to_string` found by name lookup (shapes, enumerations).
+template <class T>
+requires requires(const T& t) {
+  { to_string(t) } -> std::convertible_to<std::string>;
+}
+void append(std::string& out, const T& t) { out += to_string(t); }
+
+/// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
+struct ModulePath {
+  static std::vector<std::string>& names() {
+    thread_local std::vector<std::string> path;
+    return path;
+  }
+};
+
+}  // namespace detail
+
+/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
+template <class... T>
+std::string concat_text(const T&... parts) {
+  std::string out;
+  (detail::append(out, parts), ...);
+  return out;
+}
+
+/// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+struct ModuleScope {
+#ifdef MOTIONLANG_DIAGNOSTICS
+  template <class... T>
+  explicit ModuleScope(const T&... name) {
+    detail::ModulePath::names().push_back(concat_text(name...));
+  }
+  ~ModuleScope() { detail::ModulePath::names().pop_back(); }
+#else
+  template <class... T>
+  explicit ModuleScope(const T&...) {}
+  ~ModuleScope() {}
+#endif
+  ModuleScope(const ModuleScope&) = delete;
+  ModuleScope& operator=(const ModuleScope&) = delete;
+};
+
+/// The one place that throws. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+template <class E, class... T>
+[[noreturn]] void raise(int id, const T&... parts) {
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
+#ifdef MOTIONLANG_DIAGNOSTICS
+  const auto& path = detail::ModulePath::names();
+  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+#endif
+#ifdef MOTIONLANG_THROW
+  MOTIONLANG_THROW(E(id, text));
+  std::abort();
+#else
+  throw E(id, text);
+#endif
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Sizes, positions and counts. Signed, so that differences are what they look like.
+using Index = std::ptrdiff_t;
+
+/// Up to six sizes, slowest axis first. A shape without axes is a scalar and has one element.
+class Shape {
+ public:
+  static constexpr int max_rank = 6;
+
+  constexpr Shape() = default;
+  constexpr Shape(std::initializer_list<Index> sizes) : Shape(std::span<const Index>(sizes.begin(), sizes.size())) {}
+  constexpr explicit Shape(std::span<const Index> sizes) {
+    if (sizes.size() > max_rank) raise<shape_error>(206, "Shape: more than ", max_rank, " axes: ", Index(sizes.size()));
+    for (Index n : sizes) push_back(n);
+  }
+
+  constexpr int rank() const { return rank_; }
+  constexpr Index operator[](int axis) const { return size_[static_cast<std::size_t>(axis)]; }
+  constexpr Index& operator[](int axis) { return size_[static_cast<std::size_t>(axis)]; }
+  constexpr Index back() const { return size_[static_cast<std::size_t>(rank_ - 1)]; }
+
+  /// Number of elements.
+  constexpr Index count() const { return count(0, rank_); }
+  /// Product of the sizes of the axes first ... last-1.
+  constexpr Index count(int first, int last) const {
+    Index n = 1;
+    for (int i = first; i < last; ++i) n *= (*this)[i];
+    return n;
+  }
+  constexpr void push_back(Index n) {
+    if (n < 0) raise<shape_error>(205, "Shape: negative size ", n);
+    if (rank_ == max_rank) raise<shape_error>(206, "Shape: more than ", max_rank, " axes");
+    size_[static_cast<std::size_t>(rank_++)] = n;
+  }
+  /// The same sizes without one axis.
+  constexpr Shape without(int axis) const {
+    Shape s;
+    for (int i = 0; i < rank_; ++i) {
+      if (i != axis) s.push_back((*this)[i]);
+    }
+    return s;
+  }
+  constexpr bool operator==(const Shape& o) const {
+    if (rank_ != o.rank_) return false;
+    for (int i = 0; i < rank_; ++i) {
+      if ((*this)[i] != o[i]) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::array<Index, max_rank> size_{};
+  int rank_ = 0;
+};
+
+/// "(2, 60, 512)"
+inline std::string to_string(const Shape& s) {
+  std::string out = "(";
+  for (int i = 0; i < s.rank(); ++i) detail::append(out, i ? ", " : ""), detail::append(out, s[i]);
+  return out + ")";
+}
+
+/// Axis counted from the end when negative; an error when out of range.
+constexpr int normalize_axis(int axis, int rank, const char* op) {
+  const int a = axis < 0 ? axis + rank : axis;
+  if (a < 0 || a >= rank) raise<shape_error>(203, op, ": axis ", axis, " of a tensor of rank ", rank);
+  return a;
+}
+
+/// NumPy's rule: align at the last axis; sizes must be equal or one of them 1.
+constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op) {
+  const int rank = a.rank() > b.rank() ? a.rank() : b.rank();
+  Shape out;
+  for (int i = 0; i < rank; ++i) {
+    const int ia = i - (rank - a.rank()), ib = i - (rank - b.rank());
+    const Index na = ia < 0 ? 1 : a[ia], nb = ib < 0 ? 1 : b[ib];
+    if (na != nb && na != 1 && nb != 1) {
+      raise<shape_error>(202, op, ": shapes do not broadcast: lhs ", a, ", rhs ", b);
+    }
+    out.push_back(na == 1 ? nb : na);
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A number that memory holds: float or double.
+template <class S>
+concept Scalar = std::same_as<S, float> || std::same_as<S, double>;
+
+/// Something that calculates like a number: geometry needs nothing more.
+/// Laws     those of a field, up to rounding; where_less(a, b, x, y) is x where a < b, else y
+/// Models   float, double, Dual<S>, Lane<S> (a SIMD register), Tensor<B, Rank> (element by element)
+template <class S>
+concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
+  S(0.5);
+  { a + b } -> std::convertible_to<S>;
+  { a - b } -> std::convertible_to<S>;
+  { a* b } -> std::convertible_to<S>;
+  { a / b } -> std::convertible_to<S>;
+  { -a } -> std::convertible_to<S>;
+  { sqrt(a) } -> std::convertible_to<S>;
+  { sin(a) } -> std::convertible_to<S>;
+  { cos(a) } -> std::convertible_to<S>;
+  { atan2(a, b) } -> std::convertible_to<S>;
+  { where_less(a, b, a, b) } -> std::convertible_to<S>;
+};
+
+/// Where tensors live and how they are calculated with: a scalar, a dense tensor type and 28 static operations.
+///
+/// `tensor` is a cheap handle with value semantics and dynamic rank; operands are taken by value, so that an operation
+/// may reuse the memory of one that nobody else holds. Shapes have been checked by the caller (tensor/ops.hpp): a
+/// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
+/// add its own version under the same name (see tensor/fused.hpp).
+///
+/// Minimum   data      full, from_span, to_span, shape
+///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
+///           reduce    sum max (one axis, which disappears)
+///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
+///           movement  reshape permute broadcast slice concat gather scatter_add
+/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly
+/// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
+template <class B>
+concept Backend = Scalar<typename B::scalar> && std::copyable<typename B::tensor> &&
+    requires(const typename B::tensor a, const Shape s, int axis, Index n, std::span<const typename B::scalar> values,
+             std::span<const Index> rows, std::span<const int> axes, std::span<const typename B::tensor> list) {
+  { B::full(s, typename B::scalar{}) } -> std::same_as<typename B::tensor>;
+  { B::from_span(values, s) } -> std::same_as<typename B::tensor>;
+  { B::to_span(a) } -> std::convertible_to<std::span<const typename B::scalar>>;
+  { B::shape(a) } -> std::convertible_to<Shape>;
+  { B::add(a, a) } -> std::same_as<typename B::tensor>;
+  { B::sub(a, a) } -> std::same_as<typename B::tensor>;
+  { B::mul(a, a) } -> std::same_as<typename B::tensor>;
+  { B::div(a, a) } -> std::same_as<typename B::tensor>;
+  { B::maximum(a, a) } -> std::same_as<typename B::tensor>;
+  { B::atan2(a, a) } -> std::same_as<typename B::tensor>;
+  { B::exp(a) } -> std::same_as<typename B::tensor>;
+  { B::log(a) } -> std::same_as<typename B::tensor>;
+  { B::sqrt(a) } -> std::same_as<typename B::tensor>;
+  { B::tanh(a) } -> std::same_as<typename B::tensor>;
+  { B::erf(a) } -> std::same_as<typename B::tensor>;
+  { B::sin(a) } -> std::same_as<typename B::tensor>;
+  { B::cos(a) } -> std::same_as<typename B::tensor>;
+  { B::where_less(a, a, a, a) } -> std::same_as<typename B::tensor>;
+  { B::sum(a, axis) } -> std::same_as<typename B::tensor>;
+  { B::max(a, axis) } -> std::same_as<typename B::tensor>;
+  { B::matmul(a, a, true, false) } -> std::same_as<typename B::tensor>;
+  { B::reshape(a, s) } -> std::same_as<typename B::tensor>;
+  { B::permute(a, axes) } -> std::same_as<typename B::tensor>;
+  { B::broadcast(a, s) } -> std::same_as<typename B::tensor>;
+  { B::slice(a, axis, n, n) } -> std::same_as<typename B::tensor>;
+  { B::concat(list, axis) } -> std::same_as<typename B::tensor>;
+  { B::gather(a, rows) } -> std::same_as<typename B::tensor>;
+  { B::scatter_add(a, rows, n) } -> std::same_as<typename B::tensor>;
+};
+
+/// A backend whose tensors remember how they were made, so that `backward` can differentiate.
+/// Laws     values equal those of `B::inner`; gradients equal central differences (tests/ops)
+/// Models   Autodiff<B>
+template <class B>
+concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(const typename B::tensor a) {
+  { B::value(a) } -> std::convertible_to<typename B::inner::tensor>;
+  { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
+};
+
+/// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
+/// Saving, loading, optimising, counting and conversion between backends all follow from it (core/fields.hpp).
+/// Laws     names are unique; visiting twice gives the same paths in the same order
+template <class M>
+concept Module = requires {
+  M::fields();
+};
+
+/// A source of random numbers that is passed, never global.
+/// Laws     equal seeds give equal numbers; split(name) depends on the seed and the name only, not on what was drawn
+/// Models   Philox
+template <class G>
+concept Rng = std::copyable<G> &&
+    requires(G g, const G& c, std::span<float> out, std::string_view name, std::uint64_t number) {
+  g.normal(out);
+  g.uniform(out);
+  { c.split(name) } -> std::same_as<G>;
+  { c.split(number) } -> std::same_as<G>;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+// core
+class error;
+class Offsets;
+class Progress;
+struct Context;
+struct Philox;
+template <Scalar S>
+struct Dual;
+template <Scalar S>
+struct Lane;
+
+// tensor
+template <Backend B, int Rank>
+class Tensor;
+template <Backend B>
+struct Sequences;
+template <AutodiffBackend A>
+class Gradients;
+
+// backend
+template <Scalar S>
+struct ReferenceBackend;
+template <Scalar S>
+struct EigenBackend;
+template <Scalar S>
+struct XtensorBackend;
+template <Backend B>
+struct Autodiff;
+
+// geometry
+template <class S>
+struct Vec3;
+template <class S>
+struct Quaternion;
+template <class S>
+struct Matrix3;
+template <class S>
+struct AxisAngle;
+template <class S>
+struct EulerAngles;
+template <class S>
+struct Rigid;
+
+// kinematics
+struct BodyParts;
+struct Motion;
+struct Skeleton;
+template <ScalarLike S>
+struct Pose;
+
+// features
+struct FeatureLayout;
+template <Backend B>
+struct Normalizer;
+
+// nn, text
+template <Backend B>
+struct Embedding;
+template <Backend B>
+struct LayerNorm;
+template <Backend B>
+struct Linear;
+template <Backend B>
+struct MultiheadAttention;
+template <Backend B>
+struct TransformerDecoder;
+template <Backend B>
+struct TransformerEncoder;
+template <Backend B>
+struct TextFeatures;
+template <Backend B>
+struct CaptionEncoder;
+class WordPiece;
+
+// diffusion, optim
+class GaussianDiffusion;
+template <Backend B>
+struct MdmDenoiser;
+template <Backend B>
+struct MdmSmplDenoiser;
+template <Backend B>
+struct MotionDiffuseDenoiser;
+template <AutodiffBackend A>
+class AdamW;
+
+// compose
+template <class T>
+struct BasicInterval;
+template <class T>
+struct BasicTimeline;
+using Interval = BasicInterval<Index>;
+using Timeline = BasicTimeline<Index>;
+using IntervalInSeconds = BasicInterval<double>;
+using TimelineInSeconds = BasicTimeline<double>;
+struct StmcOptions;
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// Writes single_include/: headers that each replace a tree of headers.
+//
+//     amalgamate <repository>            writes them
+//     amalgamate <repository> --check    fails if they are not what would be written
+//
+// Every `#include <motionlang/...>` is replaced by the text of that file, once if it says #pragma once, else at every
+// place. Other includes stay, once each. Text below an #if counts as present only below the same #if, because its
+// condition may be false. Every file is guarded by a macro of its own, so that the same text in several places does no
+// harm.
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Output {
+  std::string name;
+  std::string base;                  // another output that is included instead of copied; may be empty
+  std::vector<std::string> headers;  // what it replaces; a folder stands for its headers
+};
+const std::vector<Output> outputs = {
+    {"motionlang.hpp", "", {"motionlang/motionlang.hpp"}},
+    {"motionlang_fwd.hpp", "", {"motionlang/fwd.hpp"}},
+    {"motionlang_eigen.hpp", "motionlang/motionlang.hpp", {"motionlang/backend/eigen.hpp"}},
+    {"motionlang_xtensor.hpp", "motionlang/motionlang.hpp", {"motionlang/backend/xtensor.hpp"}},
+    {"motionlang_io.hpp", "motionlang/motionlang.hpp", {"motionlang/io"}},
+    {"stmc.hpp", "", {"motionlang/stmc.hpp"}},
+};
+
+std::string read_text(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("amalgamate: cannot read " + path.string());
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+std::vector<std::string> read_lines(const fs::path& path) {
+  std::vector<std::string> lines;
+  std::string text = read_text(path);
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t end = std::min(text.find('\n', i), text.size());
+    lines.push_back(text.substr(i, end - i));
+    i = end + 1;
+  }
+  return lines;
+}
+
+/// Whether a line is `# <word> ...`; then `rest` is what follows the word.
+bool is_directive(const std::string& line, const std::string& word, std::string* rest = nullptr) {
+  auto skip = [&](std::size_t i) { return std::min(line.find_first_not_of(" \t", i), line.size()); };
+  std::size_t i = skip(0);
+  if (i == line.size() || line[i] != '#') return false;
+  i = skip(i + 1);
+  if (line.compare(i, word.size(), word) != 0) return false;
+  if (rest != nullptr) *rest = line.substr(skip(i + word.size()));
+  return true;
+}
+
+class Amalgamation {
+ public:
+  explicit Amalgamation(fs::path include) : include_(std::move(include)) {}
+
+  /// Appends the text of `header`, a path below the include folder, or of all headers of a folder.
+  void add(const std::string& header) {
+    if (fs::is_directory(include_ / header)) return add_folder(header);
+    const auto lines = read_lines(include_ / header);
+    const bool once =
+        std::any_of(lines.begin(), lines.end(), [](const auto& l) { return is_directive(l, "pragma once"); });
+    if (!once) return add_lines(lines);
+    if (is_present(header)) return;
+    present_[header].push_back(conditions_);
+    const std::string guard = guard_of(header);
+    append("");
+    append("#ifndef " + guard + "  // <" + header + ">");
+    append("#define " + guard);
+    add_lines(lines);
+    append("#endif");
+  }
+  /// Goes on as if the text of `header` came from an include line.
+  void include(const std::string& header) {
+    add(header);
+    text_ = "#include <" + header + ">\n";
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  void add_folder(const std::string& folder) {
+    std::set<std::string> headers;
+    for (const auto& entry : fs::directory_iterator(include_ / folder)) {
+      if (entry.path().extension() == ".hpp") headers.insert(folder + "/" + entry.path().filename().string());
+    }
+    for (const auto& header : headers) add(header);
+  }
+  void add_lines(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) {
+      std::string included;
+      if (is_directive(line, "include", &included)) {
+        add_include(line, included.substr(1, included.find_first_of(">\"", 1) - 1));
+        continue;
+      }
+      if (is_directive(line, "pragma once") || line.starts_with("// SPDX-License-Identifier")) continue;
+      if (is_directive(line, "if")) conditions_.push_back(line);
+      if (is_directive(line, "el")) conditions_.back() += "\n" + line;
+      if (is_directive(line, "endif")) conditions_.pop_back();
+      append(line);
+    }
+  }
+  void add_include(const std::string& line, const std::string& included) {
+    if (included.starts_with("motionlang/")) {
+      add(included);
+    } else if (!is_present(included)) {
+      present_[included].push_back(conditions_);
+      append(line);
+    }
+  }
+  /// Whether it was included where all conditions were among those that hold here.
+  bool is_present(const std::string& header) {
+    const std::set<std::string> here(conditions_.begin(), conditions_.end());
+    return std::any_of(present_[header].begin(), present_[header].end(), [&](const auto& conditions) {
+      return std::all_of(conditions.begin(), conditions.end(), [&](const auto& c) { return here.contains(c); });
+    });
+  }
+  /// No second empty line where includes stood.
+  void append(const std::string& line) {
+    if (line.empty() && (text_.empty() || text_.ends_with("\n\n"))) return;
+    text_ += line + "\n";
+  }
+  static std::string guard_of(const std::string& header) {
+    std::string name;
+    for (const char c : header.substr(header.find('/') + 1)) {
+      const auto u = static_cast<unsigned char>(c);
+      name += std::isalnum(u) ? static_cast<char>(std::toupper(u)) : '_';
+    }
+    return "MOTIONLANG_HAS_" + name;
+  }
+
+  fs::path include_;
+  std::string text_;
+  std::vector<std::string> conditions_;                                   // of the line being read, outermost first
+  std::map<std::string, std::vector<std::vector<std::string>>> present_;  // the conditions of every inclusion
+};
+
+std::string version_of(const fs::path& include) {
+  const std::string text = read_text(include / "motionlang/version.hpp"), key = "#define MOTIONLANG_VERSION \"";
+  const std::size_t begin = text.find(key) + key.size();
+  return text.substr(begin, text.find('"', begin) - begin);
+}
+
+std::string text_of(const Output& output, const fs::path& include) {
+  Amalgamation all(include);
+  if (!output.base.empty()) all.include(output.base);
+  for (const auto& header : output.headers) all.add(header);
+  return "// SPDX-License-Identifier: MIT\n/// motionlang " + version_of(include) +
+         ", generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.\n#pragma once\n\n" +
+         all.text();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const bool check = argc == 3 && std::string(argv[2]) == "--check";
+  if (argc != 2 && !check) throw std::runtime_error("usage: amalgamate <repository> [--check]");
+  const fs::path repository = argv[1], folder = repository / "single_include/motionlang";
+  int stale = 0;
+  for (const Output& output : outputs) {
+    const fs::path path = folder / output.name;
+    const std::string text = text_of(output, repository / "include");
+    if (fs::exists(path) && read_text(path) == text) continue;
+    ++stale;
+    std::cout << path.string() << (check ? " is not current: build the target amalgamate\n" : "\n");
+    if (check) continue;
+    fs::create_directories(folder);
+    std::ofstream file(path, std::ios::binary);
+    if (!(file << text).flush()) throw std::runtime_error("amalgamate: cannot write " + path.string());
+  }
+  return check && stale > 0 ? 1 : 0;
+} catch (const std::exception& e) {
+  std::cerr << e.what() << "\n";
+  return 1;
+}
