@@ -13,11 +13,13 @@
 #include <motionlang/backend/xtensor.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/small_modules.hpp"
 #include "../support/threads.hpp"
 #include "module_laws.hpp"
-#include "small_modules.hpp"
 
 namespace laws {
+
+using modules::small_features;
 
 /// `Small` makes the denoiser and texts for it. The lengths are equal, since a recurrent one wants that.
 template <class Small, ml::Backend B>

@@ -3,6 +3,7 @@
 
 namespace ml = motionlang;
 using namespace laws;
+using namespace modules;
 
 TEST_CASE_TEMPLATE("laws of denoisers: MotionDiffuse", B, ml::ReferenceBackend<double>, ml::EigenBackend<float>,
                    ml::XtensorBackend<float>) {

@@ -1,8 +1,8 @@
 // Every module of the library. The denoisers are in the files of their own laws.
+#include "../support/small_modules.hpp"
 #include "module_laws.hpp"
-#include "small_modules.hpp"
 
-using laws::Small;
+using modules::Small;
 namespace ml = motionlang;
 
 TEST_CASE_TEMPLATE("laws of modules", M, Small<ml::Linear>, Small<ml::Embedding>, Small<ml::LayerNorm>,

@@ -4,7 +4,7 @@
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
 
-#include "small_modules.hpp"
+#include "../support/small_modules.hpp"
 #include "text_encoder_laws.hpp"
 
 namespace ml = motionlang;
@@ -31,6 +31,6 @@ struct LettersPerWord {
 
 TEST_CASE_TEMPLATE("laws of text encoders", B, ml::ReferenceBackend<double>, ml::EigenBackend<float>,
                    ml::XtensorBackend<float>, ml::Autodiff<ml::EigenBackend<float>>) {
-  laws::text_encoder_laws<B>(laws::Small<ml::CaptionEncoder>::make<B>(ml::Philox{.seed = 1}));
+  laws::text_encoder_laws<B>(modules::Small<ml::CaptionEncoder>::make<B>(ml::Philox{.seed = 1}));
   laws::text_encoder_laws<B>(LettersPerWord{});
 }

@@ -8,7 +8,7 @@
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/text/caption_encoder.hpp>
 
-namespace laws {
+namespace modules {
 
 namespace ml = motionlang;
 using ml::Index;
@@ -183,4 +183,4 @@ struct SmallMotionDiffuse : TokenTexts {
   }
 };
 
-}  // namespace laws
+}  // namespace modules

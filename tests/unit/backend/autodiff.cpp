@@ -1,0 +1,84 @@
+// The tape: which gradients come back, shared subexpressions, graphs that are deep or walked twice. That gradients are right is
+// checked by tests/ops and tests/laws.
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/tensor/ops.hpp>
+
+#include "../../support/check_error.hpp"
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<double>;
+using A = ml::Autodiff<B>;
+using Vector = ml::Tensor<A, 1>;
+using Values = std::vector<double>;
+
+namespace {
+
+Vector variable(const Values& values) { return ml::variable<A>(ml::Tensor<B, 1>::from(values, {std::ssize(values)})); }
+
+}  // namespace
+
+TEST_CASE("a subexpression that is used several times is walked once and adds up") {
+  const auto x = variable({2, 3});
+  int used = 0;
+  auto y = x;
+  for (; used < 40; ++used) y = (y + y) * 0.5;  // 2^40 paths from y to x
+  CHECK(ml::backward(ml::sum(y * y))[x].to_vector() == Values{4, 6});
+  CHECK(ml::backward(ml::sum(x * x * x))[x].to_vector() == Values{12, 27});
+}
+
+TEST_CASE("gradients are a value: nothing is kept in the variables") {
+  const auto x = variable({2}), unused = variable({5, 6});
+  const auto first = ml::backward(ml::sum(x * 3.0)), second = ml::backward(ml::sum(x * x));
+  CHECK(first[x].item() == 3);
+  CHECK(second[x].item() == 4);
+  CHECK(first[unused].to_vector() == Values{0, 0});
+  CHECK(first.find(unused.data()) == nullptr);
+}
+
+TEST_CASE("constants build no graph") {
+  const auto c = Vector::from({1, 2}, {2});
+  CHECK((c * 2.0 + c).data().node == nullptr);
+  CHECK(ml::backward(ml::sum(c)).find(c.data()) == nullptr);
+  const auto x = variable({1, 2});
+  CHECK((x + c).data().node != nullptr);
+  CHECK(ml::stop_gradient(x).data().node == nullptr);
+  CHECK(ml::value_of(x).to_vector() == Values{1, 2});
+}
+
+TEST_CASE("the gradient of a variable itself is 1") {
+  const auto x = ml::variable<A>(ml::Tensor<B, 0>(5.0));
+  CHECK(ml::backward(x)[x].item() == 1);
+}
+
+TEST_CASE("a graph is walked once; a second walk is refused and does no harm") {
+  const auto x = variable({2});
+  const auto shared = x * x;
+  const auto loss = ml::sum(shared), other = ml::sum(shared * 2.0);
+  CHECK(ml::backward(loss)[x].item() == 4);
+  CHECK_ERROR(ml::backward(loss), "[motionlang.config.102] backward: this graph has been walked already");
+  CHECK_ERROR(ml::backward(other), "[motionlang.config.102]");
+  CHECK(ml::backward(ml::sum(x * x))[x].item() == 4);
+}
+
+TEST_CASE("a chain of two million operations neither overflows the stack when walked nor when released") {
+  for (bool walk : {true, false}) {
+    const auto x = ml::variable<A>(ml::Tensor<B, 0>(1.0));
+    auto y = x;
+    for (int i = 0; i < 2'000'000; ++i) y = y + x;
+    if (walk) CHECK(ml::backward(y)[x].item() == 2'000'001);
+  }
+}
+
+TEST_CASE("a tensor of variables may be gathered with repetition, and equal maxima give the first the gradient") {
+  const auto x = variable({1, 7, 7});
+  const std::vector<ml::Index> rows{1, 1, 0};
+  CHECK(ml::backward(ml::sum(ml::gather(x, rows)))[x].to_vector() == Values{1, 2, 0});
+  CHECK(ml::backward(ml::sum(ml::maximum(x, x * 1.0)))[x].to_vector() == Values{1, 1, 1});
+}
+
+TEST_CASE("the optimiser's view of a variable keeps its place in later graphs") {
+  auto x = variable({1, 2});
+  A::mutable_value(x.mutable_data()) = ml::Tensor<B, 1>::from({10, 20}, {2}).data();
+  CHECK(ml::backward(ml::sum(x * x))[x].to_vector() == Values{20, 40});
+}
