@@ -2,7 +2,7 @@
 /// Laws of Denoiser, f(x, t, text):
 ///
 ///     shape      the result has the sequences and the width of x
-///     batch      a sequence has the same bits alone and in a batch, in any order, on one thread and on two
+///     batch      a sequence has the same bits alone and in a batch, on one thread and on two
 ///     tape       the values on a tape equal those without, up to rounding, and every parameter gets a gradient
 ///     numbers    one step and one text for each sequence, else shape_error 204
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace laws {
 
-using modules::small_features;
+using modules::Index, modules::small_features;
 
 /// `Small` makes the denoiser and texts for it. The lengths are equal, since a recurrent one wants that.
 template <class Small, ml::Backend B>
