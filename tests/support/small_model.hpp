@@ -41,9 +41,7 @@ inline ml::Timeline several_tracks() {
       "wave the right hand # 2.5 # 3 # right arm\n");
 }
 inline ml::Timeline one_track() { return ml::parse_timeline("walk forward # 0 # 1.5\nsit down # 1.5 # 2\n"); }
-inline ml::Timeline one_text(Index frames = 30) {
-  return {{{"wave the right hand", 0, frames, ml::BodyParts::all()}}};
-}
+inline ml::Timeline one_text(Index frames = 30) { return {{{"wave the right hand", 0, frames, ml::BodyParts::all()}}}; }
 
 template <ml::Backend B, int R>
 std::vector<typename B::scalar> numbers(const ml::Tensor<B, R>& t) {

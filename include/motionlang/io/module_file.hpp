@@ -90,7 +90,8 @@ void load_module(M& module, const SafetensorsFile& file, const std::string& pref
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another.
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
+  /// for a number that F16 cannot hold.
   template <Scalar S>
   void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -99,6 +100,10 @@ class TensorStore {
       case DType::F64:
         return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
       case DType::F16:
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
+            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for F16");
+        }
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
       case DType::BF16:

@@ -66,7 +66,7 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
     pieces.push_back(found->second.substr(at, end - at));
     at = end + 1;
   }
-  return WordPiece(std::move(pieces));
+  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
 }  // namespace detail

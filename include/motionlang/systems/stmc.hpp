@@ -119,6 +119,17 @@ Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
   return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
 }
 
+/// The same model over another backend, with copies of all numbers.
+template <Backend To, Backend From, template <class> class D, template <class> class E>
+Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
+  return {.denoiser = convert<To>(m.denoiser),
+          .text_encoder = convert<To>(m.text_encoder),
+          .motion_normalizer = convert<To>(m.motion_normalizer),
+          .text_normalizer = convert<To>(m.text_normalizer),
+          .diffusion = m.diffusion,
+          .layout = m.layout};
+}
+
 /// Weights packed for inference. The model must not be changed afterwards.
 template <Backend B, class D, class E>
 void prepare(Stmc<B, D, E>& stmc) {

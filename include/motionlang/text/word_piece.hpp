@@ -23,15 +23,17 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice.
-  explicit WordPiece(std::vector<std::string> vocabulary) : pieces_(std::move(vocabulary)) {
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source` stands in
+  /// messages.
+  explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
+      : pieces_(std::move(vocabulary)) {
     if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
-      raise<config_error>(107, "WordPiece: a vocabulary of ", pieces_.size(),
+      raise<config_error>(107, source, ": a vocabulary of ", pieces_.size(),
                           " pieces does not begin with [CLS], [SEP], [UNK]");
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!ids_.emplace(pieces_[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, "WordPiece: piece '", pieces_[i], "' stands twice");
+        raise<config_error>(107, source, ": piece '", pieces_[i], "' stands twice");
       longest_ = std::max(longest_, pieces_[i].size());
     }
   }

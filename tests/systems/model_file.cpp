@@ -1,0 +1,259 @@
+// Files of STMC models: what is saved is loaded, and what is wrong is refused with its place and both values.
+#include <doctest/doctest.h>
+
+#include <sys/resource.h>
+
+#include <csignal>
+#include <limits>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/xtensor.hpp>
+
+#include "../support/small_model.hpp"
+#include "../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+using ml::DType, ml::Index, ml::Shape;
+using B = ml::EigenBackend<float>;
+
+namespace {
+
+/// The tensors and metadata of a good file, to be changed in one place by each test.
+struct Parts {
+  struct Numbers {
+    Shape shape;
+    std::vector<float> values;
+  };
+  std::map<std::string, Numbers> tensors;
+  std::map<std::string, std::string> metadata;
+
+  Parts() {
+    auto m = small::model<B>();
+    metadata = ml::stmc_metadata(small::config(), m.text_encoder.tokenizer);
+    ml::visit_tensors(m, [&](const std::string& name, const auto& t) {
+      tensors[name] = {t.shape(), small::numbers(t)};
+    });
+  }
+  std::vector<std::byte> bytes() const {
+    ml::TensorStore store;
+    for (const auto& [name, t] : tensors) store.add<float>(name, t.shape, t.values, DType::F32);
+    return ml::safetensors_bytes(store.views(), metadata);
+  }
+};
+
+ml::Stmc<B> load(const std::vector<std::byte>& bytes) {
+  return ml::load_stmc<B>(ml::SafetensorsFile::from_bytes(bytes, "model.safetensors"));
+}
+
+/// The id of the refusal and its message; 0 if the file is accepted.
+template <class F>
+std::pair<int, std::string> refusal(F load) {
+  try {
+    load();
+    return {0, "accepted"};
+  } catch (const ml::error& e) {
+    return {e.id(), e.what()};
+  }
+}
+template <class Change>
+void check_refused(Change change, int id, const std::vector<std::string>& said) {
+  Parts parts;
+  change(parts);
+  const auto bytes = parts.bytes();
+  const auto [found, message] = refusal([&] { load(bytes); });
+  CHECK_MESSAGE(found == id, message);
+  CHECK_MESSAGE(message.find("model.safetensors") != std::string::npos, message);
+  for (const std::string& part : said) CHECK_MESSAGE(message.find(part) != std::string::npos, message);
+}
+void check_metadata(const std::string& key, const std::string& value, int id, const std::vector<std::string>& said) {
+  check_refused([&](Parts& p) { p.metadata[key] = value; }, id, said);
+}
+
+}  // namespace
+
+TEST_CASE("save and load: the same bits, the same motion") {
+  const TemporaryFolder folder;
+  const auto path = folder / "model.safetensors";
+  const auto model = small::model<B>();
+  ml::save_stmc(path, model, small::config(), {{"license", "MIT"}, {"provenance", "drawn"}}, DType::F32);
+  const auto again = ml::load_stmc<B>(path);
+  Index tensors = 0;
+  ml::zip(model, again, [&](const std::string& name, const auto& a, const auto& b) {
+    if constexpr (ml::is_tensor<std::remove_cvref_t<decltype(a)>>) {
+      CHECK_MESSAGE(small::numbers(a) == small::numbers(b), name);
+      ++tensors;
+    }
+  });
+  CHECK(tensors == 60);
+  CHECK(again.diffusion.steps() == 8);
+  CHECK(again.text_encoder.tokenizer.vocabulary() == model.text_encoder.tokenizer.vocabulary());
+  const auto timeline = small::several_tracks();
+  CHECK(small::numbers(again.generate(timeline, {.seed = 1})) == small::numbers(model.generate(timeline, {.seed = 1})));
+
+  const auto metadata = ml::SafetensorsFile::open(path).metadata();
+  CHECK(metadata.at("license") == "MIT");
+  CHECK(metadata.at("provenance") == "drawn");
+  const auto config = ml::stmc_config(ml::SafetensorsFile::open(path));
+  CHECK(config.denoiser.latent_dim == 32);
+  CHECK(config.fps == 20);
+  CHECK(config.guidance == 2.5);
+  CHECK(config.noise_scale == ml::NoiseScale::posterior_std);
+}
+
+TEST_CASE("half precision: every weight within its rounding, saved again it is the same file") {
+  const TemporaryFolder folder;
+  const auto model = small::model<B>();
+  ml::save_stmc(folder / "half.safetensors", model, small::config(), {});
+  const auto half = ml::load_stmc<B>(folder / "half.safetensors");
+  bool differs = false;
+  ml::zip(model, half, [&](const std::string& name, const auto& a, const auto& b) {
+    if constexpr (ml::is_tensor<std::remove_cvref_t<decltype(a)>>) {
+      double worst = 0;  // half has 11 significant bits, and steps of 2^-24 below 2^-14
+      for (std::size_t i = 0; i < a.span().size(); ++i) {
+        const double x = a.span()[i], y = b.span()[i];
+        worst = std::max(worst, std::abs(x - y) / std::max(std::abs(x) * 0x1p-11, 0x1p-25));
+        differs = differs || x != y;
+      }
+      CHECK_MESSAGE(worst <= 1, name);
+    }
+  });
+  CHECK(differs);
+  ml::save_stmc(folder / "again.safetensors", half, small::config(), {});
+  CHECK(ml::read_file(folder / "half.safetensors") == ml::read_file(folder / "again.safetensors"));
+  const auto x = ml::load_stmc<ml::XtensorBackend<double>>(folder / "half.safetensors");
+  CHECK(small::is_finite(x.generate(small::one_text(), {.seed = 1})));
+}
+
+TEST_CASE("a save that fails leaves the old file") {
+  const TemporaryFolder folder;
+  const auto path = folder / "model.safetensors";
+  auto model = small::model<B>();
+  ml::save_stmc(path, model, small::config(), {});
+  const auto before = ml::read_file(path);
+  auto check_unchanged = [&] {
+    CHECK(ml::read_file(path) == before);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 1);
+  };
+  CHECK_THROWS_WITH_AS(ml::save_stmc(path, model, small::config(), {{"license", "\xFF"}}),
+                       doctest::Contains("[motionlang.io.403]"), ml::io_error);
+  check_unchanged();
+
+  // a disk that is full: no file may grow beyond a kilobyte
+  rlimit old{};
+  ::getrlimit(RLIMIT_FSIZE, &old);
+  const auto ignore = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small_files{1024, old.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &small_files);
+  const auto [id, message] = refusal([&] { ml::save_stmc(path, model, small::config(), {{"license", "other"}}); });
+  ::setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, ignore);
+  CHECK(id == 401);
+  CHECK_MESSAGE(message.find(path.string()) != std::string::npos, message);
+  check_unchanged();
+
+  // half precision ends at 65504: a file with an infinite weight could not be loaded any more
+  model.denoiser.registers = ml::Tensor<B, 2>::full(model.denoiser.registers.shape(), 1e5);
+  CHECK_THROWS_WITH_AS(ml::save_stmc(path, model, small::config(), {}),
+                       doctest::Contains("[motionlang.numeric.301] TensorStore: number 0 of 'denoiser.registers'"),
+                       ml::numeric_error);
+  check_unchanged();
+}
+
+TEST_CASE("names that do not match") {
+  check_refused([](Parts& p) { p.tensors.erase("denoiser.to_skel_layer.bias"); }, 406,
+                {"1 tensors are missing: denoiser.to_skel_layer.bias; 0 are not expected"});
+  check_refused(
+      [](Parts& p) {
+        p.tensors["denoiser.more"] = {{2}, {1, 2}};
+      },
+      406, {"0 tensors are missing:; 1 are not expected: denoiser.more"});
+  check_refused([](Parts& p) { p.tensors.erase("denoiser.seqTransEncoder.layers.1.linear1.weight"); }, 406,
+                {"no tensor 'denoiser.seqTransEncoder.layers.1.linear1.weight'"});
+  check_refused([](Parts& p) { p.tensors.clear(); }, 406, {"no tensor"});
+}
+
+TEST_CASE("shapes that do not match, each with both") {
+  check_refused(
+      [](Parts& p) {
+        p.tensors["denoiser.to_skel_layer.bias"].shape = {5, 41};
+      },
+      407, {"tensor 'denoiser.to_skel_layer.bias' is (5, 41), the model has (205)"});
+  check_refused(
+      [](Parts& p) {
+        p.tensors["denoiser.registers"].shape = {32, 2};
+      },
+      407, {"tensor 'denoiser.registers' is (32, 2), the metadata say (2, 32)"});
+}
+
+TEST_CASE("numbers that are none") {
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    check_refused([&](Parts& p) { p.tensors["denoiser.to_skel_layer.bias"].values[7] = wrong; }, 301,
+                  {"number 7 of tensor 'denoiser.to_skel_layer.bias' is ", std::isnan(wrong) ? "nan" : "inf"});
+  }
+}
+
+TEST_CASE("metadata: every key is needed and checked") {
+  const Parts good;
+  for (const auto& [key, value] : good.metadata) {
+    if (key == "diffusion.noise_scale") continue;  // has a default
+    Parts parts;
+    parts.metadata.erase(key);
+    const auto bytes = parts.bytes();
+    const int id = refusal([&] { load(bytes); }).first;
+    CHECK_MESSAGE((id == 103 || id == 107), key);
+  }
+  check_metadata("model", "tmr", 103, {"not an STMC model of format 1"});
+  check_metadata("format", "2", 103, {"not an STMC model of format 1"});
+  check_metadata("features", "guoh3dfeats", 103, {"'guoh3dfeats'"});
+  check_metadata("diffusion.schedule", "linear", 103, {"'linear'"});
+  check_metadata("diffusion.noise_scale", "loud", 103, {"'loud'"});
+  check_metadata("denoiser.num_layers", "two", 107, {"'denoiser.num_layers' = 'two' is not a number"});
+  check_metadata("denoiser.num_layers", "2.5", 107, {"'2.5'"});
+  check_metadata("denoiser.nfeats", "204", 101, {"204", "205"});
+  check_metadata("denoiser.num_heads", "3", 101, {"denoiser.num_heads = 3 does not divide the even width 32"});
+  check_metadata("text.heads", "5", 101, {"text.heads = 5 does not divide the even width 16"});
+  check_metadata("text.vocabulary", "[CLS]\n[SEP]", 107, {"2 pieces"});
+  check_metadata("text.vocabulary", "[CLS]\n[SEP]\n[UNK]\na\na", 107, {"'a' stands twice"});
+  check_metadata("text.vocabulary", "[CLS]\n[SEP]\n[UNK]\na", 407, {"text_encoder.embedding.weight", "(4, 16)"});
+  for (const char* fps : {"0", "-20", "nan", "inf", "1e300"})
+    check_metadata("fps", fps, 101, {"'fps' = ", "is not in 1 ... 1000"});
+  check_metadata("guidance", "nan", 101, {"'guidance' = nan"});
+}
+
+TEST_CASE("hostile sizes are refused before memory is taken") {
+  const Parts good;
+  rusage before{}, after{};
+  ::getrusage(RUSAGE_SELF, &before);
+  for (const auto& [key, value] : good.metadata) {
+    if (value.empty() || value.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (key == "format" || key == "fps") continue;
+    for (const char* size : {"-1", "0", "99999999999999999999999", "9223372036854775807", "100001"}) {
+      Parts parts;
+      parts.metadata[key] = size;
+      const auto bytes = parts.bytes();
+      const auto [id, message] = refusal([&] { load(bytes); });
+      CHECK_MESSAGE((id == 101 || id == 107), message);
+      CHECK_MESSAGE(message.find(key) != std::string::npos, message);
+    }
+    // within the limits, but not what the tensors are: refused by the first tensor that disagrees
+    if (key == "diffusion.steps" || key == "denoiser.nfeats" || key.ends_with("heads")) continue;
+    Parts parts;
+    parts.metadata[key] = key.ends_with("layers") || key.ends_with("registers") ? "256" : "8192";
+    const auto bytes = parts.bytes();
+    const auto [id, message] = refusal([&] { load(bytes); });
+    CHECK_MESSAGE((id == 406 || id == 407), message);
+  }
+  ::getrusage(RUSAGE_SELF, &after);
+  CHECK(after.ru_maxrss - before.ru_maxrss < 32 * 1024);  // kilobytes
+}
+
+TEST_CASE("a file that ends too early is refused wherever it ends") {
+  const auto bytes = Parts().bytes();
+  for (std::size_t end :
+       {std::size_t{0}, std::size_t{7}, std::size_t{8}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
+    const std::vector<std::byte> part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto [id, message] = refusal([&] { load(part); });
+    CHECK_MESSAGE(id == 402, message);
+  }
+  CHECK(refusal([] { ml::load_stmc<B>("/nowhere/model.safetensors"); }).first == 401);
+}
