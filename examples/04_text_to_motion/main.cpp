@@ -1,0 +1,35 @@
+// Text in, motion out: the bundled model walks a timeline, and the result is written for other programs.
+//   usage: 04_text_to_motion [model.safetensors [folder]]
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/viewer.hpp>
+#include <motionlang/stmc.hpp>
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+
+int main(int argc, char** argv) {
+  const std::string model = argc > 1 ? argv[1] : MOTIONLANG_DEFAULT_MODEL, folder = argc > 2 ? argv[2] : ".";
+  const auto stmc = ml::load_stmc<B>(model);
+  const auto timeline = ml::parse_timeline(
+      "walk forward    # 0.0 # 4.0 # legs\n"
+      "raise both arms # 1.0 # 3.5 # left arm # right arm\n");
+  const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7}, {.steps = 25});  // (frames, 205)
+  const ml::Motion motion = ml::stmc_motion(features);
+
+  const auto way = motion.root_at(motion.frames() - 1) - motion.root_at(0);
+  const auto joints = motion.positions();  // (frames, joints)
+  double highest = -9;
+  for (std::size_t f = 0; f < joints.size(); f += 24)
+    highest = std::max(highest, std::min(joints[f + 20].y - joints[f + 16].y, joints[f + 21].y - joints[f + 17].y));
+  std::printf("%.1f s, %td frames of %d joints\n", motion.seconds(), motion.frames(), motion.skeleton.size());
+  std::printf("walked more than 2 m: %s\n", std::hypot(way.x, way.z) > 2 ? "yes" : "no");
+  std::printf("both wrists above the shoulders at some moment: %s\n", highest > 0 ? "yes" : "no");
+
+  ml::write_bvh(folder + "/text_to_motion.bvh", motion);
+  ml::write_viewer(folder + "/text_to_motion.html", motion, {}, {.title = "walk forward, raise both arms"});
+  std::printf("wrote text_to_motion.bvh and text_to_motion.html\n");
+}

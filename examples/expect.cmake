@@ -1,0 +1,10 @@
+# Runs an example in an empty folder and compares what it prints with expected.txt.
+get_filename_component(name ${program} NAME)
+set(folder ${CMAKE_CURRENT_BINARY_DIR}/example_${name})
+file(REMOVE_RECURSE ${folder})
+file(MAKE_DIRECTORY ${folder})
+execute_process(COMMAND ${program} WORKING_DIRECTORY ${folder} OUTPUT_VARIABLE printed ERROR_VARIABLE errors RESULT_VARIABLE status)
+file(READ ${expected} wanted)
+if(NOT status EQUAL 0 OR NOT printed STREQUAL wanted)
+  message(FATAL_ERROR "exit status ${status}\n--- printed\n${printed}${errors}--- expected\n${wanted}")
+endif()
