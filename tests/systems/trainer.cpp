@@ -1,0 +1,138 @@
+// The trainer of the motionlang program: stopped and resumed, on one thread and on two, it makes the same numbers.
+#include <doctest/doctest.h>
+
+#include <motionlang/io/bvh.hpp>
+
+#include "../../examples/motionlang/trainer.hpp"
+#include "../support/captioned_clips.hpp"
+#include "../support/threads.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+const program::TrainingSet& data() {
+  static const program::TrainingSet set = [] {
+    const captioned::Clips clips;
+    return program::TrainingSet(clips.captions, clips.folder.path, {});
+  }();
+  return set;
+}
+
+program::TrainingConfig config() {
+  return {.model = {.denoiser = {.latent_dim = 16, .ff_size = 24, .num_layers = 1, .num_heads = 2},
+                    .text = {.width = 8, .heads = 2, .d_ff = 12, .layers = 1, .out = 8},
+                    .diffusion_steps = 20},
+          .vocabulary = 40,
+          .steps = 8,
+          .batch = 3,
+          .warmup = 2,
+          .samples = {.longest = 40}};
+}
+
+struct Run {
+  TemporaryFolder folder;
+  std::filesystem::path checkpoint = folder / "checkpoint.safetensors";
+  std::vector<double> losses;
+
+  /// Trains until step `last`; goes on where an earlier call stopped, from the file.
+  void until(ml::Index last) {
+    program::Trainer trainer(config(), data());
+    if (std::filesystem::exists(checkpoint)) trainer.resume(checkpoint);
+    while (trainer.steps_done() < last) losses.push_back(trainer.step());
+    CHECK(trainer.losses().size() == static_cast<std::size_t>(last));
+    trainer.save(checkpoint);
+  }
+  std::string state() const { return ml::read_file(checkpoint); }
+};
+
+}  // namespace
+
+TEST_CASE("two steps and two more are four steps, bit for bit, on one thread and on two") {
+  Run whole, parts, two_threads;
+  {
+    const Threads one(1);
+    whole.until(4);
+    parts.until(2);
+    parts.until(4);
+  }
+  {
+    const Threads two(2);
+    two_threads.until(4);
+  }
+  CHECK(whole.losses.size() == 4);
+  CHECK(parts.losses == whole.losses);
+  CHECK(two_threads.losses == whole.losses);
+  CHECK(parts.state() == whole.state());  // weights, averages, moments, losses, metadata
+  CHECK(two_threads.state() == whole.state());
+}
+
+TEST_CASE("training changes every weight, and its export is a model") {
+  program::Trainer trainer(config(), data());
+  const TemporaryFolder folder;
+  trainer.export_model(folder / "before.safetensors", {});
+  trainer.step();
+  trainer.export_model(folder / "after.safetensors", {{"license", "MIT"}});
+  trainer.save(folder / "checkpoint.safetensors");
+  const auto before = ml::SafetensorsFile::open(folder / "before.safetensors");
+  const auto trained = ml::SafetensorsFile::open(folder / "checkpoint.safetensors");
+  for (const auto& t : before.tensors()) {
+    const bool statistics = t.name.find("normalizer") != std::string::npos;
+    const auto old = ml::values_of<float>(t), now = ml::values_of<float>(trained.tensor("model." + t.name));
+    double largest = 0;
+    for (std::size_t i = 0; i < old.size(); ++i)
+      largest = std::max(largest, static_cast<double>(std::abs(old[i] - now[i])) / (1e-3 + std::abs(old[i])));
+    if (statistics)
+      CHECK_MESSAGE(largest < 1e-3, t.name);  // half precision
+    else
+      CHECK_MESSAGE(largest > 0, t.name);
+  }
+  const auto model = ml::load_stmc<ml::EigenBackend<float>>(folder / "after.safetensors");
+  CHECK(model.denoiser.to_skel_layer.out() == 205);
+  CHECK(ml::SafetensorsFile::open(folder / "after.safetensors").metadata().at("license") == "MIT");
+}
+
+TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
+  Run run;
+  run.until(1);
+  const std::string good = run.state();
+
+  for (const std::size_t end : {std::size_t{0}, std::size_t{100}, good.size() - 1}) {
+    ml::write_file(run.checkpoint, std::string_view(good).substr(0, end));
+    program::Trainer trainer(config(), data());
+    CHECK_THROWS_WITH_AS(trainer.resume(run.checkpoint), doctest::Contains("[motionlang.io.402]"), ml::io_error);
+    CHECK(trainer.steps_done() == 0);
+    CHECK(run.state() == good.substr(0, end));
+  }
+  ml::write_file(run.checkpoint, good);
+
+  auto other = config();
+  other.model.denoiser.latent_dim = 32;
+  CHECK_THROWS_WITH_AS(program::Trainer(other, data()).resume(run.checkpoint), doctest::Contains("[motionlang.io.407]"),
+                       ml::io_error);
+  other = config();
+  other.vocabulary = 30;
+  CHECK_THROWS_WITH_AS(program::Trainer(other, data()).resume(run.checkpoint),
+                       doctest::Contains("the captions have changed"), ml::config_error);
+
+  // a save that fails: the folder has become a file
+  program::Trainer trainer(config(), data());
+  CHECK_THROWS_AS(trainer.save(run.checkpoint / "below"), ml::io_error);
+  CHECK(run.state() == good);
+}
+
+TEST_CASE("captions that cannot be used are refused with their line") {
+  const captioned::Clips clips;
+  auto check = [&](const std::string& line, const std::string& message) {
+    const auto file = clips.folder / "wrong.tsv";
+    ml::write_file(file, "# clip\tstart\tend\tparts\tcaptions\n" + line + "\n");
+    CHECK_THROWS_WITH_AS(program::TrainingSet(file, clips.folder.path, {}), doctest::Contains(message.c_str()),
+                         ml::io_error);
+  };
+  check("walk\t0\t2\tlegs", "wrong.tsv:2: expected clip, start, end, parts, captions");
+  check("walk\tnow\t2\tlegs\ta person walks", "wrong.tsv:2: 'now' is not a time");
+  check("walk\t2\t2\tlegs\ta person walks", "wrong.tsv:2: the segment is empty");
+  check("walk\t0\t2\twings\ta person walks", "wrong.tsv:2: 'wings' is no body part");
+  check("fly\t0\t2\tlegs\ta person flies", "no ");
+  check("walk\t0\t0.2\tlegs\ta person walks", "holds 4 frames");
+}
