@@ -117,6 +117,7 @@
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/combine.hpp>
 #include <motionlang/compose/intervals.hpp>
+#include <motionlang/compose/options.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
 #include <motionlang/compose/timeline.hpp>

@@ -8241,15 +8241,17 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice.
-  explicit WordPiece(std::vector<std::string> vocabulary) : pieces_(std::move(vocabulary)) {
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source` stands in
+  /// messages.
+  explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
+      : pieces_(std::move(vocabulary)) {
     if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
-      raise<config_error>(107, "WordPiece: a vocabulary of ", pieces_.size(),
+      raise<config_error>(107, source, ": a vocabulary of ", pieces_.size(),
                           " pieces does not begin with [CLS], [SEP], [UNK]");
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!ids_.emplace(pieces_[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, "WordPiece: piece '", pieces_[i], "' stands twice");
+        raise<config_error>(107, source, ": piece '", pieces_[i], "' stands twice");
       longest_ = std::max(longest_, pieces_[i].size());
     }
   }
@@ -10068,6 +10070,17 @@ template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
   const std::vector<double> values(features.span().begin(), features.span().end());
   return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
+}
+
+/// The same model over another backend, with copies of all numbers.
+template <Backend To, Backend From, template <class> class D, template <class> class E>
+Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
+  return {.denoiser = convert<To>(m.denoiser),
+          .text_encoder = convert<To>(m.text_encoder),
+          .motion_normalizer = convert<To>(m.motion_normalizer),
+          .text_normalizer = convert<To>(m.text_normalizer),
+          .diffusion = m.diffusion,
+          .layout = m.layout};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.

@@ -58,7 +58,10 @@ inline std::span<const std::byte> slice(std::span<const std::byte> bytes, std::u
 }
 
 inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
-  out.insert(out.end(), bytes.begin(), bytes.end());
+  if (bytes.empty()) return;
+  const std::size_t size = out.size();
+  out.resize(size + bytes.size());
+  std::memcpy(out.data() + size, bytes.data(), bytes.size());  // vector::insert makes GCC 12 warn of overflow at -O3
 }
 inline void append_text(std::vector<std::byte>& out, std::string_view text) {
   append_bytes(out, std::as_bytes(std::span(text.data(), text.size())));
@@ -4870,7 +4873,8 @@ void load_module(M& module, const SafetensorsFile& file, const std::string& pref
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another.
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
+  /// for a number that F16 cannot hold.
   template <Scalar S>
   void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -4879,6 +4883,10 @@ class TensorStore {
       case DType::F64:
         return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
       case DType::F16:
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
+            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for F16");
+        }
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
       case DType::BF16:
@@ -4986,7 +4994,7 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
     pieces.push_back(found->second.substr(at, end - at));
     at = end + 1;
   }
-  return WordPiece(std::move(pieces));
+  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
 }  // namespace detail

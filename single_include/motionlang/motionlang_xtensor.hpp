@@ -2657,10 +2657,12 @@ extern template struct motionlang::XtensorBackend<double>;
 #if __has_include(<xtensor/containers/xadapt.hpp>)
 #include <xtensor/containers/xadapt.hpp>  // views of memory
 #include <xtensor/core/xmath.hpp>         // functions, reductions
+#include <xtensor/core/xnoalias.hpp>      // results without a temporary
 #include <xtensor/core/xoperation.hpp>    // arithmetic, where
 #else
 #include <xtensor/xadapt.hpp>
 #include <xtensor/xmath.hpp>
+#include <xtensor/xnoalias.hpp>
 #include <xtensor/xoperation.hpp>
 #endif
 
@@ -2668,32 +2670,55 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-inline std::vector<std::size_t> xtensor_shape(const Shape& s) {
-  std::vector<std::size_t> sizes;
-  for (int i = 0; i < s.rank(); ++i) sizes.push_back(static_cast<std::size_t>(s[i]));
+/// Views have a static number of axes, so that their shapes need no memory: all that a shape may have (missing ones in
+/// front are 1), or one where every element is treated alike.
+template <std::size_t Rank>
+using XtensorShape = std::array<std::size_t, Rank>;
+inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
+  XtensorShape<Shape::max_rank> sizes;
+  sizes.fill(1);
+  for (int i = 0; i < s.rank(); ++i)
+    sizes[static_cast<std::size_t>(Shape::max_rank - s.rank() + i)] = static_cast<std::size_t>(s[i]);
   return sizes;
 }
-template <class S>
-auto xtensor_view(const Dense<S>& a) {
-  return xt::adapt(a.data(), static_cast<std::size_t>(a.count()), xt::no_ownership(), xtensor_shape(a.shape()));
+inline XtensorShape<1> one_axis(const Shape& s) { return {static_cast<std::size_t>(s.count())}; }
+
+template <class Values, std::size_t Rank>
+auto xtensor_view(Values* values, const XtensorShape<Rank>& sizes) {
+  std::size_t count = 1;
+  for (std::size_t n : sizes) count *= n;
+  return xt::adapt(values, count, xt::no_ownership(), sizes);
 }
-/// Evaluates an expression of shape s into new memory.
-template <class S, class E>
-Dense<S> xtensor_evaluate(const Shape& s, const E& expression) {
+/// Evaluates an expression of shape s, seen as `sizes`, into new memory.
+template <class S, std::size_t Rank, class E>
+Dense<S> xtensor_evaluate(const Shape& s, const XtensorShape<Rank>& sizes, const E& expression) {
   Dense<S> out(s);
-  auto view = xt::adapt(out.data(), static_cast<std::size_t>(out.count()), xt::no_ownership(), xtensor_shape(s));
-  view = expression;
+  auto view = xtensor_view(out.data(), sizes);
+  xt::noalias(view) = expression;
   return out;
 }
 template <class S, class F>
 Dense<S> xtensor_binary(const Dense<S>& a, const Dense<S>& b, F f) {
-  const auto x = xtensor_view(a), y = xtensor_view(b);
-  return xtensor_evaluate<S>(broadcast_shapes(a.shape(), b.shape(), "binary operation"), f(x, y));
+  auto evaluate = [&](const Shape& s, auto axes) {
+    const auto x = xtensor_view(a.data(), axes(a.shape())), y = xtensor_view(b.data(), axes(b.shape()));
+    return xtensor_evaluate<S>(s, axes(s), f(x, y));
+  };
+  if (a.shape() == b.shape()) return evaluate(a.shape(), one_axis);
+  return evaluate(broadcast_shapes(a.shape(), b.shape(), "binary operation"), all_axes);
 }
 template <class S, class F>
 Dense<S> xtensor_unary(const Dense<S>& a, F f) {
-  const auto x = xtensor_view(a);
-  return xtensor_evaluate<S>(a.shape(), f(x));
+  const auto x = xtensor_view(a.data(), one_axis(a.shape()));
+  return xtensor_evaluate<S>(a.shape(), one_axis(a.shape()), f(x));
+}
+/// f reduces axis 1 of (outer, n, inner).
+template <class S, class F>
+Dense<S> xtensor_reduce(const Dense<S>& a, int axis, F f) {
+  const Shape& s = a.shape();
+  const auto outer = static_cast<std::size_t>(s.count(0, axis)), n = static_cast<std::size_t>(s[axis]),
+             inner = static_cast<std::size_t>(s.count(axis + 1, s.rank()));
+  const auto x = xtensor_view(a.data(), XtensorShape<3>{outer, n, inner});
+  return xtensor_evaluate<S>(s.without(axis), XtensorShape<2>{outer, inner}, f(x, XtensorShape<1>{1}));
 }
 
 }  // namespace detail
@@ -2754,22 +2779,18 @@ template <Scalar S>
 Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
   const Shape s = broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
-  const auto va = detail::xtensor_view(a), vb = detail::xtensor_view(b), vx = detail::xtensor_view(x),
-             vy = detail::xtensor_view(y);
-  return detail::xtensor_evaluate<S>(s, xt::where(va < vb, vx, vy));
+  const auto view = [](const tensor& t) { return detail::xtensor_view(t.data(), detail::all_axes(t.shape())); };
+  const auto va = view(a), vb = view(b), vx = view(x), vy = view(y);
+  return detail::xtensor_evaluate<S>(s, detail::all_axes(s), xt::where(va < vb, vx, vy));
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::sum(const tensor& a, int axis) {
-  const std::array<std::size_t, 1> axes{static_cast<std::size_t>(axis)};
-  const auto view = detail::xtensor_view(a);
-  return detail::xtensor_evaluate<S>(a.shape().without(axis), xt::sum(view, axes));
+  return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::sum(x, axes); });
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {
   if (a.shape()[axis] == 0) return tensor::full(a.shape().without(axis), -std::numeric_limits<S>::infinity());
-  const std::array<std::size_t, 1> axes{static_cast<std::size_t>(axis)};
-  const auto view = detail::xtensor_view(a);
-  return detail::xtensor_evaluate<S>(a.shape().without(axis), xt::amax(view, axes));
+  return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::amax(x, axes); });
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

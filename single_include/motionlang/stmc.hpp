@@ -7421,15 +7421,17 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice.
-  explicit WordPiece(std::vector<std::string> vocabulary) : pieces_(std::move(vocabulary)) {
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source` stands in
+  /// messages.
+  explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
+      : pieces_(std::move(vocabulary)) {
     if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
-      raise<config_error>(107, "WordPiece: a vocabulary of ", pieces_.size(),
+      raise<config_error>(107, source, ": a vocabulary of ", pieces_.size(),
                           " pieces does not begin with [CLS], [SEP], [UNK]");
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       if (!ids_.emplace(pieces_[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, "WordPiece: piece '", pieces_[i], "' stands twice");
+        raise<config_error>(107, source, ": piece '", pieces_[i], "' stands twice");
       longest_ = std::max(longest_, pieces_[i].size());
     }
   }
@@ -7748,7 +7750,10 @@ inline std::span<const std::byte> slice(std::span<const std::byte> bytes, std::u
 }
 
 inline void append_bytes(std::vector<std::byte>& out, std::span<const std::byte> bytes) {
-  out.insert(out.end(), bytes.begin(), bytes.end());
+  if (bytes.empty()) return;
+  const std::size_t size = out.size();
+  out.resize(size + bytes.size());
+  std::memcpy(out.data() + size, bytes.data(), bytes.size());  // vector::insert makes GCC 12 warn of overflow at -O3
 }
 inline void append_text(std::vector<std::byte>& out, std::string_view text) {
   append_bytes(out, std::as_bytes(std::span(text.data(), text.size())));
@@ -8738,7 +8743,8 @@ void load_module(M& module, const SafetensorsFile& file, const std::string& pref
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another.
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
+  /// for a number that F16 cannot hold.
   template <Scalar S>
   void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -8747,6 +8753,10 @@ class TensorStore {
       case DType::F64:
         return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
       case DType::F16:
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
+            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for F16");
+        }
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
       case DType::BF16:
@@ -10206,6 +10216,17 @@ Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
   return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
 }
 
+/// The same model over another backend, with copies of all numbers.
+template <Backend To, Backend From, template <class> class D, template <class> class E>
+Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
+  return {.denoiser = convert<To>(m.denoiser),
+          .text_encoder = convert<To>(m.text_encoder),
+          .motion_normalizer = convert<To>(m.motion_normalizer),
+          .text_normalizer = convert<To>(m.text_normalizer),
+          .diffusion = m.diffusion,
+          .layout = m.layout};
+}
+
 /// Weights packed for inference. The model must not be changed afterwards.
 template <Backend B, class D, class E>
 void prepare(Stmc<B, D, E>& stmc) {
@@ -10272,7 +10293,7 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
     pieces.push_back(found->second.substr(at, end - at));
     at = end + 1;
   }
-  return WordPiece(std::move(pieces));
+  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
 }  // namespace detail
