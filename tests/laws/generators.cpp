@@ -8,7 +8,7 @@
 namespace ml = motionlang;
 
 TEST_CASE("laws of generators") {
-  for (std::uint64_t seed : {0, 1, 123456789}) {
+  for (std::uint64_t seed : {0u, 1u, 123456789u}) {
     laws::rng_laws(ml::Philox{.seed = seed});
     laws::independence_law(ml::Philox{.seed = seed});
     laws::rng_laws(ml::Philox{.seed = seed}.split("part").split(seed));

@@ -107,13 +107,13 @@ TEST_CASE_TEMPLATE("eight poses in a register are eight poses", S, float, double
   using L = ml::Lane<S>;
   const auto vectors = rotations::vectors<S>();
   for (std::size_t at = 0; at + L::size <= vectors.size(); at += L::size) {
+    const auto pose = [&](int i) { return vectors[at + static_cast<std::size_t>(i)]; };
     ml::Vec3<L> v;
-    for (int i = 0; i < L::size; ++i)
-      v.x[i] = vectors[at + i].x, v.y[i] = vectors[at + i].y, v.z[i] = vectors[at + i].z;
+    for (int i = 0; i < L::size; ++i) v.x[i] = pose(i).x, v.y[i] = pose(i).y, v.z[i] = pose(i).z;
     const auto m = ml::to_matrix(ml::to_rotation6d_rows(ml::exp_so3(v)));
     const auto w = ml::log_so3(m);
     for (int i = 0; i < L::size; ++i) {
-      const auto want = ml::exp_so3(vectors[at + i]);
+      const auto want = ml::exp_so3(pose(i));
       ml::Matrix3<S> got;
       for (std::size_t k = 0; k < 9; ++k) got.m[k] = m.m[k][i];
       CHECK(difference(got, want) < 4 * tolerance<S>);
