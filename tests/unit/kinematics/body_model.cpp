@@ -1,0 +1,87 @@
+// Skinning by hand: a bar of three vertices and two joints. The published models are golden cases.
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/kinematics/body_model.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/tensors.hpp"
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<double>;
+using Matrix = ml::Tensor<B, 2>;
+using Poses = ml::Tensor<B, 3>;
+using tensors::distance;
+
+namespace {
+
+/// Vertices at x = 0, 1, 2; joints at 0 and 1; the last vertex follows the second joint, the middle one both by half. The one
+/// shape direction stretches the bar.
+ml::BodyModel<B> bar() {
+  const auto template_ = Matrix::from({0, 0, 0, 1, 0, 0, 2, 0, 0}, {3, 3});
+  return {template_,
+          ml::reshape<2>(template_, {9, 1}),
+          Matrix::zeros({9, 9}),
+          Matrix::from({1, 0, 0, 0, 1, 0}, {2, 3}),
+          Matrix::from({1, 0, 0.5, 0.5, 0, 1}, {3, 2}),
+          {-1, 0},
+          {2}};
+}
+
+/// One pose: rotations of both joints about z, by the angle in radians.
+Poses pose(double root, double second) {
+  std::vector<double> numbers;
+  for (double angle : {root, second}) {
+    const auto m = ml::to_matrix(ml::from_axis_angle(ml::Vec3{0.0, 0.0, 1.0}, angle)).m;
+    numbers.insert(numbers.end(), m.begin(), m.end());
+  }
+  return Poses::from(numbers, {1, 2, 9});
+}
+
+const auto no_shape = Matrix::zeros({1, 1}), nowhere = Matrix::zeros({1, 3});
+constexpr double quarter = 1.5707963267948966;
+
+Poses points(const std::vector<double>& xyz) { return Poses::from(xyz, {1, std::ssize(xyz) / 3, 3}); }
+
+}  // namespace
+
+TEST_CASE("the rest pose is the template, stretched and moved as told") {
+  const auto model = bar();
+  model.validate();
+  const auto rest = model(no_shape, pose(0, 0), nowhere);
+  CHECK(distance(rest.vertices, points({0, 0, 0, 1, 0, 0, 2, 0, 0})) < 1e-15);
+  CHECK(distance(rest.joints, points({0, 0, 0, 1, 0, 0})) < 1e-15);
+  CHECK(distance(rest.extra, points({2, 0, 0})) < 1e-15);
+  const auto longer = model(Matrix::full({1, 1}, 0.5), pose(0, 0), Matrix::from({0, 0, 7}, {1, 3}));
+  CHECK(distance(longer.vertices, points({0, 0, 7, 1.5, 0, 7, 3, 0, 7})) < 1e-15);
+  CHECK(distance(longer.joints, points({0, 0, 7, 1.5, 0, 7})) < 1e-15);
+}
+
+TEST_CASE("joints turn what follows them; a vertex between two joints is the mean of both transforms") {
+  const auto model = bar();
+  const auto bent = model(no_shape, pose(0, quarter), nowhere);
+  CHECK(distance(bent.vertices, points({0, 0, 0, 1, 0, 0, 1, 1, 0})) < 1e-15);
+  const auto turned = model(no_shape, pose(quarter, quarter), nowhere);
+  CHECK(distance(turned.vertices, points({0, 0, 0, 0, 1, 0, -1, 1, 0})) < 1e-15);
+  CHECK(distance(turned.joints, model.posed_joints(no_shape, pose(quarter, quarter), nowhere)) < 1e-15);
+}
+
+TEST_CASE("poses of a batch do not meet") {
+  const auto model = bar();
+  const auto both = model(Matrix::zeros({2, 1}), ml::concat(0, pose(0.3, 1), pose(-1, 0.5)), Matrix::zeros({2, 3}));
+  CHECK(distance(ml::slice(both.vertices, 0, 1, 2), model(no_shape, pose(-1, 0.5), nowhere).vertices) < 1e-15);
+}
+
+TEST_CASE("arrays that do not fit together are refused") {
+  CHECK_ERROR(bar()(Matrix::zeros({1, 2}), pose(0, 0), nowhere), "[motionlang.shape.204] BodyModel");
+  CHECK_ERROR(bar()(no_shape, Poses::zeros({1, 3, 9}), nowhere), "[motionlang.shape.204]");
+  CHECK_ERROR(bar()(no_shape, pose(0, 0), Matrix::zeros({2, 3})), "[motionlang.shape.204]");
+  auto model = bar();
+  model.weights = Matrix::zeros({3, 3});
+  CHECK_ERROR(model.validate(), "[motionlang.shape.204] BodyModel: 3 vertices, 2 joints");
+  model = bar();
+  model.parents = {-1, 1};
+  CHECK_ERROR(model.validate(), "[motionlang.config.106] BodyModel: joint 1 has parent 1");
+  model = bar();
+  model.extra = {3};
+  CHECK_ERROR(model.validate(), "[motionlang.config.101] BodyModel: extra joint at vertex 3 of 3");
+}
