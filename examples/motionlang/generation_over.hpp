@@ -18,13 +18,12 @@ class GeneratorOver final : public Generator {
                               ml::Progress progress) const override {
     if (s.sampler != "ddpm" && s.sampler != "ddim")
       ml::raise<ml::config_error>(103, "sampler '", s.sampler, "' is neither ddpm nor ddim");
-    ml::StmcOptions options;
+    ml::StmcOptions options = model_.defaults;
     options.overlap = ml::frame_at(s.overlap, config_.fps);
-    options.guidance = s.guidance.value_or(config_.guidance);
+    options.guidance = s.guidance.value_or(options.guidance);
     options.steps = s.steps;
     options.sampling.sampler =
         s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
-    options.sampling.noise_scale = config_.noise_scale;
     options.progress = progress;
     const auto features = s.noise_file.empty() ? model_.generate(timelines, ml::Philox{.seed = s.seed}, options)
                                                : model_.generate_from(timelines, noise_from(s.noise_file), options);

@@ -2,8 +2,7 @@
 /// The timelines of the baselines that STMC is compared with: everything on one track, or in one sentence.
 ///
 /// Source  STMC (Petrovich et al. 2024), mtt/create_baselines.py; spec stmc.md 5. They are made from seconds and
-/// written
-///         to files, which are then read at 20 fps; converting with to_frames gives the same.
+///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
 #pragma once
 
 #include <motionlang/compose/intervals.hpp>

@@ -19,8 +19,7 @@ struct CollageStep {
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    crops whose text is "" go through the network once: both calls of guidance would give the same. Texts,
-/// offsets and
-///         index lists are prepared here, not in the loop.
+///         offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:

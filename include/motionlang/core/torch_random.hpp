@@ -5,8 +5,7 @@
 /// Source      torch 1.13, aten/src/ATen/native/cpu/DistributionTemplates.h (normal_fill) and
 ///             ATen/core/DistributionsHelper.h (small draws)
 /// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos; uniform numbers and
-/// the
-///             float64 path have no such difference
+///             the float64 path have no such difference
 #pragma once
 
 #include <cmath>     // log, cos, sin

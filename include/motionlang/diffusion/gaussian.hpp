@@ -3,11 +3,9 @@
 /// network may predict, converted into each other.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
-/// for t = 0),
-///                             abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
+///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
-/// and one
-///             addition per term in the order written: what the published code does, and what parity needs.
+///             and one addition per term in the order written: what the published code does, and what parity needs.
 #pragma once
 
 #include <span>  // one step per sample

@@ -125,9 +125,9 @@ struct MotionDiffuseBlock {
 
 /// Predicts the noise. Frames beyond a sequence's length are simply absent: linear attention gives masked frames no
 /// weight. With `no_eff` the released mask shifts whole rows of scores and hides nothing, so there all frames must be
-/// given. Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, keys
-/// as there (without
-///         the CLIP tower, whose states after the last layer norm are the input)
+/// given.
+/// Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, keys
+///         as there (without the CLIP tower, whose states after the last layer norm are the input)
 template <Backend B>
 struct MotionDiffuseDenoiser {
   Tensor<B, 2> sequence_embedding;  // (num_frames, latent)

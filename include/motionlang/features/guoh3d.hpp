@@ -4,8 +4,7 @@
 ///
 /// Source  Guo et al. (CVPR 2022), appendix; HumanML3D `recover_from_ric`; spec humanml3d-features.md 7
 /// Layout  0 yaw velocity (half angle, rad per frame), 1:3 root velocity x, z, 3 root height, 4:3J+1 positions of
-/// joints 1 ... J-1
-///         in the root's frame, then rotations, velocities, contacts, which are not needed here
+///         joints 1 ... J-1 in the root's frame, then rotations, velocities, contacts, which are not needed here
 #pragma once
 
 #include <cmath>   // sin, cos

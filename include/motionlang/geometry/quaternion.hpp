@@ -60,8 +60,7 @@ Matrix3<S> to_matrix(const Quaternion<S>& q) {
 
 /// The quaternion with w >= 0 of a rotation matrix; accurate everywhere, also near half turns.
 /// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed and one is
-/// chosen
-///         by where_less, so that SIMD lanes and tensors can do it, too.
+///         chosen by where_less, so that SIMD lanes and tensors can do it, too.
 template <class S>
 Quaternion<S> to_quaternion(const Matrix3<S>& r) {
   const S m00 = r(0, 0), m11 = r(1, 1), m22 = r(2, 2), zero = S(0), tiny = S(1e-12);

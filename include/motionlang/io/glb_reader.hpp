@@ -32,8 +32,7 @@ class GlbFile {
 
   /// The animation at `fps` frames per second, from time 0 to its last key.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
-  /// motion
-  ///         would be too long
+  ///         motion would be too long
   Motion motion(Index animation, double fps = 30) const {
     if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
       raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());

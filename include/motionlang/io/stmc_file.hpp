@@ -186,6 +186,8 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
+  model.defaults.guidance = c.guidance;
+  model.defaults.sampling.noise_scale = c.noise_scale;
   load_module(model, file);
   prepare(model);
   return model;

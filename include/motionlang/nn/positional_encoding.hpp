@@ -12,8 +12,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-/// whose last
-///         digits depend on it. Throws config_error 101 for an odd width.
+///         whose last digits depend on it. Throws config_error 101 for an odd width.
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);

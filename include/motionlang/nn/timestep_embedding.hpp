@@ -8,8 +8,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     e = W2 silu(W1 pe[t])
 /// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
-/// the
-///         positions and belongs to the caller.
+///         the positions and belongs to the caller.
 template <Backend B>
 struct TimestepEmbedding {
   Linear<B> in, out;

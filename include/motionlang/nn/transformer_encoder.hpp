@@ -28,8 +28,7 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-/// with a
-///         context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;

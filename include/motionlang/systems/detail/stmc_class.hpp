@@ -44,6 +44,7 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
+  StmcOptions defaults{};  // what the model should be sampled with, where the caller does not say
 
   static constexpr auto fields() {
     return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -53,8 +54,13 @@ struct Stmc {
   /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
   /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
-                                     const StmcOptions& options = {}) const;
-  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
+                                     const StmcOptions& options) const;
+  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options) const;
+  /// The same with `defaults`.
+  std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng) const {
+    return generate(timelines, rng, defaults);
+  }
+  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng) const { return generate(timeline, rng, defaults); }
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
   /// (sequences, frames, features) as `shape` says; in the SINC modes every text is a sequence.
