@@ -1,6 +1,8 @@
-// The kernels of every instruction set that this machine has, not only of the one that would be chosen.
+// The kernels of every instruction set that this machine has, not only of the one that would be chosen: the same numbers as the
+// reference, and the same bits whatever the batch and the number of threads.
 #include <motionlang/backend/eigen.hpp>
 
+#include "../laws/backend_laws.hpp"
 #include "checks.hpp"
 
 namespace ml = motionlang;
@@ -15,6 +17,7 @@ void with_kernels(Isa isa, double tolerance) {
   const auto* before = std::exchange(ml::detail::current_kernels<S>(), wanted);
   INFO(wanted->name);
   table::check_parity<ml::EigenBackend<S>>(tolerance);
+  laws::batch_laws<ml::EigenBackend<S>>();
   ml::detail::current_kernels<S>() = before;
 }
 
