@@ -94,6 +94,10 @@ TEST_CASE("crops without a text go through the network once, and without guidanc
   CHECK(guided.steps == std::vector<Index>(9, 7));
   collage(plain, {.overlap = 4}, 1).step(Matrix::zeros({30, 5}), 7);
   CHECK(plain.seen.back() == Offsets{22, 12, 14, 4, 4, 4});
+  auto pause = timeline;
+  pause.intervals[1].text = "";
+  collage(guided, {.overlap = 4}, 2.5, pause).step(Matrix::zeros({30, 5}), 7);
+  CHECK(guided.seen.back() == Offsets{22, 12, 14, 4, 4, 4, 22, 14});
 }
 
 TEST_CASE("denoisers with crops of one size") {
@@ -107,6 +111,15 @@ TEST_CASE("denoisers with crops of one size") {
   CHECK(distance(clean(b), ml::slice(x, 0, 0, 30)) < 1e-14);
   CHECK(masked.seen.back() == Offsets{22, 12, 14, 4, 4, 4});
   CHECK(whole.seen.back() == Offsets{25, 25, 25, 25, 25, 25});
+  const std::vector<ml::Timeline> two(2, timeline);
+  const auto again = normal<B, 2>({110, 5}, 2);
+  for (const Known* d : {&masked, &whole}) {
+    const ml::Collage<B, Known> c(*d, ml::plan_timelines(two, {.overlap = 4}), layout, texts({1, 2, 3, 1, 2, 3}),
+                                  texts({0}), 1);
+    const auto x0 = c.step(again, 0).x0;
+    for (Index first : {0, 55})
+      CHECK(distance(ml::slice(x0, 0, first, first + 30), ml::slice(again, 0, first, first + 30)) < 1e-14);
+  }
   const Known narrow{.properties = {.crop_frames = 21}};
   CHECK_ERROR(collage(narrow, {.overlap = 4}), "[motionlang.timeline.508] Collage: 'one' needs a crop of 22 frames");
 }
