@@ -153,7 +153,7 @@ TEST_CASE("a whole run: the first draw is the start, progress can stop it") {
   const auto goal = c.step(Matrix::zeros({30, 5}), 0).x0;
   CHECK(distance(ml::sample_collage(c, process, ml::Prediction::x0, noise), goal) < 1e-12);
   CHECK(std::exchange(draws, {}) == std::vector<Index>{0, 1, 2, 3, 4, 5, 6});
-  const ml::CollageOptions ddim{.sampler = ml::CollageOptions::Sampler::ddim};
+  const ml::SamplingOptions ddim{.sampler = ml::SamplingOptions::Sampler::ddim};
   CHECK(distance(ml::sample_collage(c, process, ml::Prediction::x0, noise, ddim), goal) < 1e-12);
   CHECK(draws == std::vector<Index>{0});
 
