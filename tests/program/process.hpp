@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// Runs the motionlang program, collects what it says, and interrupts it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+struct Outcome {
+  int code = -1;     // exit status; 256 + signal when it died of one
+  std::string text;  // standard output and error
+};
+
+/// Runs `motionlang` with these arguments in `folder`. When `interrupt_at` is not empty, Ctrl-C is sent as soon as the program
+/// has said it.
+Outcome run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+            const std::string& interrupt_at = "");

@@ -1,0 +1,195 @@
+// The motionlang program: help, exit codes, files that it writes, noise from outside, Ctrl-C.
+#include <doctest/doctest.h>
+
+#include <motionlang/backend/eigen.hpp>
+
+#include "../support/captioned_clips.hpp"
+#include "../support/small_model.hpp"
+#include "process.hpp"
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+
+namespace {
+
+constexpr const char* timeline_text =
+    "walk forward # 0 # 1 # legs\n"
+    "raise both arms # 0.2 # 0.8 # left arm # right arm\n";
+
+/// A folder with a small model and a timeline of 20 frames.
+struct Workplace : TemporaryFolder {
+  explicit Workplace(ml::Index diffusion_steps = 5) {
+    const auto config = small::config(diffusion_steps);
+    ml::save_stmc(*this / "model.safetensors", small::model<B>(config), config, {{"license", "MIT"}});
+    ml::write_file(*this / "two.txt", timeline_text);
+  }
+  Outcome run(const std::vector<std::string>& arguments, const std::string& interrupt_at = "") const {
+    return ::run(arguments, path, interrupt_at);
+  }
+  Outcome generate(const std::string& out, std::vector<std::string> more = {}, const std::string& timeline = "two.txt",
+                   const std::string& interrupt_at = "") const {
+    more.insert(more.begin(), {"generate", "--timeline", timeline, "--model", "model.safetensors", "--out", out});
+    return run(more, interrupt_at);
+  }
+  /// Names of the files in a folder, and their contents.
+  std::map<std::string, std::string> files(const std::string& folder) const {
+    std::map<std::string, std::string> out;
+    if (!std::filesystem::exists(*this / folder)) return out;
+    for (const auto& f : std::filesystem::directory_iterator(*this / folder))
+      out[f.path().filename().string()] = ml::read_file(f.path());
+    return out;
+  }
+};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("help names every command and option, and the exit codes") {
+  const TemporaryFolder folder;
+  const auto all = run({"--help"}, folder.path);
+  CHECK(all.code == 0);
+  for (const char* word : {"generate", "check", "info", "train", "judge", "Exit codes: 0 ", "1 ", "2 ", "3 ", "130 "})
+    CHECK_MESSAGE(contains(all.text, word), word);
+  const std::map<std::string, std::vector<std::string>> options{
+      {"generate",
+       {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
+        "--backend", "--threads"}},
+      {"check", {"timeline", "--fps", "--overlap"}},
+      {"info", {"file"}},
+      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--backend", "--details"}},
+      {"train",
+       {"--data", "--captions", "--out", "--steps", "--batch", "--lr", "--width", "--layers", "--vocabulary", "--seed",
+        "--license", "--provenance", "--commit", "--save-minutes", "--fresh", "--threads"}}};
+  for (const auto& [command, names] : options) {
+    const auto help = run({command, "--help"}, folder.path);
+    CHECK(help.code == 0);
+    for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), command, " ", name);
+  }
+}
+
+TEST_CASE("exit codes") {
+  const Workplace w;
+  CHECK(w.run({}).code == 2);
+  CHECK(w.run({"dance"}).code == 2);
+  CHECK(w.run({"generate"}).code == 2);
+  CHECK(w.generate("out", {"--sampler", "best"}).code == 2);
+  CHECK(w.generate("out", {"--steps", "many"}).code == 2);
+
+  const auto missing = w.run({"generate", "--timeline", "two.txt", "--model", "nowhere.safetensors"});
+  CHECK(missing.code == 1);
+  CHECK(contains(missing.text, "nowhere.safetensors"));
+  CHECK(w.generate("out", {"--steps", "6"}).code == 1);  // the model has five
+  CHECK(w.generate("out", {}, "nowhere.txt").code == 1);
+
+  ml::write_file(w / "wrong.txt", "walk # 0 # 1\nw\xC3\xA4lk # 1 # x # legs\n");
+  for (const auto& wrong : {w.run({"check", "wrong.txt"}), w.generate("out", {}, "wrong.txt")}) {
+    CHECK(wrong.code == 3);
+    CHECK_MESSAGE(contains(wrong.text, "[motionlang.timeline.502] wrong.txt:2:12: 'x' is not a time"), wrong.text);
+  }
+  CHECK(w.files("out").empty());
+}
+
+TEST_CASE("check and info show what a file holds") {
+  const Workplace w;
+  const auto check = w.run({"check", "two.txt"});
+  CHECK(check.code == 0);
+  for (const char* word : {"20 frames", "walk forward", "left arm, right arm", "two.txt is a valid timeline file"})
+    CHECK_MESSAGE(contains(check.text, word), word, " in ", check.text);
+  const auto model = w.run({"info", "model.safetensors"});
+  CHECK(model.code == 0);
+  for (const char* word : {"60 tensors", "license", "denoiser.registers", "F16", "(2, 32)"})
+    CHECK_MESSAGE(contains(model.text, word), word, " in ", model.text);
+  CHECK(contains(w.run({"info", "two.txt"}).text, "2 texts, 1.00 s"));
+}
+
+TEST_CASE("generate writes every output, and the same bytes for the same seed") {
+  const Workplace w;
+  const auto first = w.generate("a", {"--seed", "4", "--threads", "1"});
+  REQUIRE_MESSAGE(first.code == 0, first.text);
+  const auto a = w.files("a");
+  for (const char* extension : {".bvh", ".glb", ".npz", ".npy", ".svg", ".html"})
+    CHECK_MESSAGE(a.contains(std::string("two") + extension), extension);
+  CHECK(a.size() == 6);
+  CHECK(ml::read_bvh_motion(w / "a/two.bvh").frames() == 20);
+  CHECK(w.run({"info", "a/two.glb"}).code == 0);
+  CHECK(contains(w.run({"info", "a/two.npz"}).text, "20 frames"));
+
+  CHECK(w.generate("b", {"--seed", "4", "--threads", "2"}).code == 0);
+  CHECK(w.files("b") == a);
+  CHECK(w.generate("c", {"--seed", "5"}).code == 0);
+  CHECK(w.files("c").at("two.bvh") != a.at("two.bvh"));
+  for (const char* backend : {"xtensor", "reference"}) {
+    CHECK(w.generate(backend, {"--seed", "4", "--backend", backend}).code == 0);
+    const auto same = ml::read_bvh_motion(w / (std::string(backend) + "/two.bvh"));
+    CHECK(synthetic::largest_distance(same, ml::read_bvh_motion(w / "a/two.bvh")) < 1e-3);
+  }
+}
+
+TEST_CASE("several timelines and plain texts: a motion each, one page") {
+  const Workplace w;
+  ml::write_file(w / "list.txt", "walk forward # 0.5\nsit down # 0.4\n");
+  const auto out =
+      w.generate("out", {"--sampler", "ddim", "--steps", "2", "--guidance", "1", "--overlap", "0"}, "list.txt");
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  const auto files = w.files("out");
+  CHECK(files.size() == 11);
+  CHECK(files.contains("list_0.bvh"));
+  CHECK(files.contains("list_1.glb"));
+  CHECK(files.contains("list.html"));
+}
+
+TEST_CASE("noise from outside gives the motion of the seed that it was drawn with") {
+  const Workplace w;
+  const auto model = ml::load_stmc<B>((w / "model.safetensors").string());
+  ml::TensorStore store;
+  const ml::Shape shape{1, 20, 205};
+  for (int draw = 0; draw <= 5; ++draw) {
+    const auto z = model.noise({.seed = 4}, draw, shape);
+    store.add<float>("noise/00" + std::to_string(draw), shape, z.span(), ml::DType::F32);
+  }
+  ml::write_safetensors(w / "noise.safetensors", store.views());
+  CHECK(w.generate("seed", {"--seed", "4"}).code == 0);
+  const auto noise = w.generate("noise", {"--noise", "noise.safetensors"});
+  REQUIRE_MESSAGE(noise.code == 0, noise.text);
+  for (const char* file : {"two.bvh", "two.glb", "two.npz", "two.npy"})
+    CHECK_MESSAGE(w.files("noise").at(file) == w.files("seed").at(file), file);
+
+  ml::write_file(w / "longer.txt", "walk forward # 0 # 2 # legs\n");
+  const auto wrong = w.generate("wrong", {"--noise", "noise.safetensors"}, "longer.txt");
+  CHECK(wrong.code == 1);
+  CHECK_MESSAGE(contains(wrong.text, "noise/000 is (1, 20, 205), this timeline needs (1, 40, 205)"), wrong.text);
+}
+
+TEST_CASE("Ctrl-C while generating: 130, and no file") {
+  const Workplace w(1000);
+  ml::write_file(w / "long.txt", "walk forward # 0 # 45 # legs\n");
+  const auto stopped = w.generate("out", {}, "long.txt", "generating");
+  CHECK(stopped.code == 130);
+  CHECK_MESSAGE(contains(stopped.text, "stopped"), stopped.text);
+  CHECK(w.files("out").empty());
+}
+
+TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same command goes on") {
+  const captioned::Clips clips;
+  auto train = [&](const std::string& steps, const std::string& interrupt_at = "") {
+    return run({"train", "--data", ".", "--captions", "captions.tsv", "--out", "run", "--steps", steps, "--batch", "2",
+                "--width", "16", "--feed-forward", "24", "--layers", "1", "--vocabulary", "40"},
+               clips.folder.path, interrupt_at);
+  };
+  const auto stopped = train("5000", "training [");
+  CHECK_MESSAGE(stopped.code == 130, stopped.text);
+  CHECK(contains(stopped.text, "the same command goes on from run/checkpoint.safetensors"));
+  const auto names = [&] {
+    std::vector<std::string> out;
+    for (const auto& f : std::filesystem::directory_iterator(clips.folder / "run")) out.push_back(f.path().filename());
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  CHECK(names() == std::vector<std::string>{"checkpoint.safetensors"});
+  const auto whole = train("20");
+  REQUIRE_MESSAGE(whole.code == 0, whole.text);
+  CHECK(contains(whole.text, "going on at step"));
+  CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg", "stmc.safetensors"});
+  CHECK(run({"info", "run/stmc.safetensors"}, clips.folder.path).code == 0);
+}
