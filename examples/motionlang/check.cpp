@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/io/stmc_file.hpp>
 
 #include "commands.hpp"
 #include "timelines.hpp"
@@ -10,10 +11,16 @@ namespace program {
 
 namespace {
 
-void run(const std::string& path, double fps, double overlap) {
+void run(const std::string& path, double fps, double overlap, const std::string& model) {
+  ml::Index longest = 0;
+  if (!model.empty()) {
+    const auto config = ml::stmc_config(ml::SafetensorsFile::open(model_file(model)));
+    fps = config.fps;
+    longest = config.denoiser.max_len - 2 - config.denoiser.nb_registers;
+  }
   const auto timelines = read_timelines(path, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {
-    const auto plan = ml::plan_timeline(timelines[m], {.overlap = ml::frame_at(overlap, fps)});
+    const auto plan = ml::plan_timeline(timelines[m], {.overlap = ml::frame_at(overlap, fps), .longest_crop = longest});
     std::printf("timeline %zu: %td frames, %.2f s, %td texts\n", m, plan.frames, static_cast<double>(plan.frames) / fps,
                 std::ssize(timelines[m].intervals));
     for (const auto& i : plan.timeline.intervals) {
@@ -43,7 +50,7 @@ void run(const std::string& path, double fps, double overlap) {
 
 void add_check(CLI::App& app) {
   struct Options {
-    std::string path;
+    std::string path, model;
     double fps = 20, overlap = 0.5;
   };
   const auto o = std::make_shared<Options>();
@@ -52,7 +59,8 @@ void add_check(CLI::App& app) {
   c->add_option("timeline", o->path, "Timeline file")->required();
   c->add_option("--fps", o->fps, "Frames per second of the model")->capture_default_str();
   c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")->capture_default_str();
-  c->callback([o] { run(o->path, o->fps, o->overlap); });
+  c->add_option("--model", o->model, "Weights: check against their frame rate and longest text as well");
+  c->callback([o] { run(o->path, o->fps, o->overlap, o->model); });
 }
 
 }  // namespace program

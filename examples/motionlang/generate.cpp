@@ -21,8 +21,7 @@ namespace {
 struct Options {
   std::string timeline, model = default_model().string(), out = "out", backend = "eigen";
   GenerationSettings settings;
-  double guidance = -1;
-  int threads = 0;
+  int threads = 0;  // as many as the machine has
 };
 
 std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
@@ -42,8 +41,7 @@ void run(const Options& o) {
   if (o.threads > 0) ml::set_thread_count(o.threads);
   const auto generator = load_generator(o.backend, model_file(o.model));
   const auto timelines = read_timelines(o.timeline, generator->fps());
-  GenerationSettings settings = o.settings;
-  if (o.guidance >= 0) settings.guidance = o.guidance;
+  const GenerationSettings& settings = o.settings;
 
   std::vector<ml::Motion> motions;
   {
@@ -90,7 +88,8 @@ void add_generate(CLI::App& app) {
   c->add_option("--sampler", o->settings.sampler, "How to sample")
       ->check(CLI::IsMember({"ddpm", "ddim"}))
       ->capture_default_str();
-  c->add_option("--guidance", o->guidance, "Weight of the text, 1 is none; the model's own unless given");
+  c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
+      ->check(CLI::Range(0.0, 100.0));
   c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
       ->capture_default_str();
   c->add_option("--noise", o->settings.noise_file,
@@ -98,7 +97,8 @@ void add_generate(CLI::App& app) {
   c->add_option("--backend", o->backend, "What to calculate with")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
-  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given");
+  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
+      ->check(CLI::Range(1, 1024));
   c->callback([o] { run(*o); });
 }
 

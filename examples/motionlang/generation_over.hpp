@@ -12,29 +12,27 @@ template <ml::Backend B>
 class GeneratorOver final : public Generator {
  public:
   explicit GeneratorOver(const std::filesystem::path& file)
-      : file_(ml::SafetensorsFile::open(file)), config_(ml::stmc_config(file_)), model_(ml::load_stmc<B>(file_)) {}
+      : file_(ml::SafetensorsFile::open(file)), model_(ml::load_stmc<B>(file_)) {}
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
     if (s.sampler != "ddpm" && s.sampler != "ddim")
       ml::raise<ml::config_error>(103, "sampler '", s.sampler, "' is neither ddpm nor ddim");
-    ml::StmcOptions options = model_.defaults;
-    options.overlap = ml::frame_at(s.overlap, config_.fps);
-    options.guidance = s.guidance.value_or(options.guidance);
+    ml::StmcOptions options;
+    options.overlap = ml::frame_at(s.overlap, model_.fps);
+    options.guidance = s.guidance;
     options.steps = s.steps;
-    options.sampling.sampler =
+    options.sampling = model_.sampling;
+    options.sampling->sampler =
         s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
     options.progress = progress;
     const auto features = s.noise_file.empty() ? model_.generate(timelines, ml::Philox{.seed = s.seed}, options)
                                                : model_.generate_from(timelines, noise_from(s.noise_file), options);
     std::vector<ml::Motion> motions;
-    for (const auto& f : features) {
-      const std::vector<double> values(f.span().begin(), f.span().end());
-      motions.push_back(ml::smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, config_.fps));
-    }
+    for (const auto& f : features) motions.push_back(ml::stmc_motion(f, model_.fps));
     return motions;
   }
-  double fps() const override { return config_.fps; }
+  double fps() const override { return model_.fps; }
 
  private:
   static auto noise_from(const std::string& path) {
@@ -49,7 +47,6 @@ class GeneratorOver final : public Generator {
   }
 
   ml::SafetensorsFile file_;
-  ml::StmcModelConfig config_;
   ml::Stmc<B> model_;
 };
 

@@ -130,14 +130,14 @@ void run(const Options& o) {
         timelines.push_back({{{p.text, 0, ml::frame_at(p.seconds, generator->fps()), ml::BodyParts::all()}}});
       GenerationSettings settings = o.settings;
       settings.seed = static_cast<std::uint64_t>(seed);
-      const auto motions = generator->run(timelines, settings, {});
+      auto steps = [&](ml::Index done, ml::Index total) { return bar(seed * total + done, o.seeds * total); };
+      const auto motions = generator->run(timelines, settings, steps);
       for (std::size_t i = 0; i < motions.size(); ++i) {
         results[i].push_back(measure(motions[i]));
         const auto quality = ml::motion_quality(motions[i]);
         skate += quality.feet.speed;
         shake += quality.jitter;
       }
-      if (!bar(seed + 1, o.seeds)) throw ml::cancelled();
     }
   }
   std::printf("%-28s %-8s %s\n", "prompt", "done", "what counts");
@@ -177,7 +177,9 @@ void add_judge(CLI::App& app) {
       "judge",
       "Generates twelve prompts with several seeds, measures the motions, prints how many do what they should");
   c->add_option("--model", o->model, "Weights")->capture_default_str();
-  c->add_option("--seeds", o->seeds, "Motions per prompt")->capture_default_str();
+  c->add_option("--seeds", o->seeds, "Motions per prompt")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
+      ->check(CLI::Range(0.0, 100.0));
   c->add_option("--steps", o->settings.steps, "Denoising steps; 0: all")->capture_default_str();
   c->add_option("--sampler", o->settings.sampler, "ddpm or ddim")
       ->check(CLI::IsMember({"ddpm", "ddim"}))

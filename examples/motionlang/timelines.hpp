@@ -16,7 +16,7 @@ namespace ml = motionlang;
 inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
   const std::string text = ml::read_file(path);
   const ml::TimelineTextOptions options{.fps = fps, .name = path};
-  if (!ml::is_text_list(text)) return ml::parse_timelines(text, options);
+  if (!ml::is_text_list(text, options)) return ml::parse_timelines(text, options);
   std::vector<ml::Timeline> out;
   for (const auto& t : ml::parse_text_list(text, options))
     out.push_back({{{t.text, 0, t.frames, ml::BodyParts::all()}}});

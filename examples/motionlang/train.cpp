@@ -147,7 +147,8 @@ void add_train(CLI::App& app) {
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
   c->add_option("--save-minutes", o->save_minutes, "Minutes between checkpoints")->capture_default_str();
   c->add_flag("--fresh", o->fresh, "Start anew even if there is a checkpoint");
-  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given");
+  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
+      ->check(CLI::Range(1, 1024));
   c->callback([o] { run(*o); });
 }
 

@@ -105,6 +105,28 @@ double Trainer::step() {
   return value;
 }
 
+/// Everything that decides what a step computes, except the number of steps: a run may be made longer, and its learning rate then
+/// follows the new number.
+std::map<std::string, std::string> Trainer::settings() const {
+  auto out = ml::stmc_metadata(config_.model, average_.text_encoder.tokenizer);
+  out["model"] = "stmc training";
+  auto add = [&](const std::string& name, auto value) { out["training." + name] = ml::concat_text(value); };
+  add("batch", config_.batch);
+  add("lr", config_.lr);
+  add("warmup", config_.warmup);
+  add("weight_decay", config_.weight_decay);
+  add("clip_norm", config_.clip_norm);
+  add("ema", config_.ema);
+  add("velocity_weight", config_.velocity_weight);
+  add("dropout", config_.model.denoiser.dropout);
+  add("text_dropout", config_.model.text.dropout);
+  add("seed", config_.seed);
+  add("samples", ml::concat_text(config_.samples.shortest, " to ", config_.samples.longest, " frames, no text ",
+                                 config_.samples.no_text, ", composed ", config_.samples.compose, ", mirrored ",
+                                 config_.samples.mirror, ", speed ", config_.samples.speed));
+  return out;
+}
+
 void Trainer::save(const std::filesystem::path& checkpoint) const {
   ml::TensorStore store;
   store.add_module(model_, "model.");
@@ -114,18 +136,19 @@ void Trainer::save(const std::filesystem::path& checkpoint) const {
     store.add("adam.v." + path, B::shape(s.v), B::to_span(s.v), ml::DType::F32);
   }
   store.add<float>("losses", {std::ssize(losses_)}, losses_, ml::DType::F32);
-  auto metadata = ml::stmc_metadata(config_.model, average_.text_encoder.tokenizer);
-  metadata["model"] = "stmc training";
+  auto metadata = settings();
   metadata["training.steps_done"] = std::to_string(steps_);
   ml::write_safetensors(checkpoint, store.views(), metadata);
 }
 
 void Trainer::resume(const std::filesystem::path& checkpoint) {
   const auto file = ml::SafetensorsFile::open(checkpoint);
-  if (ml::stmc_metadata(config_.model, average_.text_encoder.tokenizer).at("text.vocabulary") !=
-      ml::detail::metadata_text(file.metadata(), "text.vocabulary", "")) {
-    ml::raise<ml::config_error>(102, checkpoint.string(),
-                                ": the captions have changed since this run began; start a new one");
+  for (const auto& [name, value] : settings()) {
+    const std::string before = ml::detail::metadata_text(file.metadata(), name, "nothing");
+    if (value == before) continue;
+    const bool is_long = value.size() + before.size() > 100;  // the vocabulary
+    ml::raise<ml::config_error>(102, checkpoint.string(), ": this run began with another ", name,
+                                is_long ? "" : " (" + before + ", not " + value + ")", "; start a new one");
   }
   const auto steps = ml::detail::metadata_number<Index>(file.metadata(), "training.steps_done", file.name());
   ml::load_module(model_, file, "model.");

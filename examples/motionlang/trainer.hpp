@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -47,12 +48,15 @@ class Trainer {
 
   /// Everything that is needed to go on, in float32.
   void save(const std::filesystem::path& checkpoint) const;
-  /// Goes on where `checkpoint` stopped. Throws io_error 406, 407 if it belongs to other sizes.
+  /// Goes on where `checkpoint` stopped. Throws config_error 102 if that run had other settings, captions or sizes, io_error 406,
+  /// 407 if tensors are missing or wrong.
   void resume(const std::filesystem::path& checkpoint);
   /// The averaged weights, in half precision.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
 
  private:
+  std::map<std::string, std::string> settings() const;
+
   TrainingConfig config_;
   const TrainingSet* data_;
   ml::GaussianDiffusion diffusion_;

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
       "walk forward # 0.0 # 6.0 # legs\n"
       "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
   double first = 0;
-  ml::StmcOptions options = stmc.defaults;
+  ml::StmcOptions options;
   auto progress = [&](ml::Index, ml::Index) {
     if (first == 0) first = bench::now() - start;
     return true;

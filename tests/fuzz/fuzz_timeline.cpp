@@ -54,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ml::is_text_list(text);
   refusing([&] { ml::parse_text_list(text); });
   refusing([&] {
-    const ml::TimelineTextOptions options{.allow_empty = true};
+    const ml::TimelineTextOptions options{.as_published = true};
     const auto timelines = ml::parse_timelines_in_seconds(text, options);
     check_round_trip(timelines, options);
     for (const auto& t : timelines) {

@@ -153,11 +153,11 @@ std::vector<Index> frames_of(const ml::BatchPlan& plan) {
 std::vector<ml::Timeline> converted(Case& c) {
   std::vector<ml::TimelineInSeconds> out;
   const bool single = c.config()["mode"].as<std::string>() == "singletrack";
-  for (const auto& t : ml::parse_timelines_in_seconds(c.text().as<std::string>(), {.allow_empty = true})) {
+  for (const auto& t : ml::parse_timelines_in_seconds(c.text().as<std::string>(), {.as_published = true})) {
     out.push_back(single ? ml::single_track(t) : ml::one_text(t));
   }
   const auto timelines =
-      ml::parse_timelines(ml::write_timelines(out), {.fps = c.config()["fps"].as<double>(), .allow_empty = true});
+      ml::parse_timelines(ml::write_timelines(out), {.fps = c.config()["fps"].as<double>(), .as_published = true});
   std::vector<Index> intervals;
   std::string texts;
   for (const auto& t : timelines) {

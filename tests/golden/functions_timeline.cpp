@@ -14,7 +14,7 @@ namespace ml = motionlang;
 
 /// As published: intervals without a frame are taken.
 ml::TimelineTextOptions as_published(const Case& c) {
-  return {.fps = c.config().value_or("fps", 20.0), .allow_empty = true, .name = c.name()};
+  return {.fps = c.config().value_or("fps", 20.0), .as_published = true, .name = c.name()};
 }
 
 std::string joined_texts(const auto& timelines) {

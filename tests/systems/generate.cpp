@@ -34,7 +34,7 @@ TEST_CASE("same seed, same bits, on one thread and on two") {
   for (auto sampler : {ml::SamplingOptions::Sampler::ddpm, ml::SamplingOptions::Sampler::ddim}) {
     auto run = [&](int threads) {
       const Threads scope(threads);
-      return motion_of(small::several_tracks(), {.sampling = {.sampler = sampler, .eta = 0.5}});
+      return motion_of(small::several_tracks(), {.sampling = ml::SamplingOptions{.sampler = sampler, .eta = 0.5}});
     };
     const auto one = run(1);
     CHECK(one.size() == 70 * 205);
@@ -139,7 +139,7 @@ TEST_CASE("options that cannot be are refused with both values") {
                        ml::config_error);
   CHECK_THROWS_WITH_AS(motion_of(Timeline{}), doctest::Contains("[motionlang.timeline.507]"), ml::timeline_error);
   CHECK_THROWS_WITH_AS(motion_of(small::one_text(1021)),
-                       doctest::Contains("[motionlang.timeline.508] Collage: 'wave the right hand' needs a crop of "
+                       doctest::Contains("[motionlang.timeline.508] timeline: 'wave the right hand' needs a crop of "
                                          "1021 frames with its overlap; the denoiser accepts 1020"),
                        ml::timeline_error);
   CHECK(motion_of(small::one_text(1020), {.steps = 1}).size() == 1020 * 205);

@@ -217,6 +217,8 @@ TEST_CASE("metadata: every key is needed and checked") {
   check_metadata("text.vocabulary", "[CLS]\n[SEP]\n[UNK]\na", 407, {"text_encoder.embedding.weight", "(4, 16)"});
   for (const char* fps : {"0", "-20", "nan", "inf", "1e300"})
     check_metadata("fps", fps, 101, {"'fps' = ", "is not in 1 ... 1000"});
+  check_metadata("diffusion.steps", "5000", 101, {"'diffusion.steps' = 5000 is not in 1 ... 1024"});
+  check_metadata("denoiser.activation", "sine", 103, {"'sine'"});
   check_metadata("guidance", "nan", 101, {"'guidance' = nan"});
 }
 

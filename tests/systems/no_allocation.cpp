@@ -79,7 +79,7 @@ TEST_CASE_TEMPLATE("no step after the second takes memory", B, ml::EigenBackend<
           Counter counter;
           model.generate(timelines, ml::Philox{.seed = 1},
                          {.guidance = guidance,
-                          .sampling = {.sampler = sampler, .eta = 0.5, .clip = true},
+                          .sampling = ml::SamplingOptions{.sampler = sampler, .eta = 0.5, .clip = true},
                           .mode = mode,
                           .progress = counter});
           counter.check(12);

@@ -118,7 +118,7 @@ TEST_CASE_TEMPLATE("crops that are too long are refused", D, ml::MdmDenoiser<B>,
   const auto model = model_of<D>();
   CHECK(model.generate(small::one_text(crop_frames), noise_rng, {.steps = 1}).size(0) == crop_frames);
   CHECK_THROWS_WITH_AS(model.generate(small::one_text(crop_frames + 1), noise_rng),
-                       doctest::Contains("[motionlang.timeline.508] Collage: 'wave the right hand' needs a crop of 25 "
+                       doctest::Contains("[motionlang.timeline.508] timeline: 'wave the right hand' needs a crop of 25 "
                                          "frames with its overlap; the denoiser accepts 24"),
                        ml::timeline_error);
 }

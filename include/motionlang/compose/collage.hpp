@@ -30,7 +30,7 @@ class Collage {
           const TextFeatures<B>& null, double guidance)
       : denoiser_(&denoiser), plan_(std::move(plan)), layout_(std::move(layout)), guidance_(guidance) {
     const DenoiserTraits traits = denoiser.traits();
-    check_lengths(traits);
+    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
@@ -71,16 +71,6 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
-  void check_lengths(const DenoiserTraits& traits) const {
-    const Index longest = traits.crop_frames > 0 ? traits.crop_frames : traits.longest_crop;
-    for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) {
-        if (longest == 0 || c.range.size() <= longest) continue;
-        raise<timeline_error>(508, "Collage: '", p.text(c), "' needs a crop of ", c.range.size(),
-                              " frames with its overlap; the denoiser accepts ", longest);
-      }
-    }
-  }
   CropRows own_frames(Index crop_frames) const {
     CropRows out = CropRows::of(plan_);
     for (Index& row : out.rows) {  // the same frames in motions with more rows

@@ -143,6 +143,15 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
   return cuts;
 }
 
+/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
+inline void check_crops(const TimelinePlan& plan, Index longest) {
+  for (const Crop& c : plan.crops) {
+    if (longest == 0 || c.range.size() <= longest) continue;
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
+                          " frames with its overlap; the denoiser accepts ", longest);
+  }
+}
+
 inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
                        const PlanOptions& options) {
   for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
@@ -152,11 +161,7 @@ inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const
   if (options.transition_crops) {
     for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
   }
-  for (const Crop& c : plan.crops) {
-    if (options.longest_crop == 0 || c.range.size() <= options.longest_crop) continue;
-    raise<timeline_error>(508, "plan_timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", options.longest_crop);
-  }
+  check_crops(plan, options.longest_crop);
 }
 
 /// For each stretch of a part: its extended frames are added from the crop of its owner; where it starts, the window of

@@ -8,7 +8,7 @@
 /// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
 ///          text cannot contain '#'
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
-///          interval that is empty or ends before it starts is refused unless `allow_empty` is set. Gaps between
+///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters
 #pragma once
@@ -24,8 +24,9 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TimelineTextOptions {
-  double fps = 20;                     // frame = trunc(fps * seconds)
-  bool allow_empty = false;            // take intervals without a frame, as the published reader does
+  double fps = 20;  // frame = trunc(fps * seconds)
+  bool as_published =
+      false;  // take intervals without a frame, and texts without parts as they are; else those move all
   std::string_view name = "timeline";  // of the file, for messages
 };
 
@@ -121,7 +122,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
     }
   };
   BasicInterval<T> out{std::string(line.field(0)), time(1), time(2), line.parts(3)};
-  if (!(out.start < out.end) && !options.allow_empty) {
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
   }
   return out;
@@ -184,14 +186,16 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
   return std::move(all.front());
 }
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: a line has fewer than three
-/// fields. The published programs decide by this.
-inline bool is_text_list(std::string_view text) {
-  bool found = false;
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than three
+/// fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
+  Index lines = 0, short_lines = 0;
   detail::for_each_line(text, [&](std::string_view line, Index number) {
-    found = found || (!detail::trim(line).empty() && detail::TimelineLine(line, number, "").fields() < 3);
+    if (detail::trim(line).empty()) return;
+    ++lines;
+    short_lines += detail::TimelineLine(line, number, options.name).fields() < 3 ? 1 : 0;
   });
-  return found;
+  return short_lines > 0 && (options.as_published || short_lines == lines);
 }
 
 /// Lines "text # duration"; blank lines are skipped. Throws timeline_error 501, 502, 504, 507.
@@ -204,7 +208,7 @@ inline std::vector<TimedText> parse_text_list(std::string_view text, const Timel
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
-    if (frames <= 0 && !options.allow_empty) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
+    if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
     out.push_back({std::string(line.field(0)), frames});
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");

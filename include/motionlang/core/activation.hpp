@@ -22,4 +22,9 @@ inline Activation parse_activation(std::string_view name) {
   raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh");
 }
 
+constexpr std::string_view to_string(Activation a) {
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh"};
+  return names[static_cast<int>(a)];
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -9,17 +9,15 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Like a pointer: the callable must outlive it.
+/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
   Progress() = default;
   template <class F>
-  requires(!std::is_same_v<std::remove_cvref_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
-      Progress(F&& f)
+  requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
+      Progress(F& f)
       : object_(const_cast<void*>(static_cast<const void*>(&f))),
-        call_([](void* object, Index done, Index total) -> bool {
-          return (*static_cast<std::remove_reference_t<F>*>(object))(done, total);
-        }) {}
+        call_([](void* object, Index done, Index total) -> bool { return (*static_cast<F*>(object))(done, total); }) {}
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {

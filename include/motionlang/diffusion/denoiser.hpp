@@ -16,6 +16,9 @@ struct DenoiserTraits {
   Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+
+  /// Frames that a crop may have; 0: any number.
+  Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
 };
 
 /// A network that cleans noisy sequences given a text for each.

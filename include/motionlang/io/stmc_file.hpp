@@ -87,11 +87,14 @@ inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c
       {"denoiser.num_layers", text(c.denoiser.num_layers)},
       {"denoiser.num_heads", text(c.denoiser.num_heads)},
       {"denoiser.nb_registers", text(c.denoiser.nb_registers)},
+      {"denoiser.activation", std::string(to_string(c.denoiser.activation))},
+      {"denoiser.max_len", text(c.denoiser.max_len)},
       {"text.width", text(c.text.width)},
       {"text.heads", text(c.text.heads)},
       {"text.d_ff", text(c.text.d_ff)},
       {"text.layers", text(c.text.layers)},
       {"text.out", text(c.text.out)},
+      {"text.longest", text(c.text.longest)},
       {"text.vocabulary", vocabulary},
       {"diffusion.schedule", "cosine"},
       {"diffusion.steps", text(c.diffusion_steps)},
@@ -112,8 +115,12 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   }
   const std::string scale = detail::metadata_text(m, "diffusion.noise_scale", "posterior_std");
   if (scale != "posterior_std" && scale != "posterior_variance")
-    raise<config_error>(103, name, ": diffusion.noise_scale '", scale, "' is neither posterior_std nor posterior_variance");
+    raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
+                        "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
+  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
+    return m.contains(key) ? size(key, largest) : otherwise;
+  };
   auto heads = [&](const std::string& key, Index width) {
     const Index n = size(key, 256);
     if (width % n != 0 || width % 2 != 0)
@@ -123,7 +130,8 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
-    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features, " features");
+    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features,
+                        " features");
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
@@ -134,7 +142,11 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.text.d_ff = size("text.d_ff", 32768);
   c.text.layers = size("text.layers", 256);
   c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
-  c.diffusion_steps = size("diffusion.steps", 100000);
+  c.denoiser.activation =
+      parse_activation(detail::metadata_text(m, "denoiser.activation", std::string(to_string(c.denoiser.activation))));
+  c.denoiser.max_len = size_or("denoiser.max_len", 100000, c.denoiser.max_len);
+  c.text.longest = size_or("text.longest", 100000, c.text.longest);
+  c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
   c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
@@ -151,7 +163,10 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
           .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
-          .layout = smplrifke_layout()};
+          .layout = smplrifke_layout(),
+          .guidance = c.guidance,
+          .sampling = {.noise_scale = c.noise_scale},
+          .fps = c.fps};
 }
 
 /// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
@@ -186,8 +201,6 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
-  model.defaults.guidance = c.guidance;
-  model.defaults.sampling.noise_scale = c.noise_scale;
   load_module(model, file);
   prepare(model);
   return model;
@@ -197,14 +210,18 @@ Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
-/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit.
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
+/// config_error 102 if `about` would change what the model is.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
-  for (const auto& [key, value] : about) metadata[key] = value;
+  for (const auto& [key, value] : about) {
+    if (!metadata.emplace(key, value).second)
+      raise<config_error>(102, path.string(), ": metadata '", key, "' belongs to the model, not to what is told about it");
+  }
   write_safetensors(path, store.views(), metadata);
 }
 

@@ -28,15 +28,16 @@ template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
+  const DenoiserTraits traits = denoiser.traits();
   const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
                                                     .extend = !hard_cuts,
                                                     .transition_crops = !hard_cuts,
                                                     .gaps = options.gaps,
-                                                    .hidden = options.hidden});
-  const DenoiserTraits traits = denoiser.traits();
+                                                    .hidden = options.hidden,
+                                                    .longest_crop = traits.longest()});
   const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
   const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                              options.guidance);
+                              options.guidance.value_or(guidance));
   const auto sequences = static_cast<Index>(sampled.timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -44,8 +45,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  auto x0 =
-      sample_collage<B>(collage, process(options.steps), traits.prediction, rows, options.sampling, options.progress);
+  auto x0 = sample_collage<B>(collage, process(options.steps), traits.prediction, rows,
+                              options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
     x0 = stitch_independent(plan, x0, stride);
@@ -127,7 +128,10 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .motion_normalizer = convert<To>(m.motion_normalizer),
           .text_normalizer = convert<To>(m.text_normalizer),
           .diffusion = m.diffusion,
-          .layout = m.layout};
+          .layout = m.layout,
+          .guidance = m.guidance,
+          .sampling = m.sampling,
+          .fps = m.fps};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.

@@ -121,7 +121,7 @@ TEST_CASE("denoisers with crops of one size") {
       CHECK(distance(ml::slice(x0, 0, first, first + 30), ml::slice(again, 0, first, first + 30)) < 1e-14);
   }
   const Known narrow{.properties = {.crop_frames = 21}};
-  CHECK_ERROR(collage(narrow, {.overlap = 4}), "[motionlang.timeline.508] Collage: 'one' needs a crop of 22 frames");
+  CHECK_ERROR(collage(narrow, {.overlap = 4}), "[motionlang.timeline.508] timeline: 'one' needs a crop of 22 frames");
 }
 
 TEST_CASE("several timelines in one batch do not meet") {

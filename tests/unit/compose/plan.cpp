@@ -42,7 +42,7 @@ void check_timeline_error(const ml::Timeline& t, const ml::PlanOptions& options,
   CHECK_THROWS_WITH_AS(ml::plan_timeline(t, options), doctest::Contains(message.c_str()), ml::timeline_error);
 }
 
-ml::Timeline parsed(const char* text) { return ml::parse_timeline(text, {.fps = 1, .allow_empty = true}); }
+ml::Timeline parsed(const char* text) { return ml::parse_timeline(text, {.fps = 1, .as_published = true}); }
 
 }  // namespace
 
@@ -178,7 +178,7 @@ TEST_CASE("timelines that cannot be planned") {
   check_timeline_error({{{"a", -1, 9, {}}}}, {}, "504]");
   check_timeline_error({{{"a", 0, ml::latest_time + 1, {}}}}, {}, "504]");
   check_timeline_error(worked_example, {.longest_crop = 64},
-                       "[motionlang.timeline.508] plan_timeline: 'A' needs a crop of 65 frames");
+                       "[motionlang.timeline.508] timeline: 'A' needs a crop of 65 frames");
   CHECK_NOTHROW(ml::plan_timeline(worked_example, {.longest_crop = 65}));
   CHECK_THROWS_AS(ml::plan_timeline(worked_example, {.overlap = -1}), ml::config_error);
   ml::Timeline crowd;

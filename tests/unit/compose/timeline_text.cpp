@@ -52,7 +52,7 @@ TEST_CASE("spaces, synonyms, repeated parts, signs") {
   const auto t = ml::parse_timeline("\t walk  slowly #+0.5#1e0 #left leg# right leg #  legs\nnod#-0.5#0.99#neck#torso");
   CHECK(t.intervals ==
         std::vector<ml::Interval>{{"walk  slowly", 20, 30, parts({legs})}, {"nod", 0, 29, parts({head, spine})}});
-  CHECK(ml::parse_timeline("# 0 # 1").intervals == std::vector<ml::Interval>{{"", 0, 20, {}}});
+  CHECK(ml::parse_timeline("# 0 # 1").intervals == std::vector<ml::Interval>{{"", 0, 20, ml::BodyParts::all()}});
   CHECK(ml::parse_timeline("\xEF\xBB\xBFwave # 0 # 1 # left hand").intervals.front().text == "wave");
 }
 
@@ -100,7 +100,7 @@ TEST_CASE("every mistake is found, with line and column") {
 }
 
 TEST_CASE("intervals without a frame are taken when asked to, as by the published reader") {
-  const auto t = ml::parse_timeline("a # 0 # 2\nb # 1 # 1\nc # 2 # 1", {.allow_empty = true});
+  const auto t = ml::parse_timeline("a # 0 # 2\nb # 1 # 1\nc # 2 # 1", {.as_published = true});
   CHECK(t.intervals[1].start == 20);
   CHECK(t.intervals[1].end == 20);
   CHECK(t.intervals[2].end == 20);

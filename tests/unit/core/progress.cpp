@@ -17,6 +17,8 @@ TEST_CASE("an empty progress does nothing; a callback that answers false cancels
   const ml::Progress copy = progress;
   copy(2, 3);
   CHECK(last == 2);
+  static_assert(!std::is_constructible_v<ml::Progress, decltype([](ml::Index, ml::Index) { return true; })>,
+                "a temporary would be gone when it is called");
   CHECK_THROWS_AS(copy(3, 3), ml::cancelled);
 }
 

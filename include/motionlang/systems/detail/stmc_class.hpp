@@ -2,6 +2,8 @@
 /// What a caller sees of STMC: the model and its options. The bodies are in <motionlang/systems/stmc.hpp>.
 #pragma once
 
+#include <optional>  // what the caller leaves to the model
+
 #include <motionlang/compose/options.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>
@@ -22,10 +24,10 @@ struct BatchPlan;
 enum class StmcMode { stmc, sinc, sinc_lerp };
 
 struct StmcOptions {
-  Index overlap = 10;     // frames around a cut, in total
-  double guidance = 2.5;  // weight of classifier-free guidance; 1: none
-  Index steps = 0;        // of sampling; 0: all of the process
-  SamplingOptions sampling{};
+  Index overlap = 10;                // frames around a cut, in total
+  std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
+  Index steps = 0;                   // of sampling; 0: all of the process
+  std::optional<SamplingOptions> sampling{};  // the model's own unless given
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
@@ -44,7 +46,9 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
-  StmcOptions defaults{};  // what the model should be sampled with, where the caller does not say
+  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  SamplingOptions sampling{};  // the same
+  double fps = 20;             // of its motions
 
   static constexpr auto fields() {
     return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -54,13 +58,8 @@ struct Stmc {
   /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
   /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
-                                     const StmcOptions& options) const;
-  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options) const;
-  /// The same with `defaults`.
-  std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng) const {
-    return generate(timelines, rng, defaults);
-  }
-  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng) const { return generate(timeline, rng, defaults); }
+                                     const StmcOptions& options = {}) const;
+  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
   /// (sequences, frames, features) as `shape` says; in the SINC modes every text is a sequence.
