@@ -9,6 +9,7 @@ if [ $# -gt 0 ]; then
   timeline=$1
   shift
 fi
+command -v c++ >/dev/null || need g++
 need cmake ninja-build libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev
 build release motionlang_program
 echo

@@ -3,6 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 . .ci/packages.sh
+command -v c++ >/dev/null || need g++
 need cmake ninja-build ccache clang libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev doctest-dev \
   chromium chromium-driver python3
 build ci

@@ -12,7 +12,7 @@
 /// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
-/// header only says what can be called. For other backends include <motionlang/io/stmc_file.hpp> as well.
+/// header only says what can be called. For other backends, and for `generate_from`, include <motionlang/io/stmc_file.hpp> as well.
 #pragma once
 
 #include <motionlang/backend/eigen.hpp>
