@@ -45,14 +45,15 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, numeric_error 301 on a value that is not finite.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
       raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
                          skeleton.size(), " joints");
     }
-    if (!(fps > 0)) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];
       if (!std::isfinite(r.x + r.y + r.z))
@@ -60,10 +61,11 @@ struct Motion {
     }
     for (std::size_t i = 0; i < local.size(); ++i) {
       const auto& q = local[i];
-      if (!std::isfinite(q.w + q.x + q.y + q.z)) {
+      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
+      if (!finite || dot(q, q) < 1e-12) {
         const std::size_t joints = skeleton.parents.size();
         raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
-                             i / joints, " is not finite");
+                             i / joints, finite ? " has length 0" : " is not finite");
       }
     }
   }

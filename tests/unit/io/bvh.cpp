@@ -321,4 +321,7 @@ TEST_CASE("BVH: a small file cannot ask for much memory, nor for numbers that ov
   CHECK_THROWS_WITH_AS(ml::to_motion(ml::parse_bvh(with(two_joints, "1 2 3 30", "1e308 2 3 30")), {.scale = 1e10}),
                        Contains("[motionlang.numeric.301]"), ml::numeric_error);
   CHECK(ml::parse_bvh(with(two_joints, "1 2 3 30", "1e-999 2 3 30")).values[0] == 0);
+  ml::Bvh fast = ml::parse_bvh(two_joints);
+  fast.frame_time = 1e-310;  // its inverse is infinite
+  CHECK_THROWS_WITH_AS(ml::to_motion(fast), Contains("[motionlang.config.101]"), ml::config_error);
 }

@@ -87,6 +87,13 @@ TEST_CASE("motions are checked") {
       .skeleton = leg(), .fps = 20, .root = {{0, 1, 0}}, .local = std::vector(3, ml::Quaternion<double>::identity())};
   m.validate();
   CHECK(m.positions().size() == 3);
+  for (double fps : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    auto timed = m;
+    timed.fps = fps;
+    CHECK_THROWS_WITH_AS(timed.validate(), Contains("[motionlang.config.101]"), ml::config_error);
+  }
+  m.local[1] = {0, 0, 0, 0};
+  CHECK_THROWS_WITH_AS(m.validate(), Contains("'knee' in frame 0 has length 0"), ml::numeric_error);
   m.local[1].x = std::nan("");
   CHECK_THROWS_WITH_AS(m.validate(), Contains("'knee' in frame 0"), ml::numeric_error);
   m.local.pop_back();
