@@ -4,15 +4,19 @@
 
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/standard.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
-/// everything else are the base's. SMPL's joints only. Throws config_error 103 for another skeleton.
+/// everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error 103 for
+/// another skeleton.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
 inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
-  if (base.skeleton.names != other.skeleton.names ||
-      base.skeleton.size() > static_cast<int>(smpl_part_of_joint.size())) {
+  const auto& names = base.skeleton.names;
+  const auto& smpl = smpl24_skeleton().names;
+  if (names != other.skeleton.names || names.size() > smpl.size() ||
+      !std::equal(names.begin(), names.end(), smpl.begin())) {
     raise<config_error>(103, "overlay_parts: '", base.name, "' and '", other.name,
                         "' are not on one skeleton of SMPL's joints");
   }

@@ -26,6 +26,10 @@ TEST_CASE("the parts come from the other motion, the path and the rest from the 
 TEST_CASE("other skeletons are refused") {
   const auto base = synthetic::walk(), other = synthetic::walk({}, ml::humanml3d22_skeleton());
   CHECK_ERROR(ml::overlay_parts(base, other, ml::BodyParts::all()), "[motionlang.config.103] overlay_parts");
+  auto renamed = base;
+  std::swap(renamed.skeleton.names[1], renamed.skeleton.names[20]);  // another order of joints
+  CHECK_ERROR(ml::overlay_parts(renamed, renamed, ml::BodyParts::all()), "[motionlang.config.103]");
+  CHECK(ml::overlay_parts(other, other, ml::BodyParts::all()).local.size() == other.local.size());
   auto large = base;
   large.skeleton = ml::Skeleton::from_joints({{"a", "", {}}});
   for (int j = 1; j < 25; ++j) {
