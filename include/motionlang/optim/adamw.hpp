@@ -50,7 +50,8 @@ class AdamW {
 
   AdamWConfig config;
 
-  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables.
+  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
+  /// shape_error 204 if restored moments are those of another model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     ++steps_;
@@ -61,6 +62,12 @@ class AdamW {
       if (found == state_.end()) {
         const auto zero = B::full(B::shape(*g), 0);
         found = state_.emplace(path, Moments{zero, zero}).first;
+      }
+      for (const auto* moment : {&found->second.m, &found->second.v}) {
+        if (B::shape(*moment) != t.shape()) {
+          raise<shape_error>(204, "AdamW: '", path, "' is ", t.shape(), ", its restored moments are ",
+                             B::shape(*moment));
+        }
       }
       update(A::mutable_value(t.mutable_data()), found->second, *g, scale);
     });

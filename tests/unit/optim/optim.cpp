@@ -6,7 +6,7 @@
 #include <motionlang/optim/ema.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
 
-#include <doctest/doctest.h>
+#include "../../support/check_error.hpp"
 
 namespace ml = motionlang;
 using ml::Index;
@@ -65,6 +65,16 @@ TEST_CASE("an optimiser that goes on from its state makes the same steps") {
   resumed.restore(second.steps(), second.state());
   resumed.step(b, with_gradient(b, 3.0));
   CHECK(value(a) == value(b));
+}
+
+TEST_CASE("moments of another model are refused") {
+  auto model = numbers();
+  ml::AdamW<A> adam;
+  const auto one = B::full({1}, 0), two = B::full({2}, 0);
+  for (const auto& moments : {ml::AdamW<A>::Moments{two, two}, {one, two}}) {
+    adam.restore(1, {{"used", moments}});
+    CHECK_ERROR(adam.step(model, with_gradient(model, 1)), "[motionlang.shape.204] AdamW: 'used' is (1)");
+  }
 }
 
 TEST_CASE("clipping: the norm over all gradients, a factor of at most 1, applied before the moments") {
