@@ -76,11 +76,11 @@ class GaussianDiffusion {
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
-  /// Factor of the noise in an ancestral step.
+  /// Factor of the noise in an ancestral step; 0 at t = 0.
   double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const {
+    if (t == 0) return 0;
     if (scale == NoiseScale::posterior_variance)
       return variance == Variance::fixed_small ? posterior_variance(t) : large_variance(t);
-    if (t == 0) return 0;
     return std::exp(0.5 *
                     (variance == Variance::fixed_small ? posterior_log_variance(t) : std::log(large_variance(t))));
   }

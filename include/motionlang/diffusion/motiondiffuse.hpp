@@ -176,12 +176,22 @@ struct MotionDiffuseDenoiser {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width
   };
+  /// Throws shape_error 204 unless every text has an end token, 203 if that lies outside the text.
   EncodedText encode(const TextFeatures<B>& text) const {
+    if (static_cast<Index>(text.end_position.size()) != text.count()) {
+      raise<shape_error>(204, "MotionDiffuseDenoiser: ", text.count(), " texts, ", text.end_position.size(),
+                         " end tokens");
+    }
     const auto states = textTransEncoder(text.tokens.with(text_pre_proj(text.tokens.rows)));
     auto xf_out = states.with(text_ln(states.rows));
     PoolVector<Index> end;
-    for (Index s = 0; s < text.count(); ++s)
-      end.push_back(xf_out.offsets.begin(s) + text.end_position.at(static_cast<std::size_t>(s)));
+    for (Index s = 0; s < text.count(); ++s) {
+      const Index position = text.end_position[static_cast<std::size_t>(s)], length = xf_out.offsets.length(s);
+      if (position < 0 || position >= length) {
+        raise<shape_error>(203, "MotionDiffuseDenoiser: end token at row ", position, " of ", length, " of text ", s);
+      }
+      end.push_back(xf_out.offsets.begin(s) + position);
+    }
     return {text_proj(gather(xf_out.rows, end)), xf_out};
   }
   /// The time MLP over a sinusoid with cosines first: w_k = exp(-ln(10000) k / half).

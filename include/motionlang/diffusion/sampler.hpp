@@ -96,10 +96,12 @@ Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Networ
 /// One step of DDIM (Song et al. 2021, eq. 12): eta = 0 is deterministic, eta = 1 is ancestral sampling.
 ///     sigma = eta sqrt((1 - abarp) / (1 - abar)) sqrt(1 - abar / abarp)
 ///     x_{t-1} = sqrt(abarp) x0 + sqrt(1 - abarp - sigma^2) eps + [t > 0] sigma noise
+/// Throws config_error 101 unless 0 <= eta <= 1.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                               const Tensor<B, R>* noise, Index t, double eta, const StepOptions& options = {},
                               const Fix& fix = {}) {
+  if (!(eta >= 0 && eta <= 1)) raise<config_error>(101, "ddim_step: eta = ", eta, " is not in [0, 1]");
   const std::span<const Index> at(&t, 1);
   auto x0 = detail::clean_estimate(d, x, output, at, options, fix);
   const auto eps = eps_from_x0(d, x0, x, at);

@@ -76,6 +76,11 @@ TEST_CASE("longer than the position table, a step that does not exist, lengths t
   const auto gru = modules::SmallMdmGru::make<B>(ml::Philox{.seed = 1});
   const ml::Sequences<B> ragged(in.x.rows, ml::Offsets{6, 8});
   CHECK_ERROR(gru(ragged, in.t, in.pooled), "[motionlang.shape.207] MdmDenoiser: the gru");
+  const auto diffuse = modules::SmallMotionDiffuse<false>::make<B>(ml::Philox{.seed = 1});
+  CHECK_ERROR(diffuse(in.x, in.t, in.pooled), "[motionlang.shape.204] MotionDiffuseDenoiser: 2 texts, 0 end tokens");
+  auto outside = in.tokens;
+  outside.end_position = {0, outside.tokens.offsets.length(1)};
+  CHECK_ERROR(diffuse(in.x, in.t, outside), "[motionlang.shape.203] MotionDiffuseDenoiser: end token at row 3 of 3");
   CHECK_ERROR(ml::gather(in.pooled, std::vector<Index>{2}), "[motionlang.shape.203] gather: text 2 of 2");
 }
 

@@ -74,6 +74,8 @@ TEST_CASE("DDIM without eta is deterministic and asks for no noise; with eta 1 i
   const auto stochastic = ml::sample_ddim(process, start, looks, noise, 1);
   CHECK_FALSE(same_bits(stochastic, x));
   CHECK(distance(ml::sample_ancestral(process, start, looks, noise), stochastic) < 1e-9);
+  for (double eta : {-0.1, 1.1, std::nan("")})
+    CHECK_ERROR(ml::sample_ddim(process, start, looks, noise, eta), "[motionlang.config.101] ddim_step: eta = ");
 }
 
 TEST_CASE("DDIM inverted brings a sample back to its noise") {

@@ -36,6 +36,8 @@ TEST_CASE("the released noise is the variance, the corrected one the standard de
           doctest::Approx(std::sqrt(d.beta(t))));
   }
   CHECK(d.large_variance(0) == d.posterior_variance(1));
+  for (ml::NoiseScale scale : {ml::NoiseScale::posterior_variance, ml::NoiseScale::posterior_std})
+    CHECK(d.noise_factor(0, scale, ml::Variance::fixed_large) == 0);
 }
 
 TEST_CASE("respacing: sections, strides, the published rounding") {
