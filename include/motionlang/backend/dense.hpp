@@ -16,6 +16,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 class Dense {
  public:
+  /// Nothing yet: an empty list.
   Dense() = default;
   /// Uninitialised.
   explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
@@ -65,7 +66,7 @@ class Dense {
 
  private:
   detail::BufferHandle buffer_;
-  Shape shape_{};
+  Shape shape_{0};
   Index offset_ = 0;
 };
 

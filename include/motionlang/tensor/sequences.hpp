@@ -122,6 +122,7 @@ Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const unsigned char> m
   }
   return {gather(reshape<2>(x, {batch * time, x.size(2)}), rows), Offsets(lengths)};
 }
+/// The first lengths[i] frames of each. Throws shape_error 204, 205.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) {
   std::vector<unsigned char> mask(static_cast<std::size_t>(x.size(0) * x.size(1)));
@@ -129,8 +130,11 @@ Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) 
     raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", x.shape());
   }
   for (Index b = 0; b < x.size(0); ++b) {
-    for (Index t = 0; t < lengths[static_cast<std::size_t>(b)] && t < x.size(1); ++t)
-      mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
+    const Index length = lengths[static_cast<std::size_t>(b)];
+    if (length < 0 || length > x.size(1)) {
+      raise<shape_error>(205, "from_padded: length ", length, " of sequence ", b, " for shape ", x.shape());
+    }
+    for (Index t = 0; t < length; ++t) mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
   }
   return from_padded(x, std::span<const unsigned char>(mask));
 }

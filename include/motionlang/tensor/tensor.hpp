@@ -22,7 +22,7 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet; only assignment is allowed.
+  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it.
   Tensor() = default;
   /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {

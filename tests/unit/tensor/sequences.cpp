@@ -82,5 +82,9 @@ TEST_CASE("padded tensors: there and back, padding anywhere") {
 
   CHECK_ERROR(ml::from_padded(padded, std::span<const unsigned char>(mask)), "[motionlang.shape.205] from_padded");
   CHECK_ERROR(ml::from_padded(padded, std::span(lengths).first(1)), "[motionlang.shape.204] from_padded");
+  for (Index wrong : {Index{4}, Index{-1}}) {
+    const std::vector<Index> outside{1, wrong};
+    CHECK_ERROR(ml::from_padded(padded, std::span<const Index>(outside)), "[motionlang.shape.205] from_padded: length");
+  }
   CHECK_ERROR(ml::to_padded(x, 0, 1), "[motionlang.shape.205] to_padded: 1 frames for a sequence of 2");
 }

@@ -47,6 +47,15 @@ TEST_CASE("a temporary is computed in place") {
   CHECK(b.data().data() == memory);
 }
 
+TEST_CASE("a tensor that has not been made has no numbers, and nothing can be computed with it") {
+  const Tensor<2> none;
+  CHECK(none.shape() == ml::Shape{0});
+  CHECK(none.to_vector().empty());
+  CHECK_ERROR(Tensor<0>().item(), "[motionlang.shape.205] Tensor::item: shape (0) has 0 elements");
+  CHECK_ERROR(none + Tensor<2>::zeros({2, 3}), "[motionlang.shape.202]");
+  CHECK_ERROR(ml::exp(none), "[motionlang.shape.206]");
+}
+
 TEST_CASE("what does not fit is refused") {
   CHECK_ERROR(Tensor<2>::from({1, 2, 3}, {2, 2}), "[motionlang.shape.205] Tensor: 3 values for shape (2, 2)");
   CHECK_ERROR(Tensor<2>::full({3}, 0), "[motionlang.shape.206] Tensor: rank 2 expected, shape is (3)");
