@@ -27,6 +27,7 @@ struct alignas(64) Buffer {
   std::atomic<std::int64_t> references{1};
   void* data = nullptr;
   int bucket = -1;                     // -1: not from a pool
+  std::uint32_t pool = 0;              // number of the pool that made it
   Buffer* next = nullptr;              // in a free list
   std::shared_ptr<const void> owner;   // keeps foreign memory alive
   std::shared_ptr<const void> packed;  // the same numbers in the layout of a kernel (see Dense::attach)
@@ -34,7 +35,9 @@ struct alignas(64) Buffer {
 
 }  // namespace detail
 
-/// Free buffers of this thread, in buckets of four sizes per power of two.
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
+/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
+/// comes from the system and returns to it.
 class BufferPool {
  public:
   static BufferPool& local() {
@@ -42,26 +45,15 @@ class BufferPool {
     return pool;
   }
 
-  detail::Buffer* take(std::size_t bytes) {
+  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
-    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
-    if (head != nullptr) {
-      detail::Buffer* b = std::exchange(head, head->next);
-      b->references.store(1, std::memory_order_relaxed);
-      return b;
-    }
-    ++system_allocations_;
-    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
-    if (memory == nullptr) throw std::bad_alloc();
-    auto* b = new (memory) detail::Buffer;
-    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
-    b->bucket = bucket;
-    return b;
+    return gone_ ? make(bucket, 0) : local().reuse(bucket);
   }
-
-  void give_back(detail::Buffer* b) {
+  static void give_back(detail::Buffer* b) {
+    if (gone_ || b->pool != local().number_) return release(b);
     b->packed.reset();
-    b->next = std::exchange(free_[static_cast<std::size_t>(b->bucket)], b);
+    b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
   }
 
   /// Returns all free buffers to the system.
@@ -84,7 +76,30 @@ class BufferPool {
 
  private:
   BufferPool() = default;
-  ~BufferPool() { trim(); }
+  ~BufferPool() {
+    gone_ = true;
+    trim();
+  }
+
+  detail::Buffer* reuse(int bucket) {
+    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
+    if (head != nullptr) {
+      detail::Buffer* b = std::exchange(head, head->next);
+      b->references.store(1, std::memory_order_relaxed);
+      return b;
+    }
+    ++system_allocations_;
+    return make(bucket, number_);
+  }
+  static detail::Buffer* make(int bucket, std::uint32_t pool) {
+    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
+    if (memory == nullptr) throw std::bad_alloc();
+    auto* b = new (memory) detail::Buffer;
+    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
+    b->bucket = bucket;
+    b->pool = pool;
+    return b;
+  }
 
   // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
   static int bucket_of(std::size_t bytes) {
@@ -99,6 +114,10 @@ class BufferPool {
 
   std::array<detail::Buffer*, 4 * 62> free_{};
   std::int64_t system_allocations_ = 0;
+  std::uint32_t number_ = ++pools_;
+
+  inline static std::atomic<std::uint32_t> pools_{0};
+  inline static thread_local bool gone_ = false;  // a static model may be destroyed after the pool of main's thread
 };
 
 namespace detail {
@@ -107,7 +126,7 @@ namespace detail {
 class BufferHandle {
  public:
   BufferHandle() = default;
-  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::local().take(bytes)) {}
+  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::take(bytes)) {}
   /// Memory that belongs to somebody else and is only read.
   BufferHandle(const void* data, std::shared_ptr<const void> owner) : buffer_(new (std::align_val_t{64}) Buffer) {
     buffer_->data = const_cast<void*>(data);
@@ -124,7 +143,7 @@ class BufferHandle {
   ~BufferHandle() {
     if (buffer_ == nullptr || buffer_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
     if (buffer_->bucket >= 0)
-      BufferPool::local().give_back(buffer_);
+      BufferPool::give_back(buffer_);
     else
       ::operator delete (destroyed(buffer_), std::align_val_t{64});
   }
@@ -155,9 +174,9 @@ struct PoolAllocator {
   template <class U>
   PoolAllocator(const PoolAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::local().take(n * sizeof(T))->data); }
+  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::take(n * sizeof(T))->data); }
   void deallocate(T* p, std::size_t) {  // the header lies right before the data
-    BufferPool::local().give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+    BufferPool::give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
   }
   template <class U>
   bool operator==(const PoolAllocator<U>&) const {

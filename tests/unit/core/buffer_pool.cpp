@@ -102,9 +102,30 @@ TEST_CASE("what was packed for a buffer ends with it") {
   CHECK(again.packed() == nullptr);
 }
 
-TEST_CASE("a buffer may be freed by another thread than the one that made it") {
+TEST_CASE("a buffer may be freed by another thread than the one that made it, which does not keep it") {
   for (int i = 0; i < 10; ++i) {
     BufferHandle here(1000);
     std::thread([there = std::move(here)]() mutable { there = BufferHandle(); }).join();
   }
+  BufferPool::local().trim();
+  const auto before = allocations();
+  BufferHandle foreign;
+  std::thread([&] { foreign = BufferHandle(1000); }).join();
+  foreign = BufferHandle();
+  const BufferHandle own(1000);
+  CHECK(allocations() == before + 1);
+}
+
+TEST_CASE("buffers outlive the pool of their thread, and can be made without it") {
+  struct Last {  // made before the thread's pool, so destroyed after it
+    BufferHandle kept;
+    ~Last() {
+      kept = BufferHandle(1000);
+      std::memset(kept.data(), 1, 1000);
+    }
+  };
+  std::thread([] {
+    thread_local Last last;
+    last.kept = BufferHandle(1000);
+  }).join();  // the address sanitizer watches
 }
