@@ -8,8 +8,8 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0. Nothing happens at p
-/// = 0.
+/// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0.
+/// Nothing happens at p = 0.
 struct Dropout {
   double p = 0;
   std::uint64_t key = 0;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Member lists: what a module is made of, and how to walk over it.
 ///
-///     struct Linear { Tensor<B, 2> weight; Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
-///       } };
+///     struct Linear {
+///       Tensor<B, 2> weight;
+///       Tensor<B, 1> bias;
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+///     };
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name

@@ -64,8 +64,8 @@ struct CosineSchedule {
 };
 
 /// Chen (2023), what the thesis cites; no published checkpoint uses it.
-///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau),   alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)),
-///     clip_min, 1)
+///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau)
+///     alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1)
 struct ChenCosineSchedule {
   Index steps = 100;
   double start = 0, end = 1, tau = 1, clip_min = 1e-9;

@@ -2,9 +2,11 @@
 /// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and from and to `Motion`. Index ranges of body
 /// parts are in layout.hpp.
 ///
-///     0        height of the pelvis above the lowest joint of the clip      1:3  its velocity x, y, seen from the body
-///     3        turn of the heading to the next frame                        4:136  22 rotations as 6D rows
-///     (rotation6d.hpp) 136:205  joints 1 ... 23 relative to the pelvis, seen from the body
+///     0        height of the pelvis above the lowest joint of the clip
+///     1:3      its velocity x, y, seen from the body
+///     3        turn of the heading to the next frame
+///     4:136    22 rotations as 6D rows (rotation6d.hpp)
+///     136:205  joints 1 ... 23 relative to the pelvis, seen from the body
 /// World: Z up, metres, radians; velocities and turns per frame (the models use 20 frames per second).
 /// Source   STMC (Petrovich et al. 2024), src/tools/smplrifke_feats.py
 #pragma once

@@ -34,8 +34,8 @@ Quaternion<S> from_axis_angle(const Vec3<S>& axis, const S& angle) {
 }
 
 /// The shortest rotation vector (length at most pi). Right up to and at pi; smooth at 0.
-///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|;   for small n the factor is 2/w (1 - n^2 / (3
-///     w^2))
+///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|
+///     for small n the factor is 2/w (1 - n^2 / (3 w^2))
 template <class S>
 AxisAngle<S> to_axis_angle(const Quaternion<S>& q) {
   const S n2 = dot(q.vec(), q.vec()), small = S(1e-8), zero = S(0);

@@ -30,8 +30,7 @@ Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return sum(square(a.rows - b)) * (1.0 / n);
 }
 
-/// Per sequence: sum of squares over its frames and features / (frames * width + 1e-8); MDM's masked loss. ->
-/// (sequences)
+/// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).
 template <Backend B>
 Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
   const auto squares = sum(square(a.rows - b), 1);  // (rows)

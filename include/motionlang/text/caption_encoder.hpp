@@ -12,7 +12,6 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct CaptionEncoderConfig {
-  Index vocabulary = 1000;
   Index width = 128;
   Index heads = 4;
   Index d_ff = 256;

@@ -59,14 +59,6 @@ class TextScanner {
     at_ += w.size();
     return w;
   }
-  /// Steps over `lower_case` if it is the next word, in any case.
-  bool skip(std::string_view lower_case) {
-    const std::string_view w = peek();
-    if (!same_word(w, lower_case)) return false;
-    last_ = at_;
-    at_ += w.size();
-    return true;
-  }
   /// Steps over these characters (no blanks among them), as "Frames:" of "Frames:12"; leading blanks are skipped.
   bool skip_prefix(std::string_view lower_case) {
     skip_blanks();
