@@ -39,6 +39,35 @@ void check_parity(double tolerance) {
   }
 }
 
+/// NaN stays NaN: nonlinearities keep it where it is, softmax spreads it over its row and attention over its sequence, as
+/// the reference does. At every place of a vector, and behind the last whole one.
+template <ml::Backend B>
+void check_not_a_number() {
+  constexpr Index width = 37;
+  const auto run = [](auto backend, const std::vector<double>& x) {
+    using C = decltype(backend);
+    using S = typename C::scalar;
+    const auto t = ml::Tensor<C, 2>::from(std::vector<S>(x.begin(), x.end()), {3, width});
+    std::vector<double> out;
+    const auto append = [&](const auto& y) {
+      for (auto v : y.span()) out.push_back(std::isnan(v));
+    };
+    append(ml::Tensor<C, 2>(C::erf(t.data())));
+    for (ml::Activation act :
+         {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh})
+      append(ml::activate(t, act));
+    append(ml::softmax(t));
+    append(ml::attention(t, t, t, ml::Offsets{1, 2}, ml::Offsets{1, 2}, {}));
+    return out;
+  };
+  const std::vector<double> x(3 * width, 0.5);
+  for (Index at = 0; at < width; ++at) {
+    auto values = x;
+    values[static_cast<std::size_t>(width + at)] = std::nan("");
+    CHECK(run(B{}, values) == run(ml::ReferenceBackend<double>{}, values));
+  }
+}
+
 /// Gradients of a random projection of every row against central differences, in double.
 template <ml::Backend B>
 void check_derivatives() {

@@ -17,6 +17,7 @@ void with_kernels(Isa isa, double tolerance) {
   const auto* before = std::exchange(ml::detail::current_kernels<S>(), wanted);
   INFO(wanted->name);
   table::check_parity<ml::EigenBackend<S>>(tolerance);
+  table::check_not_a_number<ml::EigenBackend<S>>();
   laws::batch_laws<ml::EigenBackend<S>>();
   ml::detail::current_kernels<S>() = before;
 }

@@ -88,19 +88,15 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .dropout = options.dropout};
 }
 template <class S>
-Index attention_scratch(const Offsets& q, const Offsets& k, Index width) {
-  return kernels<S>().attention_scratch(q.longest(), k.longest(), width);
-}
-template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
+  const Scratch<S> scratch(kernels<S>().attention_scratch(k.longest(), t.width));
   parallel_for(q.count() * t.heads, [&](Index i) {
     if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch.mine());
   });
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
+  const Scratch<S> scratch(kernels<S>().attention_vjp_scratch(q.longest(), k.longest(), t.width));
   parallel_for(q.count() * t.heads,
                [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }

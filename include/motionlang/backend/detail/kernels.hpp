@@ -22,7 +22,7 @@
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// c (m x n) = act(a (m x k) B + bias) + what c holds already (accumulate) or a residual. B is packed in panels.
+/// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
 struct Gemm {
   Index m = 0, n = 0, k = 0;
@@ -32,7 +32,6 @@ struct Gemm {
   const S* panels = nullptr;
   S* c = nullptr;
   Index ldc = 0;
-  bool accumulate = false;
   const S* bias = nullptr;
   const S* residual = nullptr;
   Index ldr = 0;
@@ -80,7 +79,8 @@ struct Kernels {
   Index panel_width, row_block, gemm_scratch;
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
-  Index (*attention_scratch)(Index queries, Index keys, Index width);
+  Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
   void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
@@ -91,7 +91,6 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
-  void (*exponential)(const S* x, Index n, S* y);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
