@@ -55,4 +55,17 @@ TEST_CASE("InfoNCE: perfect pairs, no pairs, filtered negatives") {
   CHECK_ERROR(ml::info_nce(x, Matrix::zeros({3, 2}), 0.1), "[motionlang.shape.204] info_nce");
   const std::vector<std::vector<double>> three(3);
   CHECK_ERROR(ml::info_nce(x, x, 0.1, &three), "[motionlang.shape.204]");
+  const std::vector<std::vector<double>> ragged{{1, 0}, {1}};
+  CHECK_ERROR(ml::info_nce(x, x, 0.1, &ragged), "[motionlang.shape.204] info_nce: sentences of 2 and 1 numbers");
+  for (double temperature : {0.0, -0.1, std::nan("")})
+    CHECK_ERROR(ml::info_nce(x, x, temperature), "[motionlang.config.101] info_nce: temperature");
+}
+
+TEST_CASE("InfoNCE: a softmax that vanishes in float still has a logarithm and a slope") {
+  using A = ml::Autodiff<ml::EigenBackend<float>>;
+  const auto x = ml::variable<A>(ml::Tensor<A::inner, 2>::from({1, 0, 0, 1}, {2, 2}));
+  const auto swapped = ml::Tensor<A, 2>::from({0, 1, 1, 0}, {2, 2});
+  const auto loss = ml::info_nce(x, swapped, 0.001);  // e^-1000 on the diagonal
+  CHECK(loss.item() == Approx(1000));
+  CHECK(ml::backward(loss)[x].to_vector() == std::vector<float>{0, -500, -500, 0});
 }
