@@ -5,6 +5,9 @@
 /// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
 /// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
 /// Gradients are returned as a value and live on the inner backend.
+///
+/// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
+/// own loss. Losses that share operations belong to one thread.
 #pragma once
 
 #include <memory>         // nodes
@@ -30,6 +33,8 @@ struct Autodiff {
     std::shared_ptr<Node> node{};  // none for constants
   };
 
+  using GradientMap = std::unordered_map<const Node*, Value>;
+
   /// Collects the gradients of a node's operands.
   class Sink {
    public:
@@ -37,7 +42,13 @@ struct Autodiff {
     bool needs(std::size_t i) const { return node_->inputs[i] != nullptr; }
     void add(std::size_t i, Value g) const {
       if (!needs(i)) return;
-      auto& slot = (*gradients_)[static_cast<std::size_t>(node_->inputs[i]->order)];
+      const Node* input = node_->inputs[i].get();
+      if (input->variable) {
+        const auto [slot, first] = variables_->try_emplace(input);
+        slot->second = first ? std::move(g) : B::add(std::move(slot->second), std::move(g));
+        return;
+      }
+      auto& slot = (*gradients_)[static_cast<std::size_t>(input->order)];
       slot.second = slot.first ? B::add(std::move(slot.second), std::move(g)) : std::move(g);
       slot.first = true;
     }
@@ -45,14 +56,15 @@ struct Autodiff {
    private:
     friend struct Autodiff;
     const Node* node_ = nullptr;
-    std::vector<std::pair<bool, Value>>* gradients_ = nullptr;
+    std::vector<std::pair<bool, Value>>* gradients_ = nullptr;  // of operations, by their order
+    GradientMap* variables_ = nullptr;
   };
 
   /// One operation of the graph, or a variable (no inputs, no vjp).
   class Node {
    public:
     std::vector<std::shared_ptr<Node>> inputs;
-    Index order = -1;  // place in the walk that is going on
+    Index order = -1;  // of an operation: its place in the walk that is going on
     bool variable = true;
 
     Node() = default;
@@ -81,15 +93,15 @@ struct Autodiff {
   static const Value& value(const tensor& a) { return a.value; }
   static Value& mutable_value(tensor& a) { return a.value; }  // for optimisers: the variable stays the same leaf
 
-  // ---- data
-  // -------------------------------------------------------------------------------------------------------------
+  // Data.
+
   static tensor full(const Shape& s, scalar v) { return {B::full(s, v), nullptr}; }
   static tensor from_span(std::span<const scalar> values, const Shape& s) { return {B::from_span(values, s), nullptr}; }
   static auto to_span(const tensor& a) { return B::to_span(a.value); }
   static Shape shape(const tensor& a) { return B::shape(a.value); }
 
-  // ---- elementwise, broadcasting
-  // ------------------------------------------------------------------------------------------
+  // Elementwise, broadcasting.
+
   static tensor add(const tensor& a, const tensor& b) {
     return record(
         B::add(a.value, b.value),
@@ -193,8 +205,8 @@ struct Autodiff {
         x, y);
   }
 
-  // ---- reductions
-  // ---------------------------------------------------------------------------------------------------------
+  // Reductions.
+
   static tensor sum(const tensor& a, int axis) {
     return record(
         B::sum(a.value, axis), [sa = shape(a), axis](const Value& g, const Sink& s) { s.add(0, along(g, sa, axis)); },
@@ -210,8 +222,8 @@ struct Autodiff {
         a);
   }
 
-  // ---- product
-  // ------------------------------------------------------------------------------------------------------------
+  // Product.
+
   static tensor matmul(const tensor& a, const tensor& b, bool ta, bool tb) {
     return record(
         B::matmul(a.value, b.value, ta, tb),
@@ -222,8 +234,8 @@ struct Autodiff {
         a, b);
   }
 
-  // ---- movement
-  // -----------------------------------------------------------------------------------------------------------
+  // Movement.
+
   static tensor reshape(const tensor& a, const Shape& to) {
     return record(
         B::reshape(a.value, to), [sa = shape(a)](const Value& g, const Sink& s) { s.add(0, B::reshape(g, sa)); }, a);
@@ -286,8 +298,8 @@ struct Autodiff {
         a);
   }
 
-  // ---- fused operations, where the inner backend has their kernels
-  // ----------------------------------------------------------
+  // Fused operations, where the inner backend has their kernels.
+
   static tensor activate(const tensor& a, Activation act) requires requires(const Value& v) {
     B::activate_vjp(v, v, act);
   }
@@ -380,16 +392,19 @@ struct Autodiff {
         q, k, v);
   }
 
-  // ---- the walk
-  // -----------------------------------------------------------------------------------------------------------
-  using GradientMap = std::unordered_map<const Node*, Value>;
+  // The walk.
 
   /// Gradients of a number with respect to all variables that it depends on. Frees the graph behind it. Throws
   /// config_error 102 if the graph has been walked before.
   static GradientMap gradients(const tensor& loss) {
     GradientMap result;
     if (loss.node == nullptr) return result;
-    // Nodes in an order in which operands come first: depth-first search with an explicit stack.
+    Value one = B::full(B::shape(loss.value), scalar(1));
+    if (loss.node->variable) {
+      result.emplace(loss.node.get(), std::move(one));
+      return result;
+    }
+    // Operations in an order in which operands come first: depth-first search with an explicit stack.
     std::vector<Node*> sorted;
     std::vector<std::pair<Node*, std::size_t>> path{{loss.node.get(), 0}};
     loss.node->order = -2;  // on the path
@@ -402,7 +417,7 @@ struct Autodiff {
       }
       if (path.back().second < node->inputs.size()) {
         Node* input = node->inputs[path.back().second++].get();
-        if (input != nullptr && input->order == -1) {
+        if (input != nullptr && !input->variable && input->order == -1) {
           input->order = -2;
           path.emplace_back(input, 0);
         }
@@ -413,17 +428,14 @@ struct Autodiff {
       }
     }
     std::vector<std::pair<bool, Value>> gradient(sorted.size());
-    gradient.back() = {true, B::full(B::shape(loss.value), scalar(1))};
+    gradient.back() = {true, std::move(one)};
     Sink sink;
     sink.gradients_ = &gradient;
+    sink.variables_ = &result;
     for (std::size_t i = sorted.size(); i-- > 0;) {
       Node* node = sorted[i];
       auto [known, g] = std::move(gradient[i]);
       gradient[i] = {};
-      if (node->variable) {
-        if (known) result.emplace(node, std::move(g));
-        continue;
-      }
       sink.node_ = node;
       if (known) node->vjp(g, sink);
       node->forget();

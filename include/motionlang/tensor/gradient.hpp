@@ -12,9 +12,15 @@ class Gradients {
  public:
   explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
 
-  /// Gradient of a variable; zeros if the loss does not depend on it.
+  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
+  /// the result of an operation: only variables have gradients.
   template <int R>
   Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto& node = variable.data().node;
+    if (node == nullptr || !node->variable) {
+      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
+                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
+    }
     const auto* g = find(variable.data());
     return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
   }

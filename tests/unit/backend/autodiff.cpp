@@ -1,5 +1,7 @@
 // The tape: which gradients come back, shared subexpressions, graphs that are deep or walked twice. That gradients are right is
 // checked by tests/ops and tests/laws.
+#include <thread>
+
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/tensor/ops.hpp>
@@ -34,6 +36,31 @@ TEST_CASE("gradients are a value: nothing is kept in the variables") {
   CHECK(second[x].item() == 4);
   CHECK(first[unused].to_vector() == Values{0, 0});
   CHECK(first.find(unused.data()) == nullptr);
+}
+
+TEST_CASE("only variables have gradients") {
+  const auto x = variable({2});
+  const auto y = x * x;
+  const auto gradients = ml::backward(ml::sum(y));
+  CHECK_ERROR(gradients[y], "[motionlang.config.102] Gradients: a tensor (1) is the result of an operation");
+  CHECK_ERROR(gradients[ml::stop_gradient(x)], "[motionlang.config.102] Gradients: a tensor (1) is a constant");
+}
+
+TEST_CASE("threads differentiate losses over the same variables at once") {
+  const auto x = variable({2, 3});
+  const auto work = [&](double factor, int& right) {
+    for (int i = 0; i < 2000; ++i) {
+      auto y = x;
+      for (int k = 0; k < 20; ++k) y = y + x;
+      right += ml::backward(ml::sum(y * factor))[x].to_vector() == Values{21 * factor, 21 * factor};
+    }
+  };
+  int here = 0, there = 0;
+  std::thread other([&] { work(2, there); });
+  work(3, here);
+  other.join();
+  CHECK(here == 2000);
+  CHECK(there == 2000);
 }
 
 TEST_CASE("constants build no graph") {
