@@ -14,6 +14,9 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+// Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
 template <Scalar S>
 struct Lane {
   static constexpr int size = 32 / static_cast<int>(sizeof(S));
@@ -24,28 +27,31 @@ struct Lane {
   Register v{};
 
   Lane() = default;
+  /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
+  MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
+  Lane& operator=(const Lane&) = default;
   template <class N>
   requires std::is_arithmetic_v<N>
-  explicit Lane(N x) : v(static_cast<S>(x) - Register{}) {}
-  static Lane from(const Register& r) {
+  explicit MOTIONLANG_INLINE Lane(N x) : v(static_cast<S>(x) - Register{}) {}
+  static MOTIONLANG_INLINE Lane from(const Register& r) {
     Lane l;
     l.v = r;
     return l;
   }
-  S& operator[](int i) { return reinterpret_cast<S*>(&v)[i]; }
-  S operator[](int i) const { return v[i]; }
+  MOTIONLANG_INLINE S& operator[](int i) { return reinterpret_cast<S*>(&v)[i]; }
+  MOTIONLANG_INLINE S operator[](int i) const { return v[i]; }
 
-  friend Lane operator+(const Lane& a, const Lane& b) { return from(a.v + b.v); }
-  friend Lane operator-(const Lane& a, const Lane& b) { return from(a.v - b.v); }
-  friend Lane operator*(const Lane& a, const Lane& b) { return from(a.v * b.v); }
-  friend Lane operator/(const Lane& a, const Lane& b) { return from(a.v / b.v); }
-  friend Lane operator-(const Lane& a) { return from(-a.v); }
-  friend Lane where_less(const Lane& a, const Lane& b, const Lane& x, const Lane& y) {
+  friend MOTIONLANG_INLINE Lane operator+(const Lane& a, const Lane& b) { return from(a.v + b.v); }
+  friend MOTIONLANG_INLINE Lane operator-(const Lane& a, const Lane& b) { return from(a.v - b.v); }
+  friend MOTIONLANG_INLINE Lane operator*(const Lane& a, const Lane& b) { return from(a.v * b.v); }
+  friend MOTIONLANG_INLINE Lane operator/(const Lane& a, const Lane& b) { return from(a.v / b.v); }
+  friend MOTIONLANG_INLINE Lane operator-(const Lane& a) { return from(-a.v); }
+  friend MOTIONLANG_INLINE Lane where_less(const Lane& a, const Lane& b, const Lane& x, const Lane& y) {
     return from(a.v < b.v ? x.v : y.v);
   }
 
   /// x / sqrt(x): Newton's iteration for 1/sqrt(x) from the well-known estimate by shifting the exponent. 0 for 0.
-  friend Lane sqrt(const Lane& x) {
+  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
     const Register half = x.v * S(0.5);
@@ -54,13 +60,13 @@ struct Lane {
     r = r + S(0.5) * y * (x.v - r * r);  // one correction of the root itself
     return from(r);
   }
-  friend Lane sin(const Lane& a) {
+  friend MOTIONLANG_INLINE Lane sin(const Lane& a) {
     return each(a, [](S x) { return std::sin(x); });
   }
-  friend Lane cos(const Lane& a) {
+  friend MOTIONLANG_INLINE Lane cos(const Lane& a) {
     return each(a, [](S x) { return std::cos(x); });
   }
-  friend Lane atan2(const Lane& y, const Lane& x) {
+  friend MOTIONLANG_INLINE Lane atan2(const Lane& y, const Lane& x) {
     Lane r;
     for (int i = 0; i < size; ++i) r.v[i] = std::atan2(y.v[i], x.v[i]);
     return r;
@@ -68,12 +74,14 @@ struct Lane {
 
  private:
   template <class F>
-  static Lane each(const Lane& a, F f) {
+  static MOTIONLANG_INLINE Lane each(const Lane& a, F f) {
     Lane r;
     for (int i = 0; i < size; ++i) r.v[i] = f(a.v[i]);
     return r;
   }
 };
 static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
+
+#undef MOTIONLANG_INLINE
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
