@@ -16,7 +16,7 @@ struct Options {
   std::string data, captions, out = "training";
   TrainingConfig config;
   double save_minutes = 5;
-  std::string license = "MIT", provenance, commit;
+  std::string license = "MIT", provenance, commit, denoiser;
   bool fresh = false;
   int threads = 0;
 };
@@ -77,6 +77,13 @@ void run(const Options& o) {
   if (!o.fresh && std::filesystem::exists(checkpoint)) {
     trainer.resume(checkpoint);
     std::printf("going on at step %td of %td\n", trainer.steps_done(), o.config.steps);
+  } else {
+    if (!o.denoiser.empty()) trainer.take_denoiser(o.denoiser);
+    if (o.config.text_steps > 0) {
+      ProgressBar bar("learning texts");
+      trainer.learn_texts(bar);
+    }
+    trainer.save(checkpoint);
   }
   {
     ProgressBar bar("training", trainer.steps_done());
@@ -141,6 +148,13 @@ void add_train(CLI::App& app) {
   c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")->capture_default_str();
   c->add_option("--velocity-weight", o->config.velocity_weight, "Weight of the loss on frame differences")
       ->capture_default_str();
+  c->add_option("--text-weight", o->config.text_weight,
+                "Weight of the loss that asks captions for a summary of their motion")
+      ->capture_default_str();
+  c->add_option("--text-steps", o->config.text_steps, "Steps of the text encoder alone, at the beginning")
+      ->capture_default_str();
+  c->add_option("--denoiser", o->denoiser, "Begin with the denoiser of this model; only texts are learnt anew")
+      ->check(CLI::ExistingFile);
   c->add_option("--seed", o->config.seed, "Same seed, same weights, stopped and resumed or not")->capture_default_str();
   c->add_option("--license", o->license, "Licence of the weights, for their metadata")->capture_default_str();
   c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");

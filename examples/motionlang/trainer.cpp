@@ -35,6 +35,51 @@ ml::Normalizer<B> measure(const TrainingSet& data, const TrainingConfig& config)
   return {ml::Tensor<B, 1>::from(mean, {std::ssize(mean)}), ml::Tensor<B, 1>::from(std, {std::ssize(std)})};
 }
 
+constexpr Index summary_size = 2 * ml::smplrifke_size;
+
+/// Mean and deviation over time of every normalised feature of rows (frames, 205).
+void append_summary(std::vector<float>& out, std::span<const float> rows) {
+  const auto width = static_cast<std::size_t>(ml::smplrifke_size), frames = rows.size() / width;
+  std::vector<float> deviations;
+  for (std::size_t j = 0; j < width; ++j) {
+    double sum = 0, squares = 0;
+    for (std::size_t f = 0; f < frames; ++f) sum += rows[f * width + j];
+    const double mean = sum / static_cast<double>(frames);
+    for (std::size_t f = 0; f < frames; ++f) squares += (rows[f * width + j] - mean) * (rows[f * width + j] - mean);
+    out.push_back(static_cast<float>(mean));
+    deviations.push_back(static_cast<float>(std::sqrt(squares / static_cast<double>(frames))));
+  }
+  out.insert(out.end(), deviations.begin(), deviations.end());
+}
+
+/// The moments of an optimiser in a checkpoint, behind `prefix`.
+template <class A>
+void add_moments(ml::TensorStore& store, const std::string& prefix, const ml::AdamW<A>& adam) {
+  using B = typename A::inner;
+  for (const auto& [path, s] : adam.state()) {
+    store.add(prefix + "m." + path, B::shape(s.m), B::to_span(s.m), ml::DType::F32);
+    store.add(prefix + "v." + path, B::shape(s.v), B::to_span(s.v), ml::DType::F32);
+  }
+}
+template <class A, ml::Module M>
+void restore_moments(ml::AdamW<A>& adam, const M& model, const ml::SafetensorsFile& file, const std::string& prefix,
+                     Index steps) {
+  using B = typename A::inner;
+  std::map<std::string, typename ml::AdamW<A>::Moments> moments;
+  ml::visit_tensors(model, [&](const std::string& path, const auto& t) {
+    const auto *m = file.find(prefix + "m." + path), *v = file.find(prefix + "v." + path);
+    if (m == nullptr || v == nullptr) return;
+    auto load = [&](const ml::TensorView& view) {
+      if (view.shape != t.shape())
+        ml::raise<ml::io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", not ", t.shape());
+      const auto numbers = ml::values_of<float>(view);
+      return B::from_span(std::span<const float>(numbers), view.shape);
+    };
+    moments.emplace(path, typename ml::AdamW<A>::Moments{load(*m), load(*v)});
+  });
+  adam.restore(steps, std::move(moments));
+}
+
 ml::StmcModelConfig completed(const TrainingConfig& c) {
   auto model = c.model;
   model.denoiser.tx_dim = model.text.out;
@@ -54,7 +99,53 @@ Trainer::Trainer(TrainingConfig config, const TrainingSet& data)
                               ml::Philox{.seed = config_.seed}.split("init"));
   average_.motion_normalizer = measure<B>(data, config_);
   model_ = ml::convert_stmc<A>(average_);
-  adam_.config.weight_decay = config_.weight_decay;
+  auto rng = ml::Philox{.seed = config_.seed}.split("summary");
+  summary_ = ml::convert<A>(ml::Linear<B>(config_.model.text.out, summary_size, rng));
+  adam_.config.weight_decay = adam_summary_.config.weight_decay = config_.weight_decay;
+}
+
+double Trainer::learn_texts(ml::Progress progress) {
+  const auto rng = ml::Philox{.seed = config_.seed}.split("texts");
+  const auto samples =
+      draw_batch(*data_, config_, rng.split("samples"), std::min<Index>(20000, 8 * config_.text_steps));
+  std::vector<float> summaries;
+  for (const Sample& s : samples) {
+    const auto rows =
+        average_.motion_normalizer.normalize(ml::Tensor<B, 2>::from(s.features, {s.frames, ml::smplrifke_size}));
+    append_summary(summaries, rows.span());
+  }
+  ml::AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_summary = adam_text;
+  double value = 0;
+  for (Index k = 0; k < config_.text_steps; ++k) {
+    auto pick = rng.split("batch").split(static_cast<std::uint64_t>(k));
+    std::vector<std::string> captions;
+    std::vector<float> wanted;
+    for (int i = 0; i < 128; ++i) {
+      const auto n = static_cast<std::ptrdiff_t>(pick.below(static_cast<std::uint32_t>(samples.size())));
+      captions.push_back(samples[static_cast<std::size_t>(n)].caption);
+      wanted.insert(wanted.end(), summaries.begin() + n * summary_size, summaries.begin() + (n + 1) * summary_size);
+    }
+    const ml::Context context{.dropout = pick.split("dropout")};
+    const auto told = summary_(model_.text_encoder(captions, context));
+    const auto loss = ml::mse(told, ml::Tensor<A, 2>::from(wanted, told.shape()));
+    const auto gradients = ml::backward(loss);
+    adam_text.config.lr = adam_summary.config.lr =
+        ml::WarmupCosine{.peak = 1e-3, .floor = 5e-5, .warmup = 100, .total = config_.text_steps}(k);
+    adam_text.step(model_.text_encoder, gradients);
+    adam_summary.step(summary_, gradients);
+    value = k == 0 ? static_cast<double>(loss.item()) : 0.98 * value + 0.02 * static_cast<double>(loss.item());
+    progress(k + 1, config_.text_steps);
+  }
+  average_.text_encoder = ml::to_inner(model_.text_encoder);
+  return value;
+}
+
+void Trainer::take_denoiser(const std::filesystem::path& model) {
+  const auto trained = ml::load_stmc<B>(model);
+  average_.denoiser = ml::convert<B>(trained.denoiser);
+  average_.motion_normalizer = trained.motion_normalizer;
+  model_.denoiser = ml::convert<A>(average_.denoiser);
+  model_.motion_normalizer = ml::convert<A>(average_.motion_normalizer);
 }
 
 double Trainer::step() {
@@ -92,13 +183,24 @@ double Trainer::step() {
     const auto error = out - x0;
     loss = loss + ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))) * config_.velocity_weight;
   }
+  if (config_.text_weight > 0) {
+    std::vector<float> wanted;
+    const auto width = static_cast<std::size_t>(ml::smplrifke_size);
+    for (Index s = 0; s < offsets.count(); ++s)
+      append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
+                                               static_cast<std::size_t>(offsets.length(s)) * width));
+    const auto told = summary_(text.tokens.rows);
+    loss = loss + ml::mse(told, ml::Tensor<A, 2>::from(wanted, told.shape())) * config_.text_weight;
+  }
   const double value = static_cast<double>(loss.item());
   if (!std::isfinite(value)) ml::raise<ml::numeric_error>(301, "training: the loss of step ", steps_, " is ", value);
 
   const auto gradients = ml::backward(loss);
   adam_.config.lr = ml::WarmupCosine{
       .peak = config_.lr, .floor = config_.lr * 0.02, .warmup = config_.warmup, .total = config_.steps}(steps_);
+  adam_summary_.config.lr = adam_.config.lr;
   adam_.step(model_, gradients, ml::clip_scale(ml::gradient_norm<A>(model_, gradients), config_.clip_norm));
+  adam_summary_.step(summary_, gradients);
   ml::update_ema(average_, model_, config_.ema, steps_);
   losses_.push_back(static_cast<float>(value));
   ++steps_;
@@ -118,6 +220,8 @@ std::map<std::string, std::string> Trainer::settings() const {
   add("clip_norm", config_.clip_norm);
   add("ema", config_.ema);
   add("velocity_weight", config_.velocity_weight);
+  add("text_weight", config_.text_weight);
+  add("text_steps", config_.text_steps);
   add("dropout", config_.model.denoiser.dropout);
   add("text_dropout", config_.model.text.dropout);
   add("seed", config_.seed);
@@ -131,10 +235,9 @@ void Trainer::save(const std::filesystem::path& checkpoint) const {
   ml::TensorStore store;
   store.add_module(model_, "model.");
   store.add_module(average_, "average.");
-  for (const auto& [path, s] : adam_.state()) {
-    store.add("adam.m." + path, B::shape(s.m), B::to_span(s.m), ml::DType::F32);
-    store.add("adam.v." + path, B::shape(s.v), B::to_span(s.v), ml::DType::F32);
-  }
+  store.add_module(summary_, "summary.");
+  add_moments(store, "adam.", adam_);
+  add_moments(store, "adam_summary.", adam_summary_);
   store.add<float>("losses", {std::ssize(losses_)}, losses_, ml::DType::F32);
   auto metadata = settings();
   metadata["training.steps_done"] = std::to_string(steps_);
@@ -153,19 +256,9 @@ void Trainer::resume(const std::filesystem::path& checkpoint) {
   const auto steps = ml::detail::metadata_number<Index>(file.metadata(), "training.steps_done", file.name());
   ml::load_module(model_, file, "model.");
   ml::load_module(average_, file, "average.");
-  std::map<std::string, ml::AdamW<A>::Moments> moments;
-  ml::visit_tensors(model_, [&](const std::string& path, const auto& t) {
-    const auto *m = file.find("adam.m." + path), *v = file.find("adam.v." + path);
-    if (m == nullptr || v == nullptr) return;
-    auto load = [&](const ml::TensorView& view) {
-      if (view.shape != t.shape())
-        ml::raise<ml::io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", not ", t.shape());
-      const auto numbers = ml::values_of<float>(view);
-      return B::from_span(std::span<const float>(numbers), view.shape);
-    };
-    moments.emplace(path, ml::AdamW<A>::Moments{load(*m), load(*v)});
-  });
-  adam_.restore(steps, std::move(moments));
+  ml::load_module(summary_, file, "summary.");
+  restore_moments(adam_, model_, file, "adam.", steps);
+  restore_moments(adam_summary_, summary_, file, "adam_summary.", steps);
   losses_ = ml::values_of<float>(file.tensor("losses"));
   steps_ = steps;
 }

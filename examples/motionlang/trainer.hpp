@@ -26,7 +26,9 @@ struct TrainingConfig {
   double weight_decay = 0.01;
   double clip_norm = 1;
   double ema = 0.999;
-  double velocity_weight = 1;  // of the loss on differences between neighbouring frames
+  double velocity_weight = 1;   // of the loss on differences between neighbouring frames
+  double text_weight = 0.2;     // of the loss that asks a caption's vector for a summary of the motion
+  ml::Index text_steps = 3000;  // of the text encoder alone, before the denoiser is trained
   std::uint64_t seed = 1;
   SampleOptions samples{};
 };
@@ -42,6 +44,11 @@ class Trainer {
   Trainer(TrainingConfig config, const TrainingSet& data);
 
   ml::Index steps_done() const { return steps_; }
+  /// Teaches the text encoder alone what captions mean: mean and deviation of every feature of their motions. Without it the
+  /// denoiser learns to move long before it learns to listen. For a fresh run, before the first step. Returns the last loss.
+  double learn_texts(ml::Progress progress = {});
+  /// Takes denoiser and normaliser of a trained model, so that only texts are learnt anew. For a fresh run.
+  void take_denoiser(const std::filesystem::path& model);
   /// One optimiser step; returns the loss.
   double step();
   const std::vector<float>& losses() const { return losses_; }
@@ -62,7 +69,8 @@ class Trainer {
   ml::GaussianDiffusion diffusion_;
   ml::Stmc<A> model_;
   ml::Stmc<B> average_;
-  ml::AdamW<A> adam_;
+  ml::Linear<A> summary_;  // from a caption's vector to the summary of its motion; not part of the model
+  ml::AdamW<A> adam_, adam_summary_;
   ml::Index steps_ = 0;
   std::vector<float> losses_;
 };

@@ -55,12 +55,13 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
         "--backend", "--threads"}},
-      {"check", {"timeline", "--fps", "--overlap"}},
+      {"check", {"timeline", "--fps", "--overlap", "--model"}},
       {"info", {"file"}},
-      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--backend", "--details"}},
-      {"train",
-       {"--data", "--captions", "--out", "--steps", "--batch", "--lr", "--width", "--layers", "--vocabulary", "--seed",
-        "--license", "--provenance", "--commit", "--save-minutes", "--fresh", "--threads"}}};
+      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details"}},
+      {"train", {"--data",        "--captions",     "--out",      "--steps",      "--batch",   "--lr",
+                 "--width",       "--feed-forward", "--layers",   "--vocabulary", "--dropout", "--velocity-weight",
+                 "--text-weight", "--text-steps",   "--denoiser", "--seed",       "--license", "--provenance",
+                 "--commit",      "--save-minutes", "--fresh",    "--threads"}}};
   for (const auto& [command, names] : options) {
     const auto help = run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
@@ -173,8 +174,27 @@ TEST_CASE("Ctrl-C while generating: 130, and no file") {
 TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same command goes on") {
   const captioned::Clips clips;
   auto train = [&](const std::string& steps, const std::string& interrupt_at = "") {
-    return run({"train", "--data", ".", "--captions", "captions.tsv", "--out", "run", "--steps", steps, "--batch", "2",
-                "--width", "16", "--feed-forward", "24", "--layers", "1", "--vocabulary", "40"},
+    return run({"train",
+                "--data",
+                ".",
+                "--captions",
+                "captions.tsv",
+                "--out",
+                "run",
+                "--steps",
+                steps,
+                "--batch",
+                "2",
+                "--width",
+                "16",
+                "--feed-forward",
+                "24",
+                "--layers",
+                "1",
+                "--vocabulary",
+                "40",
+                "--text-steps",
+                "5"},
                clips.folder.path, interrupt_at);
   };
   const auto stopped = train("5000", "training [");

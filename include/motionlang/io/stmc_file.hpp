@@ -142,10 +142,12 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.text.d_ff = size("text.d_ff", 32768);
   c.text.layers = size("text.layers", 256);
   c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
-  c.denoiser.activation =
-      parse_activation(detail::metadata_text(m, "denoiser.activation", std::string(to_string(c.denoiser.activation))));
-  c.denoiser.max_len = size_or("denoiser.max_len", 100000, c.denoiser.max_len);
-  c.text.longest = size_or("text.longest", 100000, c.text.longest);
+  const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
+  if (activation != "gelu" && activation != "relu")
+    raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
+  c.denoiser.activation = parse_activation(activation);
+  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
+  c.text.longest = size_or("text.longest", 8192, c.text.longest);
   c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
@@ -220,7 +222,8 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
   for (const auto& [key, value] : about) {
     if (!metadata.emplace(key, value).second)
-      raise<config_error>(102, path.string(), ": metadata '", key, "' belongs to the model, not to what is told about it");
+      raise<config_error>(102, path.string(), ": metadata '", key,
+                          "' belongs to the model, not to what is told about it");
   }
   write_safetensors(path, store.views(), metadata);
 }

@@ -160,12 +160,13 @@ TEST_CASE("writing has the published form and is read back") {
 
 TEST_CASE("baselines of timelines of every size") {
   const auto one = [](std::string_view text) {
-    return ml::write_timeline(ml::one_text(ml::parse_timelines_in_seconds(text).front()));
+    return ml::write_timeline(ml::one_text(ml::parse_timelines_in_seconds(text, {.as_published = true}).front()));
   };
   CHECK(one("a # 1 # 2 # legs") == "a # 0.0 # 1.0 # legs\n\n");
   CHECK(one("a # 0 # 6 # legs\nb # 6 # 12 # head") == "a and then b # 0.0 # 9.8 # head # legs\n\n");
   CHECK(one("a # 0 # 1\nb # 1 # 2\nc # 0 # 2\nd # 0 # 2") == "a and then b while c while d # 0.0 # 2.0\n\n");
   CHECK(ml::one_text({}).intervals.empty());
-  const auto track = ml::single_track(ml::parse_timelines_in_seconds("a # 0 # 1\nb # 2 # 3\nc # 2.5 # 3 # head")[0]);
+  const auto track = ml::single_track(
+      ml::parse_timelines_in_seconds("a # 0 # 1\nb # 2 # 3\nc # 2.5 # 3 # head", {.as_published = true})[0]);
   CHECK(ml::write_timeline(track) == "a # 0.0 # 1.0\nb # 2.0 # 2.5\nb while c # 2.5 # 3.0 # head\n\n");
 }
