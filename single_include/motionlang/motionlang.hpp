@@ -246,7 +246,7 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
-/// The one place that throws. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
 template <class E, class... T>
 [[noreturn]] void raise(int id, const T&... parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
@@ -578,6 +578,11 @@ inline Activation parse_activation(std::string_view name) {
   raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh");
 }
 
+constexpr std::string_view to_string(Activation a) {
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh"};
+  return names[static_cast<int>(a)];
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -603,6 +608,7 @@ struct alignas(64) Buffer {
   std::atomic<std::int64_t> references{1};
   void* data = nullptr;
   int bucket = -1;                     // -1: not from a pool
+  std::uint32_t pool = 0;              // number of the pool that made it
   Buffer* next = nullptr;              // in a free list
   std::shared_ptr<const void> owner;   // keeps foreign memory alive
   std::shared_ptr<const void> packed;  // the same numbers in the layout of a kernel (see Dense::attach)
@@ -610,7 +616,9 @@ struct alignas(64) Buffer {
 
 }  // namespace detail
 
-/// Free buffers of this thread, in buckets of four sizes per power of two.
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
+/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
+/// comes from the system and returns to it.
 class BufferPool {
  public:
   static BufferPool& local() {
@@ -618,26 +626,15 @@ class BufferPool {
     return pool;
   }
 
-  detail::Buffer* take(std::size_t bytes) {
+  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
-    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
-    if (head != nullptr) {
-      detail::Buffer* b = std::exchange(head, head->next);
-      b->references.store(1, std::memory_order_relaxed);
-      return b;
-    }
-    ++system_allocations_;
-    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
-    if (memory == nullptr) throw std::bad_alloc();
-    auto* b = new (memory) detail::Buffer;
-    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
-    b->bucket = bucket;
-    return b;
+    return gone_ ? make(bucket, 0) : local().reuse(bucket);
   }
-
-  void give_back(detail::Buffer* b) {
+  static void give_back(detail::Buffer* b) {
+    if (gone_ || b->pool != local().number_) return release(b);
     b->packed.reset();
-    b->next = std::exchange(free_[static_cast<std::size_t>(b->bucket)], b);
+    b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
   }
 
   /// Returns all free buffers to the system.
@@ -660,7 +657,30 @@ class BufferPool {
 
  private:
   BufferPool() = default;
-  ~BufferPool() { trim(); }
+  ~BufferPool() {
+    gone_ = true;
+    trim();
+  }
+
+  detail::Buffer* reuse(int bucket) {
+    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
+    if (head != nullptr) {
+      detail::Buffer* b = std::exchange(head, head->next);
+      b->references.store(1, std::memory_order_relaxed);
+      return b;
+    }
+    ++system_allocations_;
+    return make(bucket, number_);
+  }
+  static detail::Buffer* make(int bucket, std::uint32_t pool) {
+    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
+    if (memory == nullptr) throw std::bad_alloc();
+    auto* b = new (memory) detail::Buffer;
+    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
+    b->bucket = bucket;
+    b->pool = pool;
+    return b;
+  }
 
   // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
   static int bucket_of(std::size_t bytes) {
@@ -675,6 +695,10 @@ class BufferPool {
 
   std::array<detail::Buffer*, 4 * 62> free_{};
   std::int64_t system_allocations_ = 0;
+  std::uint32_t number_ = ++pools_;
+
+  inline static std::atomic<std::uint32_t> pools_{0};
+  inline static thread_local bool gone_ = false;  // a static model may be destroyed after the pool of main's thread
 };
 
 namespace detail {
@@ -683,7 +707,7 @@ namespace detail {
 class BufferHandle {
  public:
   BufferHandle() = default;
-  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::local().take(bytes)) {}
+  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::take(bytes)) {}
   /// Memory that belongs to somebody else and is only read.
   BufferHandle(const void* data, std::shared_ptr<const void> owner) : buffer_(new (std::align_val_t{64}) Buffer) {
     buffer_->data = const_cast<void*>(data);
@@ -700,7 +724,7 @@ class BufferHandle {
   ~BufferHandle() {
     if (buffer_ == nullptr || buffer_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
     if (buffer_->bucket >= 0)
-      BufferPool::local().give_back(buffer_);
+      BufferPool::give_back(buffer_);
     else
       ::operator delete (destroyed(buffer_), std::align_val_t{64});
   }
@@ -731,9 +755,9 @@ struct PoolAllocator {
   template <class U>
   PoolAllocator(const PoolAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::local().take(n * sizeof(T))->data); }
+  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::take(n * sizeof(T))->data); }
   void deallocate(T* p, std::size_t) {  // the header lies right before the data
-    BufferPool::local().give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+    BufferPool::give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
   }
   template <class U>
   bool operator==(const PoolAllocator<U>&) const {
@@ -880,8 +904,8 @@ struct Context {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0. Nothing happens at p
-/// = 0.
+/// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0.
+/// Nothing happens at p = 0.
 struct Dropout {
   double p = 0;
   std::uint64_t key = 0;
@@ -955,9 +979,11 @@ static_assert(ScalarLike<Dual<double>>);
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
 /// Member lists: what a module is made of, and how to walk over it.
 ///
-///     struct Linear { Tensor<B, 2> weight; Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
-///       } };
+///     struct Linear {
+///       Tensor<B, 2> weight;
+///       Tensor<B, 1> bias;
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+///     };
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
@@ -1135,6 +1161,9 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+// Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
 template <Scalar S>
 struct Lane {
   static constexpr int size = 32 / static_cast<int>(sizeof(S));
@@ -1145,28 +1174,31 @@ struct Lane {
   Register v{};
 
   Lane() = default;
+  /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
+  MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
+  Lane& operator=(const Lane&) = default;
   template <class N>
   requires std::is_arithmetic_v<N>
-  explicit Lane(N x) : v(static_cast<S>(x) - Register{}) {}
-  static Lane from(const Register& r) {
+  explicit MOTIONLANG_INLINE Lane(N x) : v(static_cast<S>(x) - Register{}) {}
+  static MOTIONLANG_INLINE Lane from(const Register& r) {
     Lane l;
     l.v = r;
     return l;
   }
-  S& operator[](int i) { return reinterpret_cast<S*>(&v)[i]; }
-  S operator[](int i) const { return v[i]; }
+  MOTIONLANG_INLINE S& operator[](int i) { return reinterpret_cast<S*>(&v)[i]; }
+  MOTIONLANG_INLINE S operator[](int i) const { return v[i]; }
 
-  friend Lane operator+(const Lane& a, const Lane& b) { return from(a.v + b.v); }
-  friend Lane operator-(const Lane& a, const Lane& b) { return from(a.v - b.v); }
-  friend Lane operator*(const Lane& a, const Lane& b) { return from(a.v * b.v); }
-  friend Lane operator/(const Lane& a, const Lane& b) { return from(a.v / b.v); }
-  friend Lane operator-(const Lane& a) { return from(-a.v); }
-  friend Lane where_less(const Lane& a, const Lane& b, const Lane& x, const Lane& y) {
+  friend MOTIONLANG_INLINE Lane operator+(const Lane& a, const Lane& b) { return from(a.v + b.v); }
+  friend MOTIONLANG_INLINE Lane operator-(const Lane& a, const Lane& b) { return from(a.v - b.v); }
+  friend MOTIONLANG_INLINE Lane operator*(const Lane& a, const Lane& b) { return from(a.v * b.v); }
+  friend MOTIONLANG_INLINE Lane operator/(const Lane& a, const Lane& b) { return from(a.v / b.v); }
+  friend MOTIONLANG_INLINE Lane operator-(const Lane& a) { return from(-a.v); }
+  friend MOTIONLANG_INLINE Lane where_less(const Lane& a, const Lane& b, const Lane& x, const Lane& y) {
     return from(a.v < b.v ? x.v : y.v);
   }
 
   /// x / sqrt(x): Newton's iteration for 1/sqrt(x) from the well-known estimate by shifting the exponent. 0 for 0.
-  friend Lane sqrt(const Lane& x) {
+  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
     const Register half = x.v * S(0.5);
@@ -1175,13 +1207,13 @@ struct Lane {
     r = r + S(0.5) * y * (x.v - r * r);  // one correction of the root itself
     return from(r);
   }
-  friend Lane sin(const Lane& a) {
+  friend MOTIONLANG_INLINE Lane sin(const Lane& a) {
     return each(a, [](S x) { return std::sin(x); });
   }
-  friend Lane cos(const Lane& a) {
+  friend MOTIONLANG_INLINE Lane cos(const Lane& a) {
     return each(a, [](S x) { return std::cos(x); });
   }
-  friend Lane atan2(const Lane& y, const Lane& x) {
+  friend MOTIONLANG_INLINE Lane atan2(const Lane& y, const Lane& x) {
     Lane r;
     for (int i = 0; i < size; ++i) r.v[i] = std::atan2(y.v[i], x.v[i]);
     return r;
@@ -1189,13 +1221,15 @@ struct Lane {
 
  private:
   template <class F>
-  static Lane each(const Lane& a, F f) {
+  static MOTIONLANG_INLINE Lane each(const Lane& a, F f) {
     Lane r;
     for (int i = 0; i < size; ++i) r.v[i] = f(a.v[i]);
     return r;
   }
 };
 static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
+
+#undef MOTIONLANG_INLINE
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -1414,8 +1448,9 @@ class Offsets {
 /// A small pool of threads and `parallel_for`.
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin for a few microseconds after a task and then sleep, so that the many short
-/// regions of a transformer layer cost well below a microsecond each while an idle program costs nothing.
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
+/// program costs nothing.
 
 #include <algorithm>           // clamp
 #include <condition_variable>  // sleeping workers
@@ -1579,17 +1614,15 @@ void parallel_for(Index count, const F& f) {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Like a pointer: the callable must outlive it.
+/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
   Progress() = default;
   template <class F>
-  requires(!std::is_same_v<std::remove_cvref_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
-      Progress(F&& f)
+  requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
+      Progress(F& f)
       : object_(const_cast<void*>(static_cast<const void*>(&f))),
-        call_([](void* object, Index done, Index total) -> bool {
-          return (*static_cast<std::remove_reference_t<F>*>(object))(done, total);
-        }) {}
+        call_([](void* object, Index done, Index total) -> bool { return (*static_cast<F*>(object))(done, total); }) {}
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
@@ -1751,8 +1784,7 @@ class PythonRandom {
 /// Source      torch 1.13, aten/src/ATen/native/cpu/DistributionTemplates.h (normal_fill) and
 ///             ATen/core/DistributionsHelper.h (small draws)
 /// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos; uniform numbers and
-/// the
-///             float64 path have no such difference
+///             the float64 path have no such difference
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -1912,7 +1944,7 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet; only assignment is allowed.
+  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it.
   Tensor() = default;
   /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
@@ -2389,6 +2421,7 @@ Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const unsigned char> m
   }
   return {gather(reshape<2>(x, {batch * time, x.size(2)}), rows), Offsets(lengths)};
 }
+/// The first lengths[i] frames of each. Throws shape_error 204, 205.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) {
   std::vector<unsigned char> mask(static_cast<std::size_t>(x.size(0) * x.size(1)));
@@ -2396,8 +2429,11 @@ Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) 
     raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", x.shape());
   }
   for (Index b = 0; b < x.size(0); ++b) {
-    for (Index t = 0; t < lengths[static_cast<std::size_t>(b)] && t < x.size(1); ++t)
-      mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
+    const Index length = lengths[static_cast<std::size_t>(b)];
+    if (length < 0 || length > x.size(1)) {
+      raise<shape_error>(205, "from_padded: length ", length, " of sequence ", b, " for shape ", x.shape());
+    }
+    for (Index t = 0; t < length; ++t) mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
   }
   return from_padded(x, std::span<const unsigned char>(mask));
 }
@@ -2690,9 +2726,15 @@ class Gradients {
  public:
   explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
 
-  /// Gradient of a variable; zeros if the loss does not depend on it.
+  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
+  /// the result of an operation: only variables have gradients.
   template <int R>
   Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto& node = variable.data().node;
+    if (node == nullptr || !node->variable) {
+      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
+                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
+    }
     const auto* g = find(variable.data());
     return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
   }
@@ -3011,8 +3053,7 @@ Matrix3<S> to_matrix(const Quaternion<S>& q) {
 
 /// The quaternion with w >= 0 of a rotation matrix; accurate everywhere, also near half turns.
 /// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed and one is
-/// chosen
-///         by where_less, so that SIMD lanes and tensors can do it, too.
+///         chosen by where_less, so that SIMD lanes and tensors can do it, too.
 template <class S>
 Quaternion<S> to_quaternion(const Matrix3<S>& r) {
   const S m00 = r(0, 0), m11 = r(1, 1), m22 = r(2, 2), zero = S(0), tiny = S(1e-12);
@@ -3076,8 +3117,8 @@ Quaternion<S> from_axis_angle(const Vec3<S>& axis, const S& angle) {
 }
 
 /// The shortest rotation vector (length at most pi). Right up to and at pi; smooth at 0.
-///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|;   for small n the factor is 2/w (1 - n^2 / (3
-///     w^2))
+///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|
+///     for small n the factor is 2/w (1 - n^2 / (3 w^2))
 template <class S>
 AxisAngle<S> to_axis_angle(const Quaternion<S>& q) {
   const S n2 = dot(q.vec(), q.vec()), small = S(1e-8), zero = S(0);
@@ -3415,6 +3456,9 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
 /// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
 /// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
 /// Gradients are returned as a value and live on the inner backend.
+///
+/// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
+/// own loss. Losses that share operations belong to one thread.
 
 #include <unordered_map>  // gradients by variable
 
@@ -3432,6 +3476,8 @@ struct Autodiff {
     std::shared_ptr<Node> node{};  // none for constants
   };
 
+  using GradientMap = std::unordered_map<const Node*, Value>;
+
   /// Collects the gradients of a node's operands.
   class Sink {
    public:
@@ -3439,7 +3485,13 @@ struct Autodiff {
     bool needs(std::size_t i) const { return node_->inputs[i] != nullptr; }
     void add(std::size_t i, Value g) const {
       if (!needs(i)) return;
-      auto& slot = (*gradients_)[static_cast<std::size_t>(node_->inputs[i]->order)];
+      const Node* input = node_->inputs[i].get();
+      if (input->variable) {
+        const auto [slot, first] = variables_->try_emplace(input);
+        slot->second = first ? std::move(g) : B::add(std::move(slot->second), std::move(g));
+        return;
+      }
+      auto& slot = (*gradients_)[static_cast<std::size_t>(input->order)];
       slot.second = slot.first ? B::add(std::move(slot.second), std::move(g)) : std::move(g);
       slot.first = true;
     }
@@ -3447,14 +3499,15 @@ struct Autodiff {
    private:
     friend struct Autodiff;
     const Node* node_ = nullptr;
-    std::vector<std::pair<bool, Value>>* gradients_ = nullptr;
+    std::vector<std::pair<bool, Value>>* gradients_ = nullptr;  // of operations, by their order
+    GradientMap* variables_ = nullptr;
   };
 
   /// One operation of the graph, or a variable (no inputs, no vjp).
   class Node {
    public:
     std::vector<std::shared_ptr<Node>> inputs;
-    Index order = -1;  // place in the walk that is going on
+    Index order = -1;  // of an operation: its place in the walk that is going on
     bool variable = true;
 
     Node() = default;
@@ -3483,15 +3536,15 @@ struct Autodiff {
   static const Value& value(const tensor& a) { return a.value; }
   static Value& mutable_value(tensor& a) { return a.value; }  // for optimisers: the variable stays the same leaf
 
-  // ---- data
-  // -------------------------------------------------------------------------------------------------------------
+  // Data.
+
   static tensor full(const Shape& s, scalar v) { return {B::full(s, v), nullptr}; }
   static tensor from_span(std::span<const scalar> values, const Shape& s) { return {B::from_span(values, s), nullptr}; }
   static auto to_span(const tensor& a) { return B::to_span(a.value); }
   static Shape shape(const tensor& a) { return B::shape(a.value); }
 
-  // ---- elementwise, broadcasting
-  // ------------------------------------------------------------------------------------------
+  // Elementwise, broadcasting.
+
   static tensor add(const tensor& a, const tensor& b) {
     return record(
         B::add(a.value, b.value),
@@ -3595,8 +3648,8 @@ struct Autodiff {
         x, y);
   }
 
-  // ---- reductions
-  // ---------------------------------------------------------------------------------------------------------
+  // Reductions.
+
   static tensor sum(const tensor& a, int axis) {
     return record(
         B::sum(a.value, axis), [sa = shape(a), axis](const Value& g, const Sink& s) { s.add(0, along(g, sa, axis)); },
@@ -3612,8 +3665,8 @@ struct Autodiff {
         a);
   }
 
-  // ---- product
-  // ------------------------------------------------------------------------------------------------------------
+  // Product.
+
   static tensor matmul(const tensor& a, const tensor& b, bool ta, bool tb) {
     return record(
         B::matmul(a.value, b.value, ta, tb),
@@ -3624,8 +3677,8 @@ struct Autodiff {
         a, b);
   }
 
-  // ---- movement
-  // -----------------------------------------------------------------------------------------------------------
+  // Movement.
+
   static tensor reshape(const tensor& a, const Shape& to) {
     return record(
         B::reshape(a.value, to), [sa = shape(a)](const Value& g, const Sink& s) { s.add(0, B::reshape(g, sa)); }, a);
@@ -3688,8 +3741,8 @@ struct Autodiff {
         a);
   }
 
-  // ---- fused operations, where the inner backend has their kernels
-  // ----------------------------------------------------------
+  // Fused operations, where the inner backend has their kernels.
+
   static tensor activate(const tensor& a, Activation act) requires requires(const Value& v) {
     B::activate_vjp(v, v, act);
   }
@@ -3782,16 +3835,19 @@ struct Autodiff {
         q, k, v);
   }
 
-  // ---- the walk
-  // -----------------------------------------------------------------------------------------------------------
-  using GradientMap = std::unordered_map<const Node*, Value>;
+  // The walk.
 
   /// Gradients of a number with respect to all variables that it depends on. Frees the graph behind it. Throws
   /// config_error 102 if the graph has been walked before.
   static GradientMap gradients(const tensor& loss) {
     GradientMap result;
     if (loss.node == nullptr) return result;
-    // Nodes in an order in which operands come first: depth-first search with an explicit stack.
+    Value one = B::full(B::shape(loss.value), scalar(1));
+    if (loss.node->variable) {
+      result.emplace(loss.node.get(), std::move(one));
+      return result;
+    }
+    // Operations in an order in which operands come first: depth-first search with an explicit stack.
     std::vector<Node*> sorted;
     std::vector<std::pair<Node*, std::size_t>> path{{loss.node.get(), 0}};
     loss.node->order = -2;  // on the path
@@ -3804,7 +3860,7 @@ struct Autodiff {
       }
       if (path.back().second < node->inputs.size()) {
         Node* input = node->inputs[path.back().second++].get();
-        if (input != nullptr && input->order == -1) {
+        if (input != nullptr && !input->variable && input->order == -1) {
           input->order = -2;
           path.emplace_back(input, 0);
         }
@@ -3815,17 +3871,14 @@ struct Autodiff {
       }
     }
     std::vector<std::pair<bool, Value>> gradient(sorted.size());
-    gradient.back() = {true, B::full(B::shape(loss.value), scalar(1))};
+    gradient.back() = {true, std::move(one)};
     Sink sink;
     sink.gradients_ = &gradient;
+    sink.variables_ = &result;
     for (std::size_t i = sorted.size(); i-- > 0;) {
       Node* node = sorted[i];
       auto [known, g] = std::move(gradient[i]);
       gradient[i] = {};
-      if (node->variable) {
-        if (known) result.emplace(node, std::move(g));
-        continue;
-      }
       sink.node_ = node;
       if (known) node->vjp(g, sink);
       node->forget();
@@ -3919,6 +3972,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 class Dense {
  public:
+  /// Nothing yet: an empty list.
   Dense() = default;
   /// Uninitialised.
   explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
@@ -3968,7 +4022,7 @@ class Dense {
 
  private:
   detail::BufferHandle buffer_;
-  Shape shape_{};
+  Shape shape_{0};
   Index offset_ = 0;
 };
 
@@ -4785,14 +4839,15 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, numeric_error 301 on a value that is not finite.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
       raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
                          skeleton.size(), " joints");
     }
-    if (!(fps > 0)) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];
       if (!std::isfinite(r.x + r.y + r.z))
@@ -4800,10 +4855,11 @@ struct Motion {
     }
     for (std::size_t i = 0; i < local.size(); ++i) {
       const auto& q = local[i];
-      if (!std::isfinite(q.w + q.x + q.y + q.z)) {
+      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
+      if (!finite || dot(q, q) < 1e-12) {
         const std::size_t joints = skeleton.parents.size();
         raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
-                             i / joints, " is not finite");
+                             i / joints, finite ? " has length 0" : " is not finite");
       }
     }
   }
@@ -5104,14 +5160,77 @@ inline Motion drop_lead_in(const Motion& motion) {
 #define MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP
 /// Two motions in one body: some parts move as in one clip, the rest as in another.
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP
+/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
+/// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
+/// left at +X, metres.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+// clang-format off
+/// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
+inline const Skeleton& smpl24_skeleton() {
+  static const Skeleton skeleton = Skeleton::from_joints({
+      {"pelvis", "", {0, 0.95, 0}},
+      {"left_hip", "pelvis", {0.09, -0.06, 0}},        {"right_hip", "pelvis", {-0.09, -0.06, 0}},
+      {"spine1", "pelvis", {0, 0.11, 0}},
+      {"left_knee", "left_hip", {0, -0.41, 0}},        {"right_knee", "right_hip", {0, -0.41, 0}},
+      {"spine2", "spine1", {0, 0.13, 0}},
+      {"left_ankle", "left_knee", {0, -0.41, 0}},      {"right_ankle", "right_knee", {0, -0.41, 0}},
+      {"spine3", "spine2", {0, 0.06, 0}},
+      {"left_foot", "left_ankle", {0, -0.06, 0.14}},   {"right_foot", "right_ankle", {0, -0.06, 0.14}},
+      {"neck", "spine3", {0, 0.22, 0}},
+      {"left_collar", "spine3", {0.07, 0.13, 0}},      {"right_collar", "spine3", {-0.07, 0.13, 0}},
+      {"head", "neck", {0, 0.10, 0.02}},
+      {"left_shoulder", "left_collar", {0.11, 0.03, 0}},  {"right_shoulder", "right_collar", {-0.11, 0.03, 0}},
+      {"left_elbow", "left_shoulder", {0.27, 0, 0}},   {"right_elbow", "right_shoulder", {-0.27, 0, 0}},
+      {"left_wrist", "left_elbow", {0.25, 0, 0}},      {"right_wrist", "right_elbow", {-0.25, 0, 0}},
+      {"left_hand", "left_wrist", {0.08, 0, 0}},       {"right_hand", "right_wrist", {-0.08, 0, 0}},
+  });
+  return skeleton;
+}
+
+/// HumanML3D, 22 joints: SMPL without the hands.
+inline const Skeleton& humanml3d22_skeleton() {
+  static const Skeleton skeleton = [] {
+    Skeleton s = smpl24_skeleton();
+    s.names.resize(22), s.parents.resize(22), s.offsets.resize(22);
+    return s;
+  }();
+  return skeleton;
+}
+
+/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
+inline const Skeleton& kit21_skeleton() {
+  static const Skeleton skeleton = Skeleton::from_joints({
+      {"root", "", {0, 0.95, 0}},
+      {"BP", "root", {0, 0.11, 0}},     {"BT", "BP", {0, 0.19, 0}},     {"BLN", "BT", {0, 0.22, 0}},      {"BUN", "BLN", {0, 0.10, 0}},
+      {"LS", "BLN", {0.18, -0.06, 0}},  {"LE", "LS", {0.27, 0, 0}},     {"LW", "LE", {0.25, 0, 0}},
+      {"RS", "BLN", {-0.18, -0.06, 0}}, {"RE", "RS", {-0.27, 0, 0}},    {"RW", "RE", {-0.25, 0, 0}},
+      {"LH", "root", {0.09, -0.06, 0}}, {"LK", "LH", {0, -0.41, 0}},    {"LA", "LK", {0, -0.41, 0}},
+      {"LMrot", "LA", {0, -0.06, 0.04}},{"LF", "LMrot", {0, 0, 0.10}},
+      {"RH", "root", {-0.09, -0.06, 0}},{"RK", "RH", {0, -0.41, 0}},    {"RA", "RK", {0, -0.41, 0}},
+      {"RMrot", "RA", {0, -0.06, 0.04}},{"RF", "RMrot", {0, 0, 0.10}},
+  });
+  return skeleton;
+}
+// clang-format on
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
-/// everything else are the base's. SMPL's joints only. Throws config_error 103 for another skeleton.
+/// everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error 103 for
+/// another skeleton.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
 inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
-  if (base.skeleton.names != other.skeleton.names ||
-      base.skeleton.size() > static_cast<int>(smpl_part_of_joint.size())) {
+  const auto& names = base.skeleton.names;
+  const auto& smpl = smpl24_skeleton().names;
+  if (names != other.skeleton.names || names.size() > smpl.size() ||
+      !std::equal(names.begin(), names.end(), smpl.begin())) {
     raise<config_error>(103, "overlay_parts: '", base.name, "' and '", other.name,
                         "' are not on one skeleton of SMPL's joints");
   }
@@ -5280,66 +5399,6 @@ inline const SkeletonTable& skeleton_table(std::string_view name) {
   }
   raise<config_error>(103, "skeleton_table: no table '", name, "'");
 }
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP
-/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
-/// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
-/// left at +X, metres.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-// clang-format off
-/// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
-inline const Skeleton& smpl24_skeleton() {
-  static const Skeleton skeleton = Skeleton::from_joints({
-      {"pelvis", "", {0, 0.95, 0}},
-      {"left_hip", "pelvis", {0.09, -0.06, 0}},        {"right_hip", "pelvis", {-0.09, -0.06, 0}},
-      {"spine1", "pelvis", {0, 0.11, 0}},
-      {"left_knee", "left_hip", {0, -0.41, 0}},        {"right_knee", "right_hip", {0, -0.41, 0}},
-      {"spine2", "spine1", {0, 0.13, 0}},
-      {"left_ankle", "left_knee", {0, -0.41, 0}},      {"right_ankle", "right_knee", {0, -0.41, 0}},
-      {"spine3", "spine2", {0, 0.06, 0}},
-      {"left_foot", "left_ankle", {0, -0.06, 0.14}},   {"right_foot", "right_ankle", {0, -0.06, 0.14}},
-      {"neck", "spine3", {0, 0.22, 0}},
-      {"left_collar", "spine3", {0.07, 0.13, 0}},      {"right_collar", "spine3", {-0.07, 0.13, 0}},
-      {"head", "neck", {0, 0.10, 0.02}},
-      {"left_shoulder", "left_collar", {0.11, 0.03, 0}},  {"right_shoulder", "right_collar", {-0.11, 0.03, 0}},
-      {"left_elbow", "left_shoulder", {0.27, 0, 0}},   {"right_elbow", "right_shoulder", {-0.27, 0, 0}},
-      {"left_wrist", "left_elbow", {0.25, 0, 0}},      {"right_wrist", "right_elbow", {-0.25, 0, 0}},
-      {"left_hand", "left_wrist", {0.08, 0, 0}},       {"right_hand", "right_wrist", {-0.08, 0, 0}},
-  });
-  return skeleton;
-}
-
-/// HumanML3D, 22 joints: SMPL without the hands.
-inline const Skeleton& humanml3d22_skeleton() {
-  static const Skeleton skeleton = [] {
-    Skeleton s = smpl24_skeleton();
-    s.names.resize(22), s.parents.resize(22), s.offsets.resize(22);
-    return s;
-  }();
-  return skeleton;
-}
-
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
-inline const Skeleton& kit21_skeleton() {
-  static const Skeleton skeleton = Skeleton::from_joints({
-      {"root", "", {0, 0.95, 0}},
-      {"BP", "root", {0, 0.11, 0}},     {"BT", "BP", {0, 0.19, 0}},     {"BLN", "BT", {0, 0.22, 0}},      {"BUN", "BLN", {0, 0.10, 0}},
-      {"LS", "BLN", {0.18, -0.06, 0}},  {"LE", "LS", {0.27, 0, 0}},     {"LW", "LE", {0.25, 0, 0}},
-      {"RS", "BLN", {-0.18, -0.06, 0}}, {"RE", "RS", {-0.27, 0, 0}},    {"RW", "RE", {-0.25, 0, 0}},
-      {"LH", "root", {0.09, -0.06, 0}}, {"LK", "LH", {0, -0.41, 0}},    {"LA", "LK", {0, -0.41, 0}},
-      {"LMrot", "LA", {0, -0.06, 0.04}},{"LF", "LMrot", {0, 0, 0.10}},
-      {"RH", "root", {-0.09, -0.06, 0}},{"RK", "RH", {0, -0.41, 0}},    {"RA", "RK", {0, -0.41, 0}},
-      {"RMrot", "RA", {0, -0.06, 0.04}},{"RF", "RMrot", {0, 0, 0.10}},
-  });
-  return skeleton;
-}
-// clang-format on
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -6023,8 +6082,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-/// whose last
-///         digits depend on it. Throws config_error 101 for an odd width.
+///         whose last digits depend on it. Throws config_error 101 for an odd width.
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
@@ -6124,8 +6182,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     e = W2 silu(W1 pe[t])
 /// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
-/// the
-///         positions and belongs to the caller.
+///         the positions and belongs to the caller.
 template <Backend B>
 struct TimestepEmbedding {
   Linear<B> in, out;
@@ -6176,8 +6233,7 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-/// with a
-///         context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -6335,13 +6391,14 @@ Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
   return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
 }
 
-///     S_ij = cos(x_i, y_j) / tau,   loss = (CE(S, i) + CE(S^T, j)) / 2,   S_ij = -inf where i != j and <t_i, t_j> > 2
-///     threshold - 1
+///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and <t_i, t_j> > 2 threshold - 1
+///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
 /// Source    TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2
 /// Notation  motion -> x, text -> y, sentence -> t (unit rows; constant), temperature -> tau
 /// Shapes    x, y (batch, latent); t (batch, d), may be null: nothing is filtered -> ()
 /// Differs   from the paper: threshold is given in [0, 1] and mapped to [-1, 1], as the reference code does
-/// Throws    shape_error 204 if the batch sizes differ
+/// Throws    shape_error 204 if the batch sizes or the lengths of sentences differ, config_error 101 unless
+///           temperature > 0
 template <Backend B>
 Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double temperature,
                       const std::vector<std::vector<double>>* sentences = nullptr, double threshold = 0.8) {
@@ -6349,6 +6406,7 @@ Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double tempe
   if (y.size(0) != n || (sentences != nullptr && static_cast<Index>(sentences->size()) != n)) {
     raise<shape_error>(204, "info_nce: batches of ", x.shape(), ", ", y.shape());
   }
+  if (!(temperature > 0)) raise<config_error>(101, "info_nce: temperature ", temperature);
   using S = typename B::scalar;
   std::vector<S> filter(static_cast<std::size_t>(n * n)), diagonal(filter.size());
   for (Index i = 0; i < n; ++i) {
@@ -6357,6 +6415,8 @@ Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double tempe
       diagonal[at] = i == j ? S(1) : S(0);
       if (i == j || sentences == nullptr) continue;
       const auto &a = (*sentences)[static_cast<std::size_t>(i)], &b = (*sentences)[static_cast<std::size_t>(j)];
+      if (a.size() != b.size())
+        raise<shape_error>(204, "info_nce: sentences of ", a.size(), " and ", b.size(), " numbers");
       double similarity = 0;
       for (std::size_t k = 0; k < a.size(); ++k) similarity += a[k] * b[k];
       if (similarity > 2 * threshold - 1) filter[at] = S(-1e30);
@@ -6365,8 +6425,9 @@ Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double tempe
   const auto s = matmul(normalize_rows(x), normalize_rows(y), {.transpose_b = true}) * (1 / temperature) +
                  Tensor<B, 2>::from(filter, {n, n});
   const auto pick = Tensor<B, 2>::from(diagonal, {n, n});
-  auto cross_entropy = [&](const Tensor<B, 2>& t) {  // -log softmax of the diagonal
-    return -mean(log(sum(softmax(t) * pick, 1)));
+  auto cross_entropy = [&](const Tensor<B, 2>& t) {  // relative to the largest of each row: nothing overflows
+    const auto u = t - reshape<2>(max(t, 1), {n, 1});
+    return mean(log(sum(exp(u), 1)) - sum(u * pick, 1));
   };
   return (cross_entropy(s) + cross_entropy(transpose(s))) * 0.5;
 }
@@ -6420,8 +6481,7 @@ Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return sum(square(a.rows - b)) * (1.0 / n);
 }
 
-/// Per sequence: sum of squares over its frames and features / (frames * width + 1e-8); MDM's masked loss. ->
-/// (sequences)
+/// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).
 template <Backend B>
 Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
   const auto squares = sum(square(a.rows - b), 1);  // (rows)
@@ -6484,7 +6544,8 @@ class AdamW {
 
   AdamWConfig config;
 
-  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables.
+  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
+  /// shape_error 204 if restored moments are those of another model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     ++steps_;
@@ -6495,6 +6556,12 @@ class AdamW {
       if (found == state_.end()) {
         const auto zero = B::full(B::shape(*g), 0);
         found = state_.emplace(path, Moments{zero, zero}).first;
+      }
+      for (const auto* moment : {&found->second.m, &found->second.v}) {
+        if (B::shape(*moment) != t.shape()) {
+          raise<shape_error>(204, "AdamW: '", path, "' is ", t.shape(), ", its restored moments are ",
+                             B::shape(*moment));
+        }
       }
       update(A::mutable_value(t.mutable_data()), found->second, *g, scale);
     });
@@ -6685,8 +6752,7 @@ AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
 ///
 /// Source  Guo et al. (CVPR 2022), appendix; HumanML3D `recover_from_ric`; spec humanml3d-features.md 7
 /// Layout  0 yaw velocity (half angle, rad per frame), 1:3 root velocity x, z, 3 root height, 4:3J+1 positions of
-/// joints 1 ... J-1
-///         in the root's frame, then rotations, velocities, contacts, which are not needed here
+///         joints 1 ... J-1 in the root's frame, then rotations, velocities, contacts, which are not needed here
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -6867,9 +6933,11 @@ struct Normalizer {
 /// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and from and to `Motion`. Index ranges of body
 /// parts are in layout.hpp.
 ///
-///     0        height of the pelvis above the lowest joint of the clip      1:3  its velocity x, y, seen from the body
-///     3        turn of the heading to the next frame                        4:136  22 rotations as 6D rows
-///     (rotation6d.hpp) 136:205  joints 1 ... 23 relative to the pelvis, seen from the body
+///     0        height of the pelvis above the lowest joint of the clip
+///     1:3      its velocity x, y, seen from the body
+///     3        turn of the heading to the next frame
+///     4:136    22 rotations as 6D rows (rotation6d.hpp)
+///     136:205  joints 1 ... 23 relative to the pelvis, seen from the body
 /// World: Z up, metres, radians; velocities and turns per frame (the models use 20 frames per second).
 /// Source   STMC (Petrovich et al. 2024), src/tools/smplrifke_feats.py
 
@@ -6997,7 +7065,8 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 
 /// features  (frames, 205)
 /// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
-/// nor is what heading the first rotation contains. Throws    shape_error 205 if the size is no multiple of 205
+/// nor is what heading the first rotation contains.
+/// Throws    shape_error 205 if the size is no multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
   if (features.size() % smplrifke_size != 0) {
@@ -7143,11 +7212,9 @@ class FeatureStatistics {
 /// network may predict, converted into each other.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
-/// for t = 0),
-///                             abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
+///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
-/// and one
-///             addition per term in the order written: what the published code does, and what parity needs.
+///             and one addition per term in the order written: what the published code does, and what parity needs.
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP  // <motionlang/diffusion/respacing.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
@@ -7268,8 +7335,8 @@ struct CosineSchedule {
 };
 
 /// Chen (2023), what the thesis cites; no published checkpoint uses it.
-///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau),   alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)),
-///     clip_min, 1)
+///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau)
+///     alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1)
 struct ChenCosineSchedule {
   Index steps = 100;
   double start = 0, end = 1, tau = 1, clip_min = 1e-9;
@@ -7359,11 +7426,11 @@ class GaussianDiffusion {
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
-  /// Factor of the noise in an ancestral step.
+  /// Factor of the noise in an ancestral step; 0 at t = 0.
   double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const {
+    if (t == 0) return 0;
     if (scale == NoiseScale::posterior_variance)
       return variance == Variance::fixed_small ? posterior_variance(t) : large_variance(t);
-    if (t == 0) return 0;
     return std::exp(0.5 *
                     (variance == Variance::fixed_small ? posterior_log_variance(t) : std::log(large_variance(t))));
   }
@@ -7501,6 +7568,9 @@ struct DenoiserTraits {
   Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+
+  /// Frames that a crop may have; 0: any number.
+  Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
 };
 
 /// A network that cleans noisy sequences given a text for each.
@@ -7525,8 +7595,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     guided = null + w (cond - null)
 /// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
-/// predicts,
-///         before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
+///         predicts, before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
 template <Backend B, int R>
 Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, double w) {
   return null + (cond - null) * w;
@@ -7712,14 +7781,13 @@ struct MdmSmplConfig {
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
-/// the frames are read off its end. Source  Petrovich et al., "Multi-track timeline control" (2024), section 4.3;
-/// nv-tlabs/stmc src/model/mdm_smpl.py, whose
-///         state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-/// the
-///         batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
-/// Differs from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder; the
+/// frames are read off its end.
+/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py, whose
+///          state-dict keys (behind "denoiser.") are the field names
+/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of the
+///          batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
+/// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
   Tensor<B, 2> registers;  // (nb_registers, latent_dim)
@@ -7918,9 +7986,9 @@ struct MotionDiffuseBlock {
 
 /// Predicts the noise. Frames beyond a sequence's length are simply absent: linear attention gives masked frames no
 /// weight. With `no_eff` the released mask shifts whole rows of scores and hides nothing, so there all frames must be
-/// given. Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, keys
-/// as there (without
-///         the CLIP tower, whose states after the last layer norm are the input)
+/// given.
+/// Source  Zhang et al. (2022), section 3; mingyuan-zhang/MotionDiffuse text2motion/models/transformer.py, keys
+///         as there (without the CLIP tower, whose states after the last layer norm are the input)
 template <Backend B>
 struct MotionDiffuseDenoiser {
   Tensor<B, 2> sequence_embedding;  // (num_frames, latent)
@@ -7969,12 +8037,22 @@ struct MotionDiffuseDenoiser {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width
   };
+  /// Throws shape_error 204 unless every text has an end token, 203 if that lies outside the text.
   EncodedText encode(const TextFeatures<B>& text) const {
+    if (static_cast<Index>(text.end_position.size()) != text.count()) {
+      raise<shape_error>(204, "MotionDiffuseDenoiser: ", text.count(), " texts, ", text.end_position.size(),
+                         " end tokens");
+    }
     const auto states = textTransEncoder(text.tokens.with(text_pre_proj(text.tokens.rows)));
     auto xf_out = states.with(text_ln(states.rows));
     PoolVector<Index> end;
-    for (Index s = 0; s < text.count(); ++s)
-      end.push_back(xf_out.offsets.begin(s) + text.end_position.at(static_cast<std::size_t>(s)));
+    for (Index s = 0; s < text.count(); ++s) {
+      const Index position = text.end_position[static_cast<std::size_t>(s)], length = xf_out.offsets.length(s);
+      if (position < 0 || position >= length) {
+        raise<shape_error>(203, "MotionDiffuseDenoiser: end token at row ", position, " of ", length, " of text ", s);
+      }
+      end.push_back(xf_out.offsets.begin(s) + position);
+    }
     return {text_proj(gather(xf_out.rows, end)), xf_out};
   }
   /// The time MLP over a sinusoid with cosines first: w_k = exp(-ln(10000) k / half).
@@ -8113,10 +8191,12 @@ Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Networ
 /// One step of DDIM (Song et al. 2021, eq. 12): eta = 0 is deterministic, eta = 1 is ancestral sampling.
 ///     sigma = eta sqrt((1 - abarp) / (1 - abar)) sqrt(1 - abar / abarp)
 ///     x_{t-1} = sqrt(abarp) x0 + sqrt(1 - abarp - sigma^2) eps + [t > 0] sigma noise
+/// Throws config_error 101 unless 0 <= eta <= 1.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                               const Tensor<B, R>* noise, Index t, double eta, const StepOptions& options = {},
                               const Fix& fix = {}) {
+  if (!(eta >= 0 && eta <= 1)) raise<config_error>(101, "ddim_step: eta = ", eta, " is not in [0, 1]");
   const std::span<const Index> at(&t, 1);
   auto x0 = detail::clean_estimate(d, x, output, at, options, fix);
   const auto eps = eps_from_x0(d, x0, x, at);
@@ -8365,7 +8445,6 @@ class WordPiece {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct CaptionEncoderConfig {
-  Index vocabulary = 1000;
   Index width = 128;
   Index heads = 4;
   Index d_ff = 256;
@@ -8576,8 +8655,7 @@ inline MotionQuality motion_quality(const Motion& motion, std::span<const Contac
 /// The timelines of the baselines that STMC is compared with: everything on one track, or in one sentence.
 ///
 /// Source  STMC (Petrovich et al. 2024), mtt/create_baselines.py; spec stmc.md 5. They are made from seconds and
-/// written
-///         to files, which are then read at 20 fps; converting with to_frames gives the same.
+///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP  // <motionlang/compose/intervals.hpp>
 #define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
@@ -9226,6 +9304,15 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
   return cuts;
 }
 
+/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
+inline void check_crops(const TimelinePlan& plan, Index longest) {
+  for (const Crop& c : plan.crops) {
+    if (longest == 0 || c.range.size() <= longest) continue;
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
+                          " frames with its overlap; the denoiser accepts ", longest);
+  }
+}
+
 inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
                        const PlanOptions& options) {
   for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
@@ -9235,11 +9322,7 @@ inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const
   if (options.transition_crops) {
     for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
   }
-  for (const Crop& c : plan.crops) {
-    if (options.longest_crop == 0 || c.range.size() <= options.longest_crop) continue;
-    raise<timeline_error>(508, "plan_timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", options.longest_crop);
-  }
+  check_crops(plan, options.longest_crop);
 }
 
 /// For each stretch of a part: its extended frames are added from the crop of its owner; where it starts, the window of
@@ -9471,8 +9554,7 @@ struct CollageStep {
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    crops whose text is "" go through the network once: both calls of guidance would give the same. Texts,
-/// offsets and
-///         index lists are prepared here, not in the loop.
+///         offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -9483,7 +9565,7 @@ class Collage {
           const TextFeatures<B>& null, double guidance)
       : denoiser_(&denoiser), plan_(std::move(plan)), layout_(std::move(layout)), guidance_(guidance) {
     const DenoiserTraits traits = denoiser.traits();
-    check_lengths(traits);
+    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
@@ -9524,16 +9606,6 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
-  void check_lengths(const DenoiserTraits& traits) const {
-    const Index longest = traits.crop_frames > 0 ? traits.crop_frames : traits.longest_crop;
-    for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) {
-        if (longest == 0 || c.range.size() <= longest) continue;
-        raise<timeline_error>(508, "Collage: '", p.text(c), "' needs a crop of ", c.range.size(),
-                              " frames with its overlap; the denoiser accepts ", longest);
-      }
-    }
-  }
   CropRows own_frames(Index crop_frames) const {
     CropRows out = CropRows::of(plan_);
     for (Index& row : out.rows) {  // the same frames in motions with more rows
@@ -9655,15 +9727,16 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 /// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
 ///          text cannot contain '#'
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
-///          interval that is empty or ends before it starts is refused unless `allow_empty` is set. Gaps between
+///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TimelineTextOptions {
-  double fps = 20;                     // frame = trunc(fps * seconds)
-  bool allow_empty = false;            // take intervals without a frame, as the published reader does
+  double fps = 20;  // frame = trunc(fps * seconds)
+  bool as_published =
+      false;  // take intervals without a frame, and texts without parts as they are; else those move all
   std::string_view name = "timeline";  // of the file, for messages
 };
 
@@ -9759,7 +9832,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
     }
   };
   BasicInterval<T> out{std::string(line.field(0)), time(1), time(2), line.parts(3)};
-  if (!(out.start < out.end) && !options.allow_empty) {
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
   }
   return out;
@@ -9822,14 +9896,16 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
   return std::move(all.front());
 }
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: a line has fewer than three
-/// fields. The published programs decide by this.
-inline bool is_text_list(std::string_view text) {
-  bool found = false;
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than three
+/// fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
+  Index lines = 0, short_lines = 0;
   detail::for_each_line(text, [&](std::string_view line, Index number) {
-    found = found || (!detail::trim(line).empty() && detail::TimelineLine(line, number, "").fields() < 3);
+    if (detail::trim(line).empty()) return;
+    ++lines;
+    short_lines += detail::TimelineLine(line, number, options.name).fields() < 3 ? 1 : 0;
   });
-  return found;
+  return short_lines > 0 && (options.as_published || short_lines == lines);
 }
 
 /// Lines "text # duration"; blank lines are skipped. Throws timeline_error 501, 502, 504, 507.
@@ -9842,7 +9918,7 @@ inline std::vector<TimedText> parse_text_list(std::string_view text, const Timel
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
-    if (frames <= 0 && !options.allow_empty) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
+    if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
     out.push_back({std::string(line.field(0)), frames});
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
@@ -9902,10 +9978,10 @@ struct BatchPlan;
 enum class StmcMode { stmc, sinc, sinc_lerp };
 
 struct StmcOptions {
-  Index overlap = 10;     // frames around a cut, in total
-  double guidance = 2.5;  // weight of classifier-free guidance; 1: none
-  Index steps = 0;        // of sampling; 0: all of the process
-  SamplingOptions sampling{};
+  Index overlap = 10;                // frames around a cut, in total
+  std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
+  Index steps = 0;                   // of sampling; 0: all of the process
+  std::optional<SamplingOptions> sampling{};  // the model's own unless given
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
@@ -9924,6 +10000,9 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
+  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  SamplingOptions sampling{};  // the same
+  double fps = 20;             // of its motions
 
   static constexpr auto fields() {
     return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -9981,15 +10060,16 @@ template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
+  const DenoiserTraits traits = denoiser.traits();
   const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
                                                     .extend = !hard_cuts,
                                                     .transition_crops = !hard_cuts,
                                                     .gaps = options.gaps,
-                                                    .hidden = options.hidden});
-  const DenoiserTraits traits = denoiser.traits();
+                                                    .hidden = options.hidden,
+                                                    .longest_crop = traits.longest()});
   const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
   const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                              options.guidance);
+                              options.guidance.value_or(guidance));
   const auto sequences = static_cast<Index>(sampled.timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -9997,8 +10077,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  auto x0 =
-      sample_collage<B>(collage, process(options.steps), traits.prediction, rows, options.sampling, options.progress);
+  auto x0 = sample_collage<B>(collage, process(options.steps), traits.prediction, rows,
+                              options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
     x0 = stitch_independent(plan, x0, stride);
@@ -10080,7 +10160,10 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .motion_normalizer = convert<To>(m.motion_normalizer),
           .text_normalizer = convert<To>(m.text_normalizer),
           .diffusion = m.diffusion,
-          .layout = m.layout};
+          .layout = m.layout,
+          .guidance = m.guidance,
+          .sampling = m.sampling,
+          .fps = m.fps};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.

@@ -238,7 +238,7 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
-/// The one place that throws. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
 template <class E, class... T>
 [[noreturn]] void raise(int id, const T&... parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);

@@ -1382,14 +1382,6 @@ class TextScanner {
     at_ += w.size();
     return w;
   }
-  /// Steps over `lower_case` if it is the next word, in any case.
-  bool skip(std::string_view lower_case) {
-    const std::string_view w = peek();
-    if (!same_word(w, lower_case)) return false;
-    last_ = at_;
-    at_ += w.size();
-    return true;
-  }
   /// Steps over these characters (no blanks among them), as "Frames:" of "Frames:12"; leading blanks are skipped.
   bool skip_prefix(std::string_view lower_case) {
     skip_blanks();
@@ -3805,8 +3797,7 @@ class GlbFile {
 
   /// The animation at `fps` frames per second, from time 0 to its last key.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
-  /// motion
-  ///         would be too long
+  ///         motion would be too long
   Motion motion(Index animation, double fps = 30) const {
     if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
       raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
@@ -5015,11 +5006,14 @@ inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c
       {"denoiser.num_layers", text(c.denoiser.num_layers)},
       {"denoiser.num_heads", text(c.denoiser.num_heads)},
       {"denoiser.nb_registers", text(c.denoiser.nb_registers)},
+      {"denoiser.activation", std::string(to_string(c.denoiser.activation))},
+      {"denoiser.max_len", text(c.denoiser.max_len)},
       {"text.width", text(c.text.width)},
       {"text.heads", text(c.text.heads)},
       {"text.d_ff", text(c.text.d_ff)},
       {"text.layers", text(c.text.layers)},
       {"text.out", text(c.text.out)},
+      {"text.longest", text(c.text.longest)},
       {"text.vocabulary", vocabulary},
       {"diffusion.schedule", "cosine"},
       {"diffusion.steps", text(c.diffusion_steps)},
@@ -5040,8 +5034,12 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   }
   const std::string scale = detail::metadata_text(m, "diffusion.noise_scale", "posterior_std");
   if (scale != "posterior_std" && scale != "posterior_variance")
-    raise<config_error>(103, name, ": diffusion.noise_scale '", scale, "' is neither posterior_std nor posterior_variance");
+    raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
+                        "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
+  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
+    return m.contains(key) ? size(key, largest) : otherwise;
+  };
   auto heads = [&](const std::string& key, Index width) {
     const Index n = size(key, 256);
     if (width % n != 0 || width % 2 != 0)
@@ -5051,7 +5049,8 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
-    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features, " features");
+    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features,
+                        " features");
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
@@ -5062,7 +5061,13 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.text.d_ff = size("text.d_ff", 32768);
   c.text.layers = size("text.layers", 256);
   c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
-  c.diffusion_steps = size("diffusion.steps", 100000);
+  const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
+  if (activation != "gelu" && activation != "relu")
+    raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
+  c.denoiser.activation = parse_activation(activation);
+  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
+  c.text.longest = size_or("text.longest", 8192, c.text.longest);
+  c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
   c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
@@ -5079,7 +5084,10 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
           .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
-          .layout = smplrifke_layout()};
+          .layout = smplrifke_layout(),
+          .guidance = c.guidance,
+          .sampling = {.noise_scale = c.noise_scale},
+          .fps = c.fps};
 }
 
 /// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
@@ -5123,14 +5131,19 @@ Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
-/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit.
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
+/// config_error 102 if `about` would change what the model is.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
-  for (const auto& [key, value] : about) metadata[key] = value;
+  for (const auto& [key, value] : about) {
+    if (!metadata.emplace(key, value).second)
+      raise<config_error>(102, path.string(), ": metadata '", key,
+                          "' belongs to the model, not to what is told about it");
+  }
   write_safetensors(path, store.views(), metadata);
 }
 

@@ -86,7 +86,7 @@ extern template struct motionlang::KernelOps<double>;
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// c (m x n) = act(a (m x k) B + bias) + what c holds already (accumulate) or a residual. B is packed in panels.
+/// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
 struct Gemm {
   Index m = 0, n = 0, k = 0;
@@ -96,7 +96,6 @@ struct Gemm {
   const S* panels = nullptr;
   S* c = nullptr;
   Index ldc = 0;
-  bool accumulate = false;
   const S* bias = nullptr;
   const S* residual = nullptr;
   Index ldr = 0;
@@ -144,7 +143,8 @@ struct Kernels {
   Index panel_width, row_block, gemm_scratch;
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
-  Index (*attention_scratch)(Index queries, Index keys, Index width);
+  Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
   void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
@@ -155,7 +155,6 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
-  void (*exponential)(const S* x, Index n, S* y);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
@@ -224,6 +223,7 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
   return a > b ? a : b;
@@ -250,12 +250,12 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0.
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(vmax<S>(x, splat(low)), splat(high));
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
   const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
@@ -265,16 +265,16 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> power = ((Mask<S>)shifted - (Mask<S>)splat(magic)) << (single ? 23 : 52);
-  const Vec<S> result = (Vec<S>)((Mask<S>)p + power);
-  return x < splat(low) ? Vec<S>{} : result;
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
 }
 
 /// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(vmax<S>(x, splat(S(-4))), splat(S(4)));
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
     const Vec<S> y = c * c;
     Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
     p = p * y + S(0.0002880411073313664);
@@ -289,7 +289,7 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
     q = q * y + S(1);
     return c * p / q;
   } else {
-    Vec<S> r;
+    Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
   }
@@ -308,7 +308,7 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
 
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r;
+  Vec<S> r{};
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
@@ -317,7 +317,7 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
   switch (act) {
     case Activation::none: return x;
-    case Activation::relu: return vmax<S>(x, Vec<S>{});
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
     case Activation::gelu: {
       const Vec<S> h = x * S(0.5);
       return h * verf<S>(x * S(0.70710678118654752)) + h;
@@ -494,7 +494,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
-      e.accumulate = block > 0 || g.accumulate;
+      e.accumulate = block > 0;
       for (Index j = j0; j < j1; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
@@ -588,9 +588,15 @@ MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_s
   }
 }
 
-/// Numbers of scratch that attention_head needs.
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class S>
-Index attention_scratch(Index queries, Index keys, Index width) {
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
   const Index pq = padded_panels<S>(queries) * panel_width<S>;
   return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
@@ -690,7 +696,7 @@ MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd)
   rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
 }
 
-/// y = (x + residual - mean) rstd weight + bias. `sum` (x + residual) may be y or nothing when there is no residual.
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   constexpr int l = lanes<S>;
@@ -757,7 +763,7 @@ void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments
   }
 }
 
-/// y = softmax(scale x) for rows of n.
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
 template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
@@ -780,13 +786,6 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   Index i = 0;
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void exponential(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, vexp<S>(load(x + i)));
-  store_some(y + i, vexp<S>(load_some(x + i, n - i)), n - i);
 }
 template <class S>
 void error_function(const S* x, Index n, S* y) {
@@ -841,6 +840,7 @@ const Kernels<S>& table() {
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
       .attention_head = &attention_head<S>,
       .attention_head_vjp = &attention_head_vjp<S>,
       .dropout = &dropout<S>,
@@ -850,7 +850,6 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
-      .exponential = &exponential<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -920,6 +919,7 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
   return a > b ? a : b;
@@ -946,12 +946,12 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0.
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(vmax<S>(x, splat(low)), splat(high));
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
   const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
@@ -961,16 +961,16 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> power = ((Mask<S>)shifted - (Mask<S>)splat(magic)) << (single ? 23 : 52);
-  const Vec<S> result = (Vec<S>)((Mask<S>)p + power);
-  return x < splat(low) ? Vec<S>{} : result;
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
 }
 
 /// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(vmax<S>(x, splat(S(-4))), splat(S(4)));
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
     const Vec<S> y = c * c;
     Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
     p = p * y + S(0.0002880411073313664);
@@ -985,7 +985,7 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
     q = q * y + S(1);
     return c * p / q;
   } else {
-    Vec<S> r;
+    Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
   }
@@ -1004,7 +1004,7 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
 
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r;
+  Vec<S> r{};
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
@@ -1013,7 +1013,7 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
   switch (act) {
     case Activation::none: return x;
-    case Activation::relu: return vmax<S>(x, Vec<S>{});
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
     case Activation::gelu: {
       const Vec<S> h = x * S(0.5);
       return h * verf<S>(x * S(0.70710678118654752)) + h;
@@ -1190,7 +1190,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
-      e.accumulate = block > 0 || g.accumulate;
+      e.accumulate = block > 0;
       for (Index j = j0; j < j1; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
@@ -1284,9 +1284,15 @@ MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_s
   }
 }
 
-/// Numbers of scratch that attention_head needs.
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class S>
-Index attention_scratch(Index queries, Index keys, Index width) {
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
   const Index pq = padded_panels<S>(queries) * panel_width<S>;
   return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
@@ -1386,7 +1392,7 @@ MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd)
   rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
 }
 
-/// y = (x + residual - mean) rstd weight + bias. `sum` (x + residual) may be y or nothing when there is no residual.
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   constexpr int l = lanes<S>;
@@ -1453,7 +1459,7 @@ void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments
   }
 }
 
-/// y = softmax(scale x) for rows of n.
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
 template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
@@ -1476,13 +1482,6 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   Index i = 0;
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void exponential(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, vexp<S>(load(x + i)));
-  store_some(y + i, vexp<S>(load_some(x + i, n - i)), n - i);
 }
 template <class S>
 void error_function(const S* x, Index n, S* y) {
@@ -1537,6 +1536,7 @@ const Kernels<S>& table() {
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
       .attention_head = &attention_head<S>,
       .attention_head_vjp = &attention_head_vjp<S>,
       .dropout = &dropout<S>,
@@ -1546,7 +1546,6 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
-      .exponential = &exponential<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -1614,6 +1613,7 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
   return a > b ? a : b;
@@ -1640,12 +1640,12 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0.
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(vmax<S>(x, splat(low)), splat(high));
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
   const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
@@ -1655,16 +1655,16 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> power = ((Mask<S>)shifted - (Mask<S>)splat(magic)) << (single ? 23 : 52);
-  const Vec<S> result = (Vec<S>)((Mask<S>)p + power);
-  return x < splat(low) ? Vec<S>{} : result;
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
 }
 
 /// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(vmax<S>(x, splat(S(-4))), splat(S(4)));
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
     const Vec<S> y = c * c;
     Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
     p = p * y + S(0.0002880411073313664);
@@ -1679,7 +1679,7 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
     q = q * y + S(1);
     return c * p / q;
   } else {
-    Vec<S> r;
+    Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
   }
@@ -1698,7 +1698,7 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
 
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r;
+  Vec<S> r{};
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
@@ -1707,7 +1707,7 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
   switch (act) {
     case Activation::none: return x;
-    case Activation::relu: return vmax<S>(x, Vec<S>{});
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
     case Activation::gelu: {
       const Vec<S> h = x * S(0.5);
       return h * verf<S>(x * S(0.70710678118654752)) + h;
@@ -1884,7 +1884,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
-      e.accumulate = block > 0 || g.accumulate;
+      e.accumulate = block > 0;
       for (Index j = j0; j < j1; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
@@ -1978,9 +1978,15 @@ MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_s
   }
 }
 
-/// Numbers of scratch that attention_head needs.
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class S>
-Index attention_scratch(Index queries, Index keys, Index width) {
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
   const Index pq = padded_panels<S>(queries) * panel_width<S>;
   return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
@@ -2080,7 +2086,7 @@ MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd)
   rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
 }
 
-/// y = (x + residual - mean) rstd weight + bias. `sum` (x + residual) may be y or nothing when there is no residual.
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   constexpr int l = lanes<S>;
@@ -2147,7 +2153,7 @@ void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments
   }
 }
 
-/// y = softmax(scale x) for rows of n.
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
 template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
@@ -2170,13 +2176,6 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   Index i = 0;
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void exponential(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, vexp<S>(load(x + i)));
-  store_some(y + i, vexp<S>(load_some(x + i, n - i)), n - i);
 }
 template <class S>
 void error_function(const S* x, Index n, S* y) {
@@ -2231,6 +2230,7 @@ const Kernels<S>& table() {
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
       .attention_head = &attention_head<S>,
       .attention_head_vjp = &attention_head_vjp<S>,
       .dropout = &dropout<S>,
@@ -2240,7 +2240,6 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
-      .exponential = &exponential<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -2377,19 +2376,15 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .dropout = options.dropout};
 }
 template <class S>
-Index attention_scratch(const Offsets& q, const Offsets& k, Index width) {
-  return kernels<S>().attention_scratch(q.longest(), k.longest(), width);
-}
-template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
+  const Scratch<S> scratch(kernels<S>().attention_scratch(k.longest(), t.width));
   parallel_for(q.count() * t.heads, [&](Index i) {
     if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch.mine());
   });
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
+  const Scratch<S> scratch(kernels<S>().attention_vjp_scratch(q.longest(), k.longest(), t.width));
   parallel_for(q.count() * t.heads,
                [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }

@@ -17,7 +17,7 @@
 /// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
-/// header only says what can be called. For other backends include <motionlang/io/stmc_file.hpp> as well.
+/// header only says what can be called. For other backends, and for `generate_from`, include <motionlang/io/stmc_file.hpp> as well.
 
 #ifndef MOTIONLANG_HAS_BACKEND_EIGEN_HPP  // <motionlang/backend/eigen.hpp>
 #define MOTIONLANG_HAS_BACKEND_EIGEN_HPP
@@ -86,6 +86,7 @@ struct alignas(64) Buffer {
   std::atomic<std::int64_t> references{1};
   void* data = nullptr;
   int bucket = -1;                     // -1: not from a pool
+  std::uint32_t pool = 0;              // number of the pool that made it
   Buffer* next = nullptr;              // in a free list
   std::shared_ptr<const void> owner;   // keeps foreign memory alive
   std::shared_ptr<const void> packed;  // the same numbers in the layout of a kernel (see Dense::attach)
@@ -93,7 +94,9 @@ struct alignas(64) Buffer {
 
 }  // namespace detail
 
-/// Free buffers of this thread, in buckets of four sizes per power of two.
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
+/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
+/// comes from the system and returns to it.
 class BufferPool {
  public:
   static BufferPool& local() {
@@ -101,26 +104,15 @@ class BufferPool {
     return pool;
   }
 
-  detail::Buffer* take(std::size_t bytes) {
+  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
-    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
-    if (head != nullptr) {
-      detail::Buffer* b = std::exchange(head, head->next);
-      b->references.store(1, std::memory_order_relaxed);
-      return b;
-    }
-    ++system_allocations_;
-    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
-    if (memory == nullptr) throw std::bad_alloc();
-    auto* b = new (memory) detail::Buffer;
-    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
-    b->bucket = bucket;
-    return b;
+    return gone_ ? make(bucket, 0) : local().reuse(bucket);
   }
-
-  void give_back(detail::Buffer* b) {
+  static void give_back(detail::Buffer* b) {
+    if (gone_ || b->pool != local().number_) return release(b);
     b->packed.reset();
-    b->next = std::exchange(free_[static_cast<std::size_t>(b->bucket)], b);
+    b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
   }
 
   /// Returns all free buffers to the system.
@@ -143,7 +135,30 @@ class BufferPool {
 
  private:
   BufferPool() = default;
-  ~BufferPool() { trim(); }
+  ~BufferPool() {
+    gone_ = true;
+    trim();
+  }
+
+  detail::Buffer* reuse(int bucket) {
+    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
+    if (head != nullptr) {
+      detail::Buffer* b = std::exchange(head, head->next);
+      b->references.store(1, std::memory_order_relaxed);
+      return b;
+    }
+    ++system_allocations_;
+    return make(bucket, number_);
+  }
+  static detail::Buffer* make(int bucket, std::uint32_t pool) {
+    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
+    if (memory == nullptr) throw std::bad_alloc();
+    auto* b = new (memory) detail::Buffer;
+    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
+    b->bucket = bucket;
+    b->pool = pool;
+    return b;
+  }
 
   // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
   static int bucket_of(std::size_t bytes) {
@@ -158,6 +173,10 @@ class BufferPool {
 
   std::array<detail::Buffer*, 4 * 62> free_{};
   std::int64_t system_allocations_ = 0;
+  std::uint32_t number_ = ++pools_;
+
+  inline static std::atomic<std::uint32_t> pools_{0};
+  inline static thread_local bool gone_ = false;  // a static model may be destroyed after the pool of main's thread
 };
 
 namespace detail {
@@ -166,7 +185,7 @@ namespace detail {
 class BufferHandle {
  public:
   BufferHandle() = default;
-  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::local().take(bytes)) {}
+  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::take(bytes)) {}
   /// Memory that belongs to somebody else and is only read.
   BufferHandle(const void* data, std::shared_ptr<const void> owner) : buffer_(new (std::align_val_t{64}) Buffer) {
     buffer_->data = const_cast<void*>(data);
@@ -183,7 +202,7 @@ class BufferHandle {
   ~BufferHandle() {
     if (buffer_ == nullptr || buffer_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
     if (buffer_->bucket >= 0)
-      BufferPool::local().give_back(buffer_);
+      BufferPool::give_back(buffer_);
     else
       ::operator delete (destroyed(buffer_), std::align_val_t{64});
   }
@@ -214,9 +233,9 @@ struct PoolAllocator {
   template <class U>
   PoolAllocator(const PoolAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::local().take(n * sizeof(T))->data); }
+  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::take(n * sizeof(T))->data); }
   void deallocate(T* p, std::size_t) {  // the header lies right before the data
-    BufferPool::local().give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+    BufferPool::give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
   }
   template <class U>
   bool operator==(const PoolAllocator<U>&) const {
@@ -432,7 +451,7 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
-/// The one place that throws. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
 template <class E, class... T>
 [[noreturn]] void raise(int id, const T&... parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
@@ -648,6 +667,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 class Dense {
  public:
+  /// Nothing yet: an empty list.
   Dense() = default;
   /// Uninitialised.
   explicit Dense(const Shape& shape) : buffer_(static_cast<std::size_t>(shape.count()) * sizeof(S)), shape_(shape) {}
@@ -697,7 +717,7 @@ class Dense {
 
  private:
   detail::BufferHandle buffer_;
-  Shape shape_{};
+  Shape shape_{0};
   Index offset_ = 0;
 };
 
@@ -870,6 +890,11 @@ inline Activation parse_activation(std::string_view name) {
   raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh");
 }
 
+constexpr std::string_view to_string(Activation a) {
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh"};
+  return names[static_cast<int>(a)];
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -879,8 +904,8 @@ inline Activation parse_activation(std::string_view name) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0. Nothing happens at p
-/// = 0.
+/// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0.
+/// Nothing happens at p = 0.
 struct Dropout {
   double p = 0;
   std::uint64_t key = 0;
@@ -1037,7 +1062,7 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet; only assignment is allowed.
+  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it.
   Tensor() = default;
   /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
@@ -1563,6 +1588,7 @@ Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const unsigned char> m
   }
   return {gather(reshape<2>(x, {batch * time, x.size(2)}), rows), Offsets(lengths)};
 }
+/// The first lengths[i] frames of each. Throws shape_error 204, 205.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) {
   std::vector<unsigned char> mask(static_cast<std::size_t>(x.size(0) * x.size(1)));
@@ -1570,8 +1596,11 @@ Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) 
     raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", x.shape());
   }
   for (Index b = 0; b < x.size(0); ++b) {
-    for (Index t = 0; t < lengths[static_cast<std::size_t>(b)] && t < x.size(1); ++t)
-      mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
+    const Index length = lengths[static_cast<std::size_t>(b)];
+    if (length < 0 || length > x.size(1)) {
+      raise<shape_error>(205, "from_padded: length ", length, " of sequence ", b, " for shape ", x.shape());
+    }
+    for (Index t = 0; t < length; ++t) mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
   }
   return from_padded(x, std::span<const unsigned char>(mask));
 }
@@ -1921,7 +1950,7 @@ extern template struct motionlang::KernelOps<double>;
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// c (m x n) = act(a (m x k) B + bias) + what c holds already (accumulate) or a residual. B is packed in panels.
+/// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
 struct Gemm {
   Index m = 0, n = 0, k = 0;
@@ -1931,7 +1960,6 @@ struct Gemm {
   const S* panels = nullptr;
   S* c = nullptr;
   Index ldc = 0;
-  bool accumulate = false;
   const S* bias = nullptr;
   const S* residual = nullptr;
   Index ldr = 0;
@@ -1979,7 +2007,8 @@ struct Kernels {
   Index panel_width, row_block, gemm_scratch;
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
-  Index (*attention_scratch)(Index queries, Index keys, Index width);
+  Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
   void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
@@ -1990,7 +2019,6 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
-  void (*exponential)(const S* x, Index n, S* y);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
@@ -2059,6 +2087,7 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
   return a > b ? a : b;
@@ -2085,12 +2114,12 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0.
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(vmax<S>(x, splat(low)), splat(high));
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
   const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
@@ -2100,16 +2129,16 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> power = ((Mask<S>)shifted - (Mask<S>)splat(magic)) << (single ? 23 : 52);
-  const Vec<S> result = (Vec<S>)((Mask<S>)p + power);
-  return x < splat(low) ? Vec<S>{} : result;
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
 }
 
 /// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(vmax<S>(x, splat(S(-4))), splat(S(4)));
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
     const Vec<S> y = c * c;
     Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
     p = p * y + S(0.0002880411073313664);
@@ -2124,7 +2153,7 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
     q = q * y + S(1);
     return c * p / q;
   } else {
-    Vec<S> r;
+    Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
   }
@@ -2143,7 +2172,7 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
 
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r;
+  Vec<S> r{};
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
@@ -2152,7 +2181,7 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
   switch (act) {
     case Activation::none: return x;
-    case Activation::relu: return vmax<S>(x, Vec<S>{});
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
     case Activation::gelu: {
       const Vec<S> h = x * S(0.5);
       return h * verf<S>(x * S(0.70710678118654752)) + h;
@@ -2329,7 +2358,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
-      e.accumulate = block > 0 || g.accumulate;
+      e.accumulate = block > 0;
       for (Index j = j0; j < j1; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
@@ -2423,9 +2452,15 @@ MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_s
   }
 }
 
-/// Numbers of scratch that attention_head needs.
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class S>
-Index attention_scratch(Index queries, Index keys, Index width) {
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
   const Index pq = padded_panels<S>(queries) * panel_width<S>;
   return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
@@ -2525,7 +2560,7 @@ MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd)
   rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
 }
 
-/// y = (x + residual - mean) rstd weight + bias. `sum` (x + residual) may be y or nothing when there is no residual.
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   constexpr int l = lanes<S>;
@@ -2592,7 +2627,7 @@ void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments
   }
 }
 
-/// y = softmax(scale x) for rows of n.
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
 template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
@@ -2615,13 +2650,6 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   Index i = 0;
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void exponential(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, vexp<S>(load(x + i)));
-  store_some(y + i, vexp<S>(load_some(x + i, n - i)), n - i);
 }
 template <class S>
 void error_function(const S* x, Index n, S* y) {
@@ -2676,6 +2704,7 @@ const Kernels<S>& table() {
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
       .attention_head = &attention_head<S>,
       .attention_head_vjp = &attention_head_vjp<S>,
       .dropout = &dropout<S>,
@@ -2685,7 +2714,6 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
-      .exponential = &exponential<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -2755,6 +2783,7 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
   return a > b ? a : b;
@@ -2781,12 +2810,12 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0.
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(vmax<S>(x, splat(low)), splat(high));
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
   const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
@@ -2796,16 +2825,16 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> power = ((Mask<S>)shifted - (Mask<S>)splat(magic)) << (single ? 23 : 52);
-  const Vec<S> result = (Vec<S>)((Mask<S>)p + power);
-  return x < splat(low) ? Vec<S>{} : result;
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
 }
 
 /// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(vmax<S>(x, splat(S(-4))), splat(S(4)));
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
     const Vec<S> y = c * c;
     Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
     p = p * y + S(0.0002880411073313664);
@@ -2820,7 +2849,7 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
     q = q * y + S(1);
     return c * p / q;
   } else {
-    Vec<S> r;
+    Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
   }
@@ -2839,7 +2868,7 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
 
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r;
+  Vec<S> r{};
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
@@ -2848,7 +2877,7 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
   switch (act) {
     case Activation::none: return x;
-    case Activation::relu: return vmax<S>(x, Vec<S>{});
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
     case Activation::gelu: {
       const Vec<S> h = x * S(0.5);
       return h * verf<S>(x * S(0.70710678118654752)) + h;
@@ -3025,7 +3054,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
-      e.accumulate = block > 0 || g.accumulate;
+      e.accumulate = block > 0;
       for (Index j = j0; j < j1; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
@@ -3119,9 +3148,15 @@ MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_s
   }
 }
 
-/// Numbers of scratch that attention_head needs.
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class S>
-Index attention_scratch(Index queries, Index keys, Index width) {
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
   const Index pq = padded_panels<S>(queries) * panel_width<S>;
   return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
@@ -3221,7 +3256,7 @@ MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd)
   rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
 }
 
-/// y = (x + residual - mean) rstd weight + bias. `sum` (x + residual) may be y or nothing when there is no residual.
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   constexpr int l = lanes<S>;
@@ -3288,7 +3323,7 @@ void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments
   }
 }
 
-/// y = softmax(scale x) for rows of n.
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
 template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
@@ -3311,13 +3346,6 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   Index i = 0;
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void exponential(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, vexp<S>(load(x + i)));
-  store_some(y + i, vexp<S>(load_some(x + i, n - i)), n - i);
 }
 template <class S>
 void error_function(const S* x, Index n, S* y) {
@@ -3372,6 +3400,7 @@ const Kernels<S>& table() {
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
       .attention_head = &attention_head<S>,
       .attention_head_vjp = &attention_head_vjp<S>,
       .dropout = &dropout<S>,
@@ -3381,7 +3410,6 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
-      .exponential = &exponential<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -3449,6 +3477,7 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
   return a > b ? a : b;
@@ -3475,12 +3504,12 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0.
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(vmax<S>(x, splat(low)), splat(high));
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
   const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
@@ -3490,16 +3519,16 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> power = ((Mask<S>)shifted - (Mask<S>)splat(magic)) << (single ? 23 : 52);
-  const Vec<S> result = (Vec<S>)((Mask<S>)p + power);
-  return x < splat(low) ? Vec<S>{} : result;
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
 }
 
 /// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(vmax<S>(x, splat(S(-4))), splat(S(4)));
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
     const Vec<S> y = c * c;
     Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
     p = p * y + S(0.0002880411073313664);
@@ -3514,7 +3543,7 @@ MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
     q = q * y + S(1);
     return c * p / q;
   } else {
-    Vec<S> r;
+    Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
   }
@@ -3533,7 +3562,7 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
 
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r;
+  Vec<S> r{};
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
@@ -3542,7 +3571,7 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
   switch (act) {
     case Activation::none: return x;
-    case Activation::relu: return vmax<S>(x, Vec<S>{});
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
     case Activation::gelu: {
       const Vec<S> h = x * S(0.5);
       return h * verf<S>(x * S(0.70710678118654752)) + h;
@@ -3719,7 +3748,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
-      e.accumulate = block > 0 || g.accumulate;
+      e.accumulate = block > 0;
       for (Index j = j0; j < j1; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
@@ -3813,9 +3842,15 @@ MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_s
   }
 }
 
-/// Numbers of scratch that attention_head needs.
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class S>
-Index attention_scratch(Index queries, Index keys, Index width) {
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
   const Index pq = padded_panels<S>(queries) * panel_width<S>;
   return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
@@ -3915,7 +3950,7 @@ MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd)
   rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
 }
 
-/// y = (x + residual - mean) rstd weight + bias. `sum` (x + residual) may be y or nothing when there is no residual.
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
   constexpr int l = lanes<S>;
@@ -3982,7 +4017,7 @@ void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments
   }
 }
 
-/// y = softmax(scale x) for rows of n.
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
 template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
@@ -4005,13 +4040,6 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   Index i = 0;
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void exponential(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, vexp<S>(load(x + i)));
-  store_some(y + i, vexp<S>(load_some(x + i, n - i)), n - i);
 }
 template <class S>
 void error_function(const S* x, Index n, S* y) {
@@ -4066,6 +4094,7 @@ const Kernels<S>& table() {
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
       .attention_head = &attention_head<S>,
       .attention_head_vjp = &attention_head_vjp<S>,
       .dropout = &dropout<S>,
@@ -4075,7 +4104,6 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
-      .exponential = &exponential<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -4137,8 +4165,9 @@ const Kernels<S>& kernels() {
 /// A small pool of threads and `parallel_for`.
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin for a few microseconds after a task and then sleep, so that the many short
-/// regions of a transformer layer cost well below a microsecond each while an idle program costs nothing.
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
+/// program costs nothing.
 
 #include <condition_variable>  // sleeping workers
 #include <exception>           // exception_ptr: errors in tasks reach the caller
@@ -4374,19 +4403,15 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .dropout = options.dropout};
 }
 template <class S>
-Index attention_scratch(const Offsets& q, const Offsets& k, Index width) {
-  return kernels<S>().attention_scratch(q.longest(), k.longest(), width);
-}
-template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
+  const Scratch<S> scratch(kernels<S>().attention_scratch(k.longest(), t.width));
   parallel_for(q.count() * t.heads, [&](Index i) {
     if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch.mine());
   });
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(attention_scratch<S>(q, k, t.width));
+  const Scratch<S> scratch(kernels<S>().attention_vjp_scratch(q.longest(), k.longest(), t.width));
   parallel_for(q.count() * t.heads,
                [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }
@@ -4870,7 +4895,7 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 /// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
 ///          text cannot contain '#'
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
-///          interval that is empty or ends before it starts is refused unless `allow_empty` is set. Gaps between
+///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters
 
@@ -5181,8 +5206,9 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TimelineTextOptions {
-  double fps = 20;                     // frame = trunc(fps * seconds)
-  bool allow_empty = false;            // take intervals without a frame, as the published reader does
+  double fps = 20;  // frame = trunc(fps * seconds)
+  bool as_published =
+      false;  // take intervals without a frame, and texts without parts as they are; else those move all
   std::string_view name = "timeline";  // of the file, for messages
 };
 
@@ -5278,7 +5304,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
     }
   };
   BasicInterval<T> out{std::string(line.field(0)), time(1), time(2), line.parts(3)};
-  if (!(out.start < out.end) && !options.allow_empty) {
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
   }
   return out;
@@ -5341,14 +5368,16 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
   return std::move(all.front());
 }
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: a line has fewer than three
-/// fields. The published programs decide by this.
-inline bool is_text_list(std::string_view text) {
-  bool found = false;
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than three
+/// fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
+  Index lines = 0, short_lines = 0;
   detail::for_each_line(text, [&](std::string_view line, Index number) {
-    found = found || (!detail::trim(line).empty() && detail::TimelineLine(line, number, "").fields() < 3);
+    if (detail::trim(line).empty()) return;
+    ++lines;
+    short_lines += detail::TimelineLine(line, number, options.name).fields() < 3 ? 1 : 0;
   });
-  return found;
+  return short_lines > 0 && (options.as_published || short_lines == lines);
 }
 
 /// Lines "text # duration"; blank lines are skipped. Throws timeline_error 501, 502, 504, 507.
@@ -5361,7 +5390,7 @@ inline std::vector<TimedText> parse_text_list(std::string_view text, const Timel
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
-    if (frames <= 0 && !options.allow_empty) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
+    if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
     out.push_back({std::string(line.field(0)), frames});
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
@@ -5490,9 +5519,11 @@ struct Context {
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
 /// Member lists: what a module is made of, and how to walk over it.
 ///
-///     struct Linear { Tensor<B, 2> weight; Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
-///       } };
+///     struct Linear {
+///       Tensor<B, 2> weight;
+///       Tensor<B, 1> bias;
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+///     };
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
@@ -5620,11 +5651,9 @@ Index count_leaves(const M& module) {
 /// network may predict, converted into each other.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
-/// for t = 0),
-///                             abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
+///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
-/// and one
-///             addition per term in the order written: what the published code does, and what parity needs.
+///             and one addition per term in the order written: what the published code does, and what parity needs.
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP  // <motionlang/diffusion/respacing.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
@@ -5745,8 +5774,8 @@ struct CosineSchedule {
 };
 
 /// Chen (2023), what the thesis cites; no published checkpoint uses it.
-///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau),   alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)),
-///     clip_min, 1)
+///     v(u) = cos((u (end - start) + start) pi / 2)^(2 tau)
+///     alpha_bar(u) = clip((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1)
 struct ChenCosineSchedule {
   Index steps = 100;
   double start = 0, end = 1, tau = 1, clip_min = 1e-9;
@@ -5836,11 +5865,11 @@ class GaussianDiffusion {
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
-  /// Factor of the noise in an ancestral step.
+  /// Factor of the noise in an ancestral step; 0 at t = 0.
   double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const {
+    if (t == 0) return 0;
     if (scale == NoiseScale::posterior_variance)
       return variance == Variance::fixed_small ? posterior_variance(t) : large_variance(t);
-    if (t == 0) return 0;
     return std::exp(0.5 *
                     (variance == Variance::fixed_small ? posterior_log_variance(t) : std::log(large_variance(t))));
   }
@@ -6013,6 +6042,9 @@ struct DenoiserTraits {
   Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+
+  /// Frames that a crop may have; 0: any number.
+  Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
 };
 
 /// A network that cleans noisy sequences given a text for each.
@@ -6037,8 +6069,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-/// whose last
-///         digits depend on it. Throws config_error 101 for an odd width.
+///         whose last digits depend on it. Throws config_error 101 for an odd width.
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
@@ -6297,8 +6328,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     e = W2 silu(W1 pe[t])
 /// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
-/// the
-///         positions and belongs to the caller.
+///         the positions and belongs to the caller.
 template <Backend B>
 struct TimestepEmbedding {
   Linear<B> in, out;
@@ -6459,8 +6489,7 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-/// with a
-///         context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -6558,14 +6587,13 @@ struct MdmSmplConfig {
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
-/// the frames are read off its end. Source  Petrovich et al., "Multi-track timeline control" (2024), section 4.3;
-/// nv-tlabs/stmc src/model/mdm_smpl.py, whose
-///         state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-/// the
-///         batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
-/// Differs from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder; the
+/// frames are read off its end.
+/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py, whose
+///          state-dict keys (behind "denoiser.") are the field names
+/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of the
+///          batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
+/// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
   Tensor<B, 2> registers;  // (nb_registers, latent_dim)
@@ -6657,17 +6685,15 @@ struct MdmSmplDenoiser {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Like a pointer: the callable must outlive it.
+/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
   Progress() = default;
   template <class F>
-  requires(!std::is_same_v<std::remove_cvref_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
-      Progress(F&& f)
+  requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
+      Progress(F& f)
       : object_(const_cast<void*>(static_cast<const void*>(&f))),
-        call_([](void* object, Index done, Index total) -> bool {
-          return (*static_cast<std::remove_reference_t<F>*>(object))(done, total);
-        }) {}
+        call_([](void* object, Index done, Index total) -> bool { return (*static_cast<F*>(object))(done, total); }) {}
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
@@ -6767,10 +6793,12 @@ Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Networ
 /// One step of DDIM (Song et al. 2021, eq. 12): eta = 0 is deterministic, eta = 1 is ancestral sampling.
 ///     sigma = eta sqrt((1 - abarp) / (1 - abar)) sqrt(1 - abar / abarp)
 ///     x_{t-1} = sqrt(abarp) x0 + sqrt(1 - abarp - sigma^2) eps + [t > 0] sigma noise
+/// Throws config_error 101 unless 0 <= eta <= 1.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                               const Tensor<B, R>* noise, Index t, double eta, const StepOptions& options = {},
                               const Fix& fix = {}) {
+  if (!(eta >= 0 && eta <= 1)) raise<config_error>(101, "ddim_step: eta = ", eta, " is not in [0, 1]");
   const std::span<const Index> at(&t, 1);
   auto x0 = detail::clean_estimate(d, x, output, at, options, fix);
   const auto eps = eps_from_x0(d, x0, x, at);
@@ -7146,8 +7174,7 @@ Matrix3<S> to_matrix(const Quaternion<S>& q) {
 
 /// The quaternion with w >= 0 of a rotation matrix; accurate everywhere, also near half turns.
 /// Source  Shepperd (1978): divide by the largest of |w|, |x|, |y|, |z|. All four candidates are computed and one is
-/// chosen
-///         by where_less, so that SIMD lanes and tensors can do it, too.
+///         chosen by where_less, so that SIMD lanes and tensors can do it, too.
 template <class S>
 Quaternion<S> to_quaternion(const Matrix3<S>& r) {
   const S m00 = r(0, 0), m11 = r(1, 1), m22 = r(2, 2), zero = S(0), tiny = S(1e-12);
@@ -7211,8 +7238,8 @@ Quaternion<S> from_axis_angle(const Vec3<S>& axis, const S& angle) {
 }
 
 /// The shortest rotation vector (length at most pi). Right up to and at pi; smooth at 0.
-///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|;   for small n the factor is 2/w (1 - n^2 / (3
-///     w^2))
+///     v = 2 atan2(n, |w|) / n (x, y, z) sign(w),   n = |(x, y, z)|
+///     for small n the factor is 2/w (1 - n^2 / (3 w^2))
 template <class S>
 AxisAngle<S> to_axis_angle(const Quaternion<S>& q) {
   const S n2 = dot(q.vec(), q.vec()), small = S(1e-8), zero = S(0);
@@ -7331,14 +7358,15 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, numeric_error 301 on a value that is not finite.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
       raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
                          skeleton.size(), " joints");
     }
-    if (!(fps > 0)) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];
       if (!std::isfinite(r.x + r.y + r.z))
@@ -7346,10 +7374,11 @@ struct Motion {
     }
     for (std::size_t i = 0; i < local.size(); ++i) {
       const auto& q = local[i];
-      if (!std::isfinite(q.w + q.x + q.y + q.z)) {
+      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
+      if (!finite || dot(q, q) < 1e-12) {
         const std::size_t joints = skeleton.parents.size();
         raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
-                             i / joints, " is not finite");
+                             i / joints, finite ? " has length 0" : " is not finite");
       }
     }
   }
@@ -7545,7 +7574,6 @@ class WordPiece {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct CaptionEncoderConfig {
-  Index vocabulary = 1000;
   Index width = 128;
   Index heads = 4;
   Index d_ff = 256;
@@ -7616,10 +7644,10 @@ struct BatchPlan;
 enum class StmcMode { stmc, sinc, sinc_lerp };
 
 struct StmcOptions {
-  Index overlap = 10;     // frames around a cut, in total
-  double guidance = 2.5;  // weight of classifier-free guidance; 1: none
-  Index steps = 0;        // of sampling; 0: all of the process
-  SamplingOptions sampling{};
+  Index overlap = 10;                // frames around a cut, in total
+  std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
+  Index steps = 0;                   // of sampling; 0: all of the process
+  std::optional<SamplingOptions> sampling{};  // the model's own unless given
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
@@ -7638,6 +7666,9 @@ struct Stmc {
   Normalizer<B> motion_normalizer, text_normalizer;
   GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
   FeatureLayout layout = smplrifke_layout();
+  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  SamplingOptions sampling{};  // the same
+  double fps = 20;             // of its motions
 
   static constexpr auto fields() {
     return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
@@ -8618,9 +8649,15 @@ class Gradients {
  public:
   explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
 
-  /// Gradient of a variable; zeros if the loss does not depend on it.
+  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
+  /// the result of an operation: only variables have gradients.
   template <int R>
   Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto& node = variable.data().node;
+    if (node == nullptr || !node->variable) {
+      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
+                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
+    }
     const auto* g = find(variable.data());
     return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
   }
@@ -9135,6 +9172,15 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
   return cuts;
 }
 
+/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
+inline void check_crops(const TimelinePlan& plan, Index longest) {
+  for (const Crop& c : plan.crops) {
+    if (longest == 0 || c.range.size() <= longest) continue;
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
+                          " frames with its overlap; the denoiser accepts ", longest);
+  }
+}
+
 inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const Overlap& overlap,
                        const PlanOptions& options) {
   for (std::size_t i = 0; i < plan.timeline.intervals.size(); ++i) {
@@ -9144,11 +9190,7 @@ inline void make_crops(TimelinePlan& plan, const std::vector<Index>& cuts, const
   if (options.transition_crops) {
     for (Index cut : cuts) plan.crops.push_back({-1, overlap.window(cut, plan.frames)});
   }
-  for (const Crop& c : plan.crops) {
-    if (options.longest_crop == 0 || c.range.size() <= options.longest_crop) continue;
-    raise<timeline_error>(508, "plan_timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", options.longest_crop);
-  }
+  check_crops(plan, options.longest_crop);
 }
 
 /// For each stretch of a part: its extended frames are added from the crop of its owner; where it starts, the window of
@@ -9378,8 +9420,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     guided = null + w (cond - null)
 /// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
-/// predicts,
-///         before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
+///         predicts, before clipping, inpainting and stitching. With w = 1 the unconditional call can be left out.
 template <Backend B, int R>
 Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, double w) {
   return null + (cond - null) * w;
@@ -9403,8 +9444,7 @@ struct CollageStep {
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    crops whose text is "" go through the network once: both calls of guidance would give the same. Texts,
-/// offsets and
-///         index lists are prepared here, not in the loop.
+///         offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -9415,7 +9455,7 @@ class Collage {
           const TextFeatures<B>& null, double guidance)
       : denoiser_(&denoiser), plan_(std::move(plan)), layout_(std::move(layout)), guidance_(guidance) {
     const DenoiserTraits traits = denoiser.traits();
-    check_lengths(traits);
+    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
@@ -9456,16 +9496,6 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
-  void check_lengths(const DenoiserTraits& traits) const {
-    const Index longest = traits.crop_frames > 0 ? traits.crop_frames : traits.longest_crop;
-    for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) {
-        if (longest == 0 || c.range.size() <= longest) continue;
-        raise<timeline_error>(508, "Collage: '", p.text(c), "' needs a crop of ", c.range.size(),
-                              " frames with its overlap; the denoiser accepts ", longest);
-      }
-    }
-  }
   CropRows own_frames(Index crop_frames) const {
     CropRows out = CropRows::of(plan_);
     for (Index& row : out.rows) {  // the same frames in motions with more rows
@@ -9581,9 +9611,11 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 /// The 205-vector "smplrifke" of MDM-SMPL and STMC: forward, inverse, and from and to `Motion`. Index ranges of body
 /// parts are in layout.hpp.
 ///
-///     0        height of the pelvis above the lowest joint of the clip      1:3  its velocity x, y, seen from the body
-///     3        turn of the heading to the next frame                        4:136  22 rotations as 6D rows
-///     (rotation6d.hpp) 136:205  joints 1 ... 23 relative to the pelvis, seen from the body
+///     0        height of the pelvis above the lowest joint of the clip
+///     1:3      its velocity x, y, seen from the body
+///     3        turn of the heading to the next frame
+///     4:136    22 rotations as 6D rows (rotation6d.hpp)
+///     136:205  joints 1 ... 23 relative to the pelvis, seen from the body
 /// World: Z up, metres, radians; velocities and turns per frame (the models use 20 frames per second).
 /// Source   STMC (Petrovich et al. 2024), src/tools/smplrifke_feats.py
 
@@ -10026,7 +10058,8 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 
 /// features  (frames, 205)
 /// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
-/// nor is what heading the first rotation contains. Throws    shape_error 205 if the size is no multiple of 205
+/// nor is what heading the first rotation contains.
+/// Throws    shape_error 205 if the size is no multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
   if (features.size() % smplrifke_size != 0) {
@@ -10125,15 +10158,16 @@ template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
+  const DenoiserTraits traits = denoiser.traits();
   const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
                                                     .extend = !hard_cuts,
                                                     .transition_crops = !hard_cuts,
                                                     .gaps = options.gaps,
-                                                    .hidden = options.hidden});
-  const DenoiserTraits traits = denoiser.traits();
+                                                    .hidden = options.hidden,
+                                                    .longest_crop = traits.longest()});
   const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
   const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                              options.guidance);
+                              options.guidance.value_or(guidance));
   const auto sequences = static_cast<Index>(sampled.timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -10141,8 +10175,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  auto x0 =
-      sample_collage<B>(collage, process(options.steps), traits.prediction, rows, options.sampling, options.progress);
+  auto x0 = sample_collage<B>(collage, process(options.steps), traits.prediction, rows,
+                              options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
     x0 = stitch_independent(plan, x0, stride);
@@ -10224,7 +10258,10 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .motion_normalizer = convert<To>(m.motion_normalizer),
           .text_normalizer = convert<To>(m.text_normalizer),
           .diffusion = m.diffusion,
-          .layout = m.layout};
+          .layout = m.layout,
+          .guidance = m.guidance,
+          .sampling = m.sampling,
+          .fps = m.fps};
 }
 
 /// Weights packed for inference. The model must not be changed afterwards.
@@ -10314,11 +10351,14 @@ inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c
       {"denoiser.num_layers", text(c.denoiser.num_layers)},
       {"denoiser.num_heads", text(c.denoiser.num_heads)},
       {"denoiser.nb_registers", text(c.denoiser.nb_registers)},
+      {"denoiser.activation", std::string(to_string(c.denoiser.activation))},
+      {"denoiser.max_len", text(c.denoiser.max_len)},
       {"text.width", text(c.text.width)},
       {"text.heads", text(c.text.heads)},
       {"text.d_ff", text(c.text.d_ff)},
       {"text.layers", text(c.text.layers)},
       {"text.out", text(c.text.out)},
+      {"text.longest", text(c.text.longest)},
       {"text.vocabulary", vocabulary},
       {"diffusion.schedule", "cosine"},
       {"diffusion.steps", text(c.diffusion_steps)},
@@ -10339,8 +10379,12 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   }
   const std::string scale = detail::metadata_text(m, "diffusion.noise_scale", "posterior_std");
   if (scale != "posterior_std" && scale != "posterior_variance")
-    raise<config_error>(103, name, ": diffusion.noise_scale '", scale, "' is neither posterior_std nor posterior_variance");
+    raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
+                        "' is neither posterior_std nor posterior_variance");
   auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
+  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
+    return m.contains(key) ? size(key, largest) : otherwise;
+  };
   auto heads = [&](const std::string& key, Index width) {
     const Index n = size(key, 256);
     if (width % n != 0 || width % 2 != 0)
@@ -10350,7 +10394,8 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
-    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features, " features");
+    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features,
+                        " features");
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
@@ -10361,7 +10406,13 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.text.d_ff = size("text.d_ff", 32768);
   c.text.layers = size("text.layers", 256);
   c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
-  c.diffusion_steps = size("diffusion.steps", 100000);
+  const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
+  if (activation != "gelu" && activation != "relu")
+    raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
+  c.denoiser.activation = parse_activation(activation);
+  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
+  c.text.longest = size_or("text.longest", 8192, c.text.longest);
+  c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
   c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
@@ -10378,7 +10429,10 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .motion_normalizer = Normalizer<B>::identity(c.denoiser.nfeats),
           .text_normalizer = Normalizer<B>::identity(c.denoiser.tx_dim),
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
-          .layout = smplrifke_layout()};
+          .layout = smplrifke_layout(),
+          .guidance = c.guidance,
+          .sampling = {.noise_scale = c.noise_scale},
+          .fps = c.fps};
 }
 
 /// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
@@ -10422,14 +10476,19 @@ Stmc<B> load_stmc(const FilePath& path) {
   return load_stmc<B>(SafetensorsFile::open(path));
 }
 
-/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit.
+/// Writes a model. `about` is added to the metadata: license, provenance, data, command, commit. Throws io_error 401,
+/// config_error 102 if `about` would change what the model is.
 template <Backend B>
 void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig& config,
                const std::map<std::string, std::string>& about, DType dtype = DType::F16) {
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
-  for (const auto& [key, value] : about) metadata[key] = value;
+  for (const auto& [key, value] : about) {
+    if (!metadata.emplace(key, value).second)
+      raise<config_error>(102, path.string(), ": metadata '", key,
+                          "' belongs to the model, not to what is told about it");
+  }
   write_safetensors(path, store.views(), metadata);
 }
 
