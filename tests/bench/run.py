@@ -40,7 +40,7 @@ def main():
     parser.add_argument("--threads", default="2")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("works", nargs="*", default=[])
-    a = parser.parse_args()
+    a = parser.parse_intermixed_args()
     works = a.works or ["mdm_step", "mdm_ragged", "train_mdm", "fk"]
     environment = fastest_environment(a.threads)
     print("torch with", {k: v for k, v in environment.items() if k.startswith(("OPENBLAS_", "ATEN"))})
