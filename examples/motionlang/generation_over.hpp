@@ -11,8 +11,7 @@ namespace program {
 template <ml::Backend B>
 class GeneratorOver final : public Generator {
  public:
-  explicit GeneratorOver(const std::filesystem::path& file)
-      : file_(ml::SafetensorsFile::open(file)), model_(ml::load_stmc<B>(file_)) {}
+  explicit GeneratorOver(const std::filesystem::path& file) : model_(ml::load_stmc<B>(file)) {}
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
@@ -46,7 +45,6 @@ class GeneratorOver final : public Generator {
     };
   }
 
-  ml::SafetensorsFile file_;
   ml::Stmc<B> model_;
 };
 

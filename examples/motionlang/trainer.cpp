@@ -39,17 +39,12 @@ constexpr Index summary_size = 2 * ml::smplrifke_size;
 
 /// Mean and deviation over time of every normalised feature of rows (frames, 205).
 void append_summary(std::vector<float>& out, std::span<const float> rows) {
-  const auto width = static_cast<std::size_t>(ml::smplrifke_size), frames = rows.size() / width;
-  std::vector<float> deviations;
-  for (std::size_t j = 0; j < width; ++j) {
-    double sum = 0, squares = 0;
-    for (std::size_t f = 0; f < frames; ++f) sum += rows[f * width + j];
-    const double mean = sum / static_cast<double>(frames);
-    for (std::size_t f = 0; f < frames; ++f) squares += (rows[f * width + j] - mean) * (rows[f * width + j] - mean);
-    out.push_back(static_cast<float>(mean));
-    deviations.push_back(static_cast<float>(std::sqrt(squares / static_cast<double>(frames))));
-  }
-  out.insert(out.end(), deviations.begin(), deviations.end());
+  ml::FeatureStatistics statistics;
+  statistics.add(rows, ml::smplrifke_size);
+  const auto n = static_cast<double>(statistics.count());
+  for (double mean : statistics.mean()) out.push_back(static_cast<float>(mean));
+  for (double unbiased : statistics.standard_deviation())
+    out.push_back(static_cast<float>(unbiased * std::sqrt((n - 1) / n)));
 }
 
 /// The moments of an optimiser in a checkpoint, behind `prefix`.
