@@ -148,6 +148,10 @@ void add_train(CLI::App& app) {
   c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")->capture_default_str();
   c->add_option("--velocity-weight", o->config.velocity_weight, "Weight of the loss on frame differences")
       ->capture_default_str();
+  c->add_option("--root-weight", o->config.root_weight, "Weight of the features that move the root")
+      ->capture_default_str();
+  c->add_option("--foot-weight", o->config.foot_weight, "Weight of the loss on the velocity of the feet")
+      ->capture_default_str();
   c->add_option("--text-weight", o->config.text_weight,
                 "Weight of the loss that asks captions for a summary of their motion")
       ->capture_default_str();

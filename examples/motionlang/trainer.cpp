@@ -7,6 +7,8 @@
 #include <motionlang/optim/ema.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
 
+#include "foot_loss.hpp"
+
 namespace program {
 
 using ml::Index;
@@ -35,16 +37,32 @@ ml::Normalizer<B> measure(const TrainingSet& data, const TrainingConfig& config)
   return {ml::Tensor<B, 1>::from(mean, {std::ssize(mean)}), ml::Tensor<B, 1>::from(std, {std::ssize(std)})};
 }
 
-constexpr Index summary_size = 2 * ml::smplrifke_size;
+constexpr Index summary_parts = 4, summary_size = (summary_parts + 1) * ml::smplrifke_size;
 
-/// Mean and deviation over time of every normalised feature of rows (frames, 205).
+/// What a caption should tell about rows (frames, 205) of normalised features: the mean of every feature over each quarter of the
+/// time ("sit down" is not "sit"), and its deviation over all of it.
 void append_summary(std::vector<float>& out, std::span<const float> rows) {
-  ml::FeatureStatistics statistics;
-  statistics.add(rows, ml::smplrifke_size);
-  const auto n = static_cast<double>(statistics.count());
-  for (double mean : statistics.mean()) out.push_back(static_cast<float>(mean));
-  for (double unbiased : statistics.standard_deviation())
-    out.push_back(static_cast<float>(unbiased * std::sqrt((n - 1) / n)));
+  const Index frames = std::ssize(rows) / ml::smplrifke_size;
+  ml::FeatureStatistics all;
+  for (Index k = 0; k < summary_parts; ++k) {
+    const Index first = frames * k / summary_parts, last = std::max(first + 1, frames * (k + 1) / summary_parts);
+    const auto quarter = rows.subspan(static_cast<std::size_t>(first * ml::smplrifke_size),
+                                      static_cast<std::size_t>((last - first) * ml::smplrifke_size));
+    ml::FeatureStatistics part;
+    part.add(quarter, ml::smplrifke_size);
+    for (double mean : part.mean()) out.push_back(static_cast<float>(mean));
+  }
+  all.add(rows, ml::smplrifke_size);
+  const auto n = static_cast<double>(all.count());
+  for (double unbiased : all.standard_deviation()) out.push_back(static_cast<float>(unbiased * std::sqrt((n - 1) / n)));
+}
+
+/// Four numbers say where the figure goes, 201 how it holds itself: the four count more. (205), mean of the squares about 1.
+template <ml::Backend B>
+ml::Tensor<B, 1> feature_weights(double root_weight) {
+  std::vector<typename B::scalar> weights(ml::smplrifke_size, 1);
+  std::fill_n(weights.begin(), 4, static_cast<typename B::scalar>(std::sqrt(root_weight)));
+  return ml::Tensor<B, 1>::from(weights, {ml::smplrifke_size});
 }
 
 /// The moments of an optimiser in a checkpoint, behind `prefix`.
@@ -169,14 +187,19 @@ double Trainer::step() {
   const auto text = ml::TextFeatures<A>::pooled(model_.text_encoder(captions, context));
   const auto out =
       model_.denoiser(ml::Sequences<A>(ml::q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
-  auto loss = ml::mse(out, x0);
+  const auto error = (out - x0) * feature_weights<A>(config_.root_weight);
+  auto loss = ml::mean(ml::square(error));
   if (config_.velocity_weight > 0) {  // differences between frames that follow each other in a sequence
     std::vector<Index> now, next;
     for (Index s = 0; s < offsets.count(); ++s) {
       for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
     }
-    const auto error = out - x0;
     loss = loss + ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))) * config_.velocity_weight;
+  }
+  if (config_.foot_weight > 0) {
+    const auto truth = ml::Tensor<B, 2>::from(values, {offsets.rows(), ml::smplrifke_size});
+    loss = loss + foot_velocity_loss<A>(model_.motion_normalizer.denormalize(out), truth, offsets, training_fps) *
+                      config_.foot_weight;
   }
   if (config_.text_weight > 0) {
     std::vector<float> wanted;
@@ -215,6 +238,8 @@ std::map<std::string, std::string> Trainer::settings() const {
   add("clip_norm", config_.clip_norm);
   add("ema", config_.ema);
   add("velocity_weight", config_.velocity_weight);
+  add("root_weight", config_.root_weight);
+  add("foot_weight", config_.foot_weight);
   add("text_weight", config_.text_weight);
   add("text_steps", config_.text_steps);
   add("dropout", config_.model.denoiser.dropout);
@@ -222,7 +247,8 @@ std::map<std::string, std::string> Trainer::settings() const {
   add("seed", config_.seed);
   add("samples", ml::concat_text(config_.samples.shortest, " to ", config_.samples.longest, " frames, no text ",
                                  config_.samples.no_text, ", composed ", config_.samples.compose, ", mirrored ",
-                                 config_.samples.mirror, ", speed ", config_.samples.speed));
+                                 config_.samples.mirror, ", speed ", config_.samples.speed, ", tempo ",
+                                 config_.samples.tempo, ", reversed ", config_.samples.reverse));
   return out;
 }
 

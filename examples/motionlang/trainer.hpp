@@ -27,6 +27,8 @@ struct TrainingConfig {
   double clip_norm = 1;
   double ema = 0.999;
   double velocity_weight = 1;   // of the loss on differences between neighbouring frames
+  double root_weight = 8;       // of the four numbers that move the figure, against 1 for each of the others
+  double foot_weight = 0.2;     // of the loss on the velocity of the feet, (m/s)^2
   double text_weight = 0.2;     // of the loss that asks a caption's vector for a summary of the motion
   ml::Index text_steps = 3000;  // of the text encoder alone, before the denoiser is trained
   std::uint64_t seed = 1;

@@ -18,8 +18,6 @@ using ml::Index;
 
 namespace {
 
-constexpr double training_fps = 20;
-
 std::vector<std::string> split(std::string_view line, std::string_view separator) {
   std::vector<std::string> out;
   for (std::size_t at = 0; at <= line.size();) {
@@ -82,6 +80,56 @@ ml::Motion read_clip(const std::filesystem::path& data, const std::string& name)
   ml::raise<ml::io_error>(401, "no ", bvh.string(), " and no ", amc.string());
 }
 
+/// The caption word by word, each replaced by what `other` makes of it.
+template <class Other>
+std::string word_by_word(const std::string& caption, Other other) {
+  std::string out, word;
+  auto flush = [&] {
+    out += other(word);
+    word.clear();
+  };
+  for (char c : caption) {
+    if (c >= 'a' && c <= 'z')
+      word += c;
+    else
+      flush(), out += c;
+  }
+  flush();
+  return out;
+}
+
+bool has_word(const std::string& caption, std::initializer_list<std::string_view> beginnings) {
+  bool found = false;
+  word_by_word(caption, [&](const std::string& word) {
+    for (std::string_view b : beginnings) found = found || (!word.empty() && word.starts_with(b));
+    return word;
+  });
+  return found;
+}
+
+/// Whether a foot stays within 6 cm of the lowest point of the clip at every moment.
+bool stays_on_the_ground(const ml::Motion& motion) {
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  double floor = 1e9, highest = 0;
+  for (const auto& p : positions) floor = std::min(floor, p.y);
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto* at = positions.data() + f * joints;
+    highest = std::max(highest, std::min(at[10].y, at[11].y) - floor);
+  }
+  return highest < 0.06;
+}
+
+ml::Motion reversed(const ml::Motion& motion) {
+  ml::Motion out = motion;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Index from = motion.frames() - 1 - f;
+    out.root[static_cast<std::size_t>(f)] = motion.root_at(from);
+    std::ranges::copy(motion.rotations(from), out.rotations(f).begin());
+  }
+  return out;
+}
+
 ml::BodyParts arms() { return ml::BodyParts{}.with(ml::BodyPart::left_arm).with(ml::BodyPart::right_arm); }
 
 }  // namespace
@@ -93,20 +141,19 @@ std::string mirrored_caption(const std::string& caption) {
                                                         {"counterclockwise", "clockwise"},
                                                         {"leftwards", "rightwards"},
                                                         {"rightwards", "leftwards"}};
-  std::string out, word;
-  auto flush = [&] {
+  return word_by_word(caption, [](const std::string& word) {
     const auto found = other.find(word);
-    out += found == other.end() ? word : found->second;
-    word.clear();
-  };
-  for (char c : caption) {
-    if (c >= 'a' && c <= 'z')
-      word += c;
-    else
-      flush(), out += c;
-  }
-  flush();
-  return out;
+    return found == other.end() ? word : found->second;
+  });
+}
+
+std::optional<std::string> reversed_caption(const std::string& caption) {
+  if (!has_word(caption, {"forward", "ahead"}) || !has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll"}) ||
+      has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb", "lean", "without"}))
+    return std::nullopt;
+  return word_by_word(caption, [](const std::string& word) -> std::string {
+    return word.starts_with("forward") || word == "ahead" ? "backwards" : word;
+  });
 }
 
 TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data,
@@ -128,6 +175,7 @@ TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::files
                               last - first, " frames");
     Segment s{line.clip, ml::crop(clip, first, last), line.parts, line.captions, {}};
     s.loop = ml::find_loop(s.motion, 12);
+    s.grounded = stays_on_the_ground(s.motion);
     segments_.push_back(std::move(s));
   }
   for (std::size_t i = 0; i < segments_.size(); ++i) {
@@ -152,13 +200,13 @@ std::vector<std::string> TrainingSet::all_captions() const {
       out.push_back(mirrored_caption(c));
     }
   }
-  out.emplace_back("while and then");  // words that composing adds
+  out.emplace_back("while and slowly quickly backwards");  // words that samples add
   return out;
 }
 
-ml::Motion TrainingSet::variant(const Segment& s, Index frames, bool mirrored, ml::Philox& rng,
+ml::Motion TrainingSet::variant(const Segment& s, Index frames, bool mirrored, double tempo, ml::Philox& rng,
                                 const SampleOptions& options) const {
-  const double factor = 1 + options.speed * (2 * rng.uniform() - 1);
+  const double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
   const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed
   ml::Motion m = s.motion;
   if (s.loop && m.frames() < wanted) m = ml::go_round(m, *s.loop, wanted);
@@ -189,7 +237,7 @@ Sample TrainingSet::draw(ml::Philox rng, const SampleOptions& options) const {
   ml::Motion motion;
   if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
     const Segment &base = pick(bases_, rng), &overlay = pick(overlays_, rng);
-    const auto with = variant(overlay, frames, mirrored, rng, options);
+    const auto with = variant(overlay, frames, mirrored, 1, rng, options);
     ml::BodyParts parts = overlay.parts;
     if (mirrored) {
       const bool left = parts.has(ml::BodyPart::left_arm), right = parts.has(ml::BodyPart::right_arm);
@@ -197,7 +245,7 @@ Sample TrainingSet::draw(ml::Philox rng, const SampleOptions& options) const {
       if (left) parts = parts.with(ml::BodyPart::right_arm);
       if (right) parts = parts.with(ml::BodyPart::left_arm);
     }
-    motion = ml::overlay_parts(variant(base, with.frames(), mirrored, rng, options), with, parts);
+    motion = ml::overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
     const double which = rng.uniform();
     const std::string about_arms = caption_of(overlay), about_legs = caption_of(base);
     sample.caption = which < 0.45   ? about_arms
@@ -206,8 +254,19 @@ Sample TrainingSet::draw(ml::Philox rng, const SampleOptions& options) const {
                                     : about_arms + " and " + about_legs;
   } else {
     const Segment& s = pick(all_, rng);
-    motion = variant(s, frames, mirrored, rng, options);
     sample.caption = caption_of(s);
+    double tempo = 1;
+    if (s.grounded && rng.uniform() < options.tempo && !has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
+      const bool slow = rng.uniform() < 0.5;
+      tempo = slow ? 0.6 : 1.6;
+      sample.caption += slow ? " slowly" : " quickly";
+    }
+    const auto backwards = s.loop && s.grounded ? reversed_caption(sample.caption) : std::nullopt;
+    motion = variant(s, frames, mirrored, tempo, rng, options);
+    if (backwards && rng.uniform() < options.reverse) {
+      motion = reversed(motion);
+      sample.caption = *backwards;
+    }
   }
   if (motion.frames() < 4) return draw(rng.split("again"), options);
   if (rng.uniform() < options.no_text) sample.caption.clear();

@@ -23,6 +23,7 @@ struct Segment {
   ml::BodyParts parts;  // that the captions are about
   std::vector<std::string> captions;
   std::optional<ml::Loop> loop;  // for going on longer than the recording
+  bool grounded = true;          // never in the air, so that it may be played slower or faster
 };
 
 /// What the network is trained on: features (frames, 205), not normalised, and a caption.
@@ -32,12 +33,16 @@ struct Sample {
   std::string caption;
 };
 
+inline constexpr double training_fps = 20;
+
 struct SampleOptions {
   ml::Index shortest = 16, longest = 196;  // frames
   double no_text = 0.1;                    // probability of the caption ""
-  double compose = 0.5;                    // probability that the arms come from another segment
+  double compose = 0.35;                   // probability that the arms come from another segment
   double mirror = 0.5;
-  double speed = 0.2;  // factors 1 - speed ... 1 + speed
+  double speed = 0.2;    // factors 1 - speed ... 1 + speed
+  double tempo = 0.15;   // probability of half as fast or nearly twice as fast, and the caption says so
+  double reverse = 0.3;  // probability that steady walking ahead is played backwards, and the caption says so
 };
 
 class TrainingSet {
@@ -53,13 +58,14 @@ class TrainingSet {
 
   /// A sample that depends on the generator only:
   ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
+  ///   - slower or faster, or backwards in time, where the caption can say so;
   ///   - or, as SINC composes its training data, a segment about the legs with the arms of a segment about the arms, under the
   ///     caption of either or of both;
   ///   - with the caption "" instead, now and then.
   Sample draw(ml::Philox rng, const SampleOptions& options) const;
 
  private:
-  ml::Motion variant(const Segment& s, ml::Index frames, bool mirrored, ml::Philox& rng,
+  ml::Motion variant(const Segment& s, ml::Index frames, bool mirrored, double tempo, ml::Philox& rng,
                      const SampleOptions& options) const;
   const Segment& pick(const std::vector<std::size_t>& list, ml::Philox& rng) const {
     return segments_[list[rng.below(static_cast<std::uint32_t>(list.size()))]];
@@ -68,6 +74,10 @@ class TrainingSet {
   std::vector<Segment> segments_;
   std::vector<std::size_t> all_, bases_, overlays_;  // bases: nothing about the arms; overlays: only arms, head, spine
 };
+
+/// What a caption becomes when steady walking is played backwards in time: "forward" and "ahead" are "backwards". Nothing for
+/// captions that do not say where the walking goes, and for those that say more than that.
+std::optional<std::string> reversed_caption(const std::string& caption);
 
 /// "left" and "right", "clockwise" and "counterclockwise" exchanged, word by word.
 std::string mirrored_caption(const std::string& caption);

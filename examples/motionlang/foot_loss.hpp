@@ -1,0 +1,93 @@
+// A loss on where the feet go: what keeps them from sliding under the figure.
+#pragma once
+
+#include <array>
+
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/tensor/sequences.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+/// Pelvis and legs of SMPL's skeleton; the last four joints, ankles and toes, are the feet.
+inline constexpr std::array leg_joints{0, 1, 2, 4, 5, 7, 8, 10, 11};
+inline constexpr ml::Index foot_values = 12;  // four joints, x y z
+
+inline const ml::Skeleton& leg_skeleton() {
+  static const ml::Skeleton skeleton = [] {
+    ml::Skeleton legs;
+    for (const int j : leg_joints) {
+      const auto at = static_cast<std::size_t>(j);
+      const auto parent = std::find(leg_joints.begin(), leg_joints.end(), ml::smpl24_skeleton().parents[at]);
+      legs.names.push_back(ml::smpl24_skeleton().names[at]);
+      legs.parents.push_back(j == 0 ? -1 : static_cast<int>(parent - leg_joints.begin()));
+      legs.offsets.push_back(ml::smpl24_skeleton().offsets[at]);
+    }
+    return legs;
+  }();
+  return skeleton;
+}
+
+/// Ankles and toes relative to the pelvis, seen from the body, by the rotations in 205-vectors (rows, 205) -> (rows, 12).
+template <ml::Backend B>
+ml::Tensor<B, 2> feet_of(const ml::Tensor<B, 2>& features) {
+  const ml::Index rows = features.size(0), joints = std::ssize(leg_joints);
+  std::vector<ml::Tensor<B, 2>> rotations;
+  for (const int j : leg_joints) rotations.push_back(slice(features, 1, 4 + 6 * j, 10 + 6 * j));
+  const auto rot6d = ml::reshape<4>(ml::concat(std::span<const ml::Tensor<B, 2>>(rotations), 1), {1, rows, joints, 6});
+  const auto places =
+      ml::forward_kinematics(leg_skeleton(), ml::lanes(rot6d, ml::Tensor<B, 3>::zeros({1, rows, 3})));
+  return ml::reshape<2>(ml::slice(places, 2, joints - foot_values / 3, joints), {rows, foot_values});
+}
+
+/// Mean square of the error of the feet's velocity in the world, in metres per second, as MDM's geometric losses (Tevet et al.
+/// 2023, eq. 4 and 5) but with the path of the root in it. Feet that stand in `truth` count five times.
+///     V = (v + Rz(turn) p' - p, z' + p'_z - z - p_z),   p: foot, p': in the next frame, v: the root's velocity
+/// To first order in the error of `turn`. features, truth: (rows, 205), not normalised.
+template <ml::AutodiffBackend A>
+ml::Tensor<A, 0> foot_velocity_loss(const ml::Tensor<A, 2>& features, const ml::Tensor<typename A::inner, 2>& truth,
+                                    const ml::Offsets& offsets, double fps) {
+  using B = typename A::inner;
+  using S = typename B::scalar;
+  std::vector<ml::Index> now, next;
+  for (ml::Index s = 0; s < offsets.count(); ++s)
+    for (ml::Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
+
+  // what the feet truly do, and how much each number weighs
+  const auto true_feet = feet_of(truth);
+  const auto feet = true_feet.span(), root = truth.span();
+  std::vector<S> lever, weight;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const auto* r = root.data() + now[i] * ml::smplrifke_size;
+    for (ml::Index k = 0; k < foot_values; k += 3) {
+      const auto *p = feet.data() + now[i] * foot_values + k, *q = feet.data() + next[i] * foot_values + k;
+      const S vx = r[1] + q[0] - r[3] * q[1] - p[0], vy = r[2] + q[1] + r[3] * q[0] - p[1];
+      const S w = std::hypot(vx, vy) * static_cast<S>(fps) < S(0.4) ? std::sqrt(S(5)) : S(1);
+      lever.insert(lever.end(), {-q[1], q[0], S(0)});
+      weight.insert(weight.end(), {w, w, w});
+    }
+  }
+  const ml::Shape shape{std::ssize(now), foot_values};
+
+  // columns of the root's error to the twelve numbers
+  std::vector<S> here(4 * foot_values), there(4 * foot_values), turn(4 * foot_values);
+  for (std::size_t k = 0; k < foot_values; k += 3) {
+    here[1 * foot_values + k] = here[2 * foot_values + k + 1] = 1;
+    here[k + 2] = -1, there[k + 2] = 1;
+    for (std::size_t c = 0; c < 3; ++c) turn[3 * foot_values + k + c] = 1;
+  }
+  auto constant = [](const std::vector<S>& values, const ml::Shape& s) { return ml::Tensor<A, 2>::from(values, s); };
+  const ml::Shape four{4, foot_values};
+  const auto error = feet_of(features) - ml::Tensor<A, 2>::from(feet, true_feet.shape());
+  const auto root_error = ml::slice(features, 1, 0, 4) -
+                          ml::slice(ml::Tensor<A, 2>::from(root, truth.shape()), 1, 0, 4);
+  const auto root_now = ml::gather(root_error, now);
+  const auto velocity = ml::gather(error, next) - ml::gather(error, now) + ml::matmul(root_now, constant(here, four)) +
+                        ml::matmul(ml::gather(root_error, next), constant(there, four)) +
+                        ml::matmul(root_now, constant(turn, four)) * constant(lever, shape);
+  return ml::mean(ml::square(velocity * constant(weight, shape))) * (fps * fps);
+}
+
+}  // namespace program
