@@ -94,6 +94,8 @@ void add_generate(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--noise", o->settings.noise_file,
                 "safetensors file with noise/000 (initial), noise/001, ... instead of the seed");
+  c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Feet that stand do not slide; on unless switched off")
+      ->capture_default_str();
   c->add_option("--backend", o->backend, "What to calculate with")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();

@@ -3,6 +3,7 @@
 
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/io/stmc_file.hpp>
+#include <motionlang/kinematics/foot_lock.hpp>
 
 #include "generation.hpp"
 
@@ -28,7 +29,10 @@ class GeneratorOver final : public Generator {
     const auto features = s.noise_file.empty() ? model_.generate(timelines, ml::Philox{.seed = s.seed}, options)
                                                : model_.generate_from(timelines, noise_from(s.noise_file), options);
     std::vector<ml::Motion> motions;
-    for (const auto& f : features) motions.push_back(ml::stmc_motion(f, model_.fps));
+    for (const auto& f : features) {
+      const auto motion = ml::stmc_motion(f, model_.fps);
+      motions.push_back(s.fix_feet ? ml::fix_feet(motion) : motion);
+    }
     return motions;
   }
   double fps() const override { return model_.fps; }

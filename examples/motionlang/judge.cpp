@@ -184,6 +184,8 @@ void add_judge(CLI::App& app) {
   c->add_option("--sampler", o->settings.sampler, "ddpm or ddim")
       ->check(CLI::IsMember({"ddpm", "ddim"}))
       ->capture_default_str();
+  c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Feet that stand do not slide; on unless switched off")
+      ->capture_default_str();
   c->add_option("--backend", o->backend, "eigen, xtensor or reference")->capture_default_str();
   c->add_flag("--details", o->details, "Print the measurements of every motion");
   c->callback([o] { run(*o); });

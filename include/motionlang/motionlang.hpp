@@ -55,8 +55,11 @@
 
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/foot_contact.hpp>
+#include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>
 #include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>

@@ -8,7 +8,7 @@
 #include <vector>     // lengths
 
 #include <motionlang/geometry/vec.hpp>
-#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/foot_contact.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -30,15 +30,6 @@ struct JointTracks {
     if (!(fps > 0)) raise<config_error>(101, "JointTracks: frame rate ", fps);
   }
 };
-
-/// A joint that may touch the floor, and the height below which it does.
-struct ContactJoint {
-  int joint = 0;
-  double height = 0.05;  // metres above the floor
-};
-/// Ankles and toes of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm
-/// high.
-inline constexpr ContactJoint smpl_contact_joints[] = {{7, 0.10}, {8, 0.10}, {10, 0.05}, {11, 0.05}};
 
 struct FootSkate {
   double speed = 0;    // mean horizontal speed of joints in contact, m/s; divide by fps for metres per frame

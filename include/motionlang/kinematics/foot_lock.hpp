@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs are
+/// predicted side by side and agree only nearly.
+///
+///     Motion steady = fix_feet(motion);      // path_from_feet, then lock_feet
+#pragma once
+
+#include <optional>  // frames in the air
+
+#include <motionlang/kinematics/foot_contact.hpp>
+#include <motionlang/kinematics/limb_ik.hpp>
+#include <motionlang/kinematics/smoothing.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A leg and its toe.
+struct Leg {
+  Limb limb;
+  int toe = 0;
+};
+inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
+
+struct FootFixOptions {
+  double floor = 0;
+  double ankle_height = 0.10, toe_height = 0.05;  // below: in contact
+  double speed = 0.5;      // m/s; a foot that slides faster is taken to swing
+  double path_sigma = 1.5; // frames; smoothness of the correction of the path
+  Index blend = 4;         // frames before and after a contact in which the leg comes and goes
+};
+
+namespace detail {
+
+/// Horizontal way of a joint from each frame to the next while it is below `height` in both; otherwise not `low`.
+struct Slide {
+  bool low = false;
+  Vec3<double> step{};
+  double length() const { return norm(step); }
+};
+inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, int joint, double height) {
+  const auto a = positions[static_cast<std::size_t>(frame * joints + joint)],
+             b = positions[static_cast<std::size_t>((frame + 1) * joints + joint)];
+  return {std::max(a.y, b.y) < height, {b.x - a.x, 0, b.z - a.z}};
+}
+
+}  // namespace detail
+
+/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
+/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
+inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                             const FootFixOptions& options = {}) {
+  const Index joints = motion.skeleton.size(), steps = motion.frames() - 1;
+  if (steps < 1) return motion;
+  const auto positions = motion.positions();
+  std::vector<double> wanted;  // (steps, 3): x, z, weight
+  for (Index f = 0; f < steps; ++f) {
+    std::optional<detail::Slide> slowest;
+    for (const Leg& leg : legs) {
+      for (const auto& [joint, height] : {std::pair{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}) {
+        const auto s = detail::slide(positions, joints, f, joint, options.floor + height);
+        if (s.low && (!slowest || s.length() < slowest->length())) slowest = s;
+      }
+    }
+    if (slowest)
+      wanted.insert(wanted.end(), {slowest->step.x, slowest->step.z, 1.0});
+    else
+      wanted.insert(wanted.end(), {0.0, 0.0, 0.0});
+  }
+  const auto smooth = gaussian_smooth(std::span<const double>(wanted), 3, options.path_sigma);
+  Motion out = motion;
+  Vec3<double> moved{};
+  for (Index f = 0; f < steps; ++f) {
+    const double* s = smooth.data() + 3 * f;
+    const double weight = std::max(s[2], 0.25);  // few contacts near: less
+    moved = moved - Vec3<double>{s[0] / weight, 0, s[1] / weight};
+    auto& root = out.root[static_cast<std::size_t>(f) + 1];
+    root = root + moved;
+  }
+  return out;
+}
+
+/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out and in.
+inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {}) {
+  const Index joints = motion.skeleton.size(), frames = motion.frames();
+  if (frames < 2) return motion;
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) {
+    // held[f]: the foot stands from frame f to f + 1; step: how far it slides meanwhile
+    std::vector<std::uint8_t> held(static_cast<std::size_t>(frames), 0);
+    std::vector<Vec3<double>> step(held.size()), offset(held.size());
+    for (Index f = 0; f + 1 < frames; ++f) {
+      const auto ankle = detail::slide(positions, joints, f, leg.limb.end, options.floor + options.ankle_height),
+                 toe = detail::slide(positions, joints, f, leg.toe, options.floor + options.toe_height);
+      const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
+      const auto at = static_cast<std::size_t>(f);
+      if (pivot.low && pivot.length() * motion.fps < options.speed) held[at] = 1, step[at] = pivot.step;
+    }
+    // During a contact the offset undoes the slide; its mean is zero, so that the foot stands where it was on average.
+    std::vector<std::uint8_t> fixed(held.size(), 0);
+    for (Index f = 0; f < frames;) {
+      if (held[static_cast<std::size_t>(f)] == 0) {
+        ++f;
+        continue;
+      }
+      Index last = f;
+      Vec3<double> sum{};
+      for (; held[static_cast<std::size_t>(last)] != 0; ++last) {
+        const auto at = static_cast<std::size_t>(last);
+        offset[at + 1] = offset[at] - step[at];
+        sum = sum + offset[at + 1];
+      }
+      const Vec3<double> mean = (1.0 / static_cast<double>(last - f + 1)) * sum;
+      for (Index i = f; i <= last; ++i) {
+        offset[static_cast<std::size_t>(i)] = offset[static_cast<std::size_t>(i)] - mean;
+        fixed[static_cast<std::size_t>(i)] = 1;
+      }
+      f = last + 1;
+    }
+    for (Index f = 0; f < frames; ++f) {
+      if (fixed[static_cast<std::size_t>(f)] != 0) continue;
+      auto fade = [&](Index direction) {  // from the nearest contact on one side
+        for (Index d = 1; d <= options.blend; ++d) {
+          const Index from = f + direction * d;
+          if (from < 0 || from >= frames) break;
+          if (fixed[static_cast<std::size_t>(from)] == 0) continue;
+          const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
+          return t * t * (3 - 2 * t) * offset[static_cast<std::size_t>(from)];
+        }
+        return Vec3<double>{};
+      };
+      offset[static_cast<std::size_t>(f)] = fade(-1) + fade(1);
+    }
+    JointTransforms<double> world;
+    for (Index f = 0; f < frames; ++f) {
+      const Vec3<double> by = offset[static_cast<std::size_t>(f)];
+      if (norm(by) < 1e-6) continue;
+      out.world(f, world);
+      const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
+      const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
+      reach(out.skeleton, out.rotations(f), world, leg.limb, target, forward);
+    }
+  }
+  return out;
+}
+
+/// path_from_feet, then lock_feet.
+inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {}) {
+  return lock_feet(path_from_feet(motion, legs, options), legs, options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// Inverse kinematics of a limb of two bones: hip, knee and ankle, or shoulder, elbow and wrist.
+#pragma once
+
+#include <algorithm>  // clamp
+#include <cmath>      // acos
+
+#include <motionlang/geometry/so3.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Joints of a limb, each the parent of the next.
+struct Limb {
+  int upper = 0, middle = 0, end = 0;
+};
+
+/// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in its
+/// plane, and the rotation of the end in the world is kept.
+///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
+/// pose        (joints) local rotations of one frame, changed in place
+/// world       the same frame by forward kinematics, as it was before; not changed
+/// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
+/// Throws      config_error 103 if the joints do not hang together
+inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
+                  const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards) {
+  const auto upper = static_cast<std::size_t>(limb.upper), middle = static_cast<std::size_t>(limb.middle),
+             end = static_cast<std::size_t>(limb.end);
+  if (end >= pose.size() || skeleton.parents[end] != limb.middle || skeleton.parents[middle] != limb.upper)
+    raise<config_error>(103, "reach: joints ", limb.upper, ", ", limb.middle, ", ", limb.end, " are no limb");
+
+  const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
+  const double l1 = norm(b - a), l2 = norm(c - b);
+  constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
+  const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, std::max(l1 + l2 - slack, slack));
+  auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {
+    return std::acos(std::clamp(dot(normalized(u), normalized(v)), -1.0, 1.0));
+  };
+  auto corner = [](double left, double right, double opposite) {
+    return std::acos(std::clamp((left * left + right * right - opposite * opposite) / (2 * left * right), -1.0, 1.0));
+  };
+  const Vec3<double> plane = cross(c - a, b - a);
+  const Vec3<double> axis = norm(plane) > 1e-6 ? normalized(plane) : normalized(cross(c - a, towards));
+  const auto at_upper = from_axis_angle(axis, corner(l1, r, l2) - angle(c - a, b - a));
+  const auto at_middle = from_axis_angle(axis, corner(l1, l2, r) - angle(a - b, c - b));
+  const auto aim = rotation_between(normalized(c - a), normalized(target - a));
+
+  const std::size_t above = skeleton.parents[upper] < 0 ? upper : static_cast<std::size_t>(skeleton.parents[upper]);
+  const auto parent = skeleton.parents[upper] < 0 ? Quaternion<double>::identity() : to_quaternion(world.rotation[above]);
+  const auto upper_now = aim * at_upper * to_quaternion(world.rotation[upper]);
+  const auto middle_now = aim * at_upper * at_middle * to_quaternion(world.rotation[middle]);
+  pose[upper] = normalized(inverse(parent) * upper_now);
+  pose[middle] = normalized(inverse(upper_now) * middle_now);
+  pose[end] = normalized(inverse(middle_now) * to_quaternion(world.rotation[end]));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

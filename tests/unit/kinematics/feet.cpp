@@ -1,0 +1,122 @@
+// Feet: when they stand, the leg that reaches for a place, and clips whose feet are made to stay there.
+#include <doctest/doctest.h>
+
+#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/metrics/motion_quality.hpp>
+
+#include "../../support/synthetic_motion.hpp"
+
+namespace ml = motionlang;
+using doctest::Approx, doctest::Contains;
+
+namespace {
+
+ml::Vec3<double> place(const ml::Motion& m, ml::Index frame, int joint) {
+  ml::JointTransforms<double> world;
+  m.world(frame, world);
+  return world.position[static_cast<std::size_t>(joint)];
+}
+
+/// The clip with its root drifting `speed` m/s along x.
+ml::Motion drifting(ml::Motion m, double speed) {
+  for (ml::Index f = 0; f < m.frames(); ++f)
+    m.root[static_cast<std::size_t>(f)].x += speed * static_cast<double>(f) / m.fps;
+  return m;
+}
+
+double skate(const ml::Motion& m) { return ml::motion_quality(m).feet.speed; }
+
+}  // namespace
+
+TEST_CASE("a leg reaches for a place, keeps its bones and the way its foot points") {
+  const auto walk = synthetic::walk({.frames = 12});
+  const ml::Limb leg = ml::smpl_legs[0].limb;
+  for (ml::Index f = 0; f < walk.frames(); ++f) {
+    auto moved = walk;
+    ml::JointTransforms<double> before, after;
+    walk.world(f, before);
+    const ml::Vec3<double> target = before.position[7] + ml::Vec3<double>{0.05, 0.04, -0.03};
+    ml::reach(moved.skeleton, moved.rotations(f), before, leg, target, {0, 0, 1});
+    moved.world(f, after);
+    CHECK(ml::norm(after.position[7] - target) < 1e-9);
+    CHECK(ml::distance(after.rotation[7], before.rotation[7]) < 1e-6);
+    CHECK(ml::norm(after.position[10] - after.position[7] - (before.position[10] - before.position[7])) < 1e-9);
+    CHECK(ml::norm(after.position[8] - before.position[8]) == 0);  // the other leg
+  }
+}
+
+TEST_CASE("a leg that cannot reach a place points at it") {
+  auto moved = synthetic::walk({.frames = 1});
+  ml::JointTransforms<double> before, after;
+  moved.world(0, before);
+  const auto hip = before.position[1];
+  const ml::Vec3<double> target = hip + ml::Vec3<double>{1.0, -2.0, 0.5};
+  ml::reach(moved.skeleton, moved.rotations(0), before, ml::smpl_legs[0].limb, target, {0, 0, 1});
+  moved.world(0, after);
+  const double length = ml::norm(after.position[7] - after.position[4]) + ml::norm(after.position[4] - hip);
+  CHECK(ml::norm(after.position[7] - hip) == Approx(length).epsilon(1e-3));
+  CHECK(ml::norm(ml::normalized(after.position[7] - hip) - ml::normalized(target - hip)) < 1e-6);
+}
+
+TEST_CASE("a straight leg bends as it is told; three joints that are no limb are refused") {
+  ml::Motion rest{ml::smpl24_skeleton(), 20, {{0, 0.95, 0}}, std::vector(24, ml::Quaternion<double>::identity()), {}};
+  ml::JointTransforms<double> before, after;
+  rest.world(0, before);
+  const auto target = before.position[7] + ml::Vec3<double>{0, 0.1, 0};
+  ml::reach(rest.skeleton, rest.rotations(0), before, ml::smpl_legs[0].limb, target, {0, 0, 1});
+  rest.world(0, after);
+  CHECK(ml::norm(after.position[7] - target) < 1e-9);
+  CHECK(after.position[4].z > before.position[4].z + 0.05);  // knees bend forward
+  CHECK(after.position[4].x == Approx(before.position[4].x));
+  CHECK_THROWS_WITH_AS(ml::reach(rest.skeleton, rest.rotations(0), before, {1, 5, 7}, target, {0, 0, 1}),
+                       Contains("[motionlang.config.103] reach: joints 1, 5, 7 are no limb"), ml::config_error);
+}
+
+TEST_CASE("contacts: low and slow") {
+  const auto walk = synthetic::walk({.frames = 40});
+  const auto flags = ml::foot_contacts(walk);
+  REQUIRE(flags.size() == 160);
+  for (ml::Index f = 0; f + 1 < walk.frames(); ++f) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto [joint, height] = ml::smpl_contact_joints[k];
+      const auto a = place(walk, f, joint), b = place(walk, f + 1, joint);
+      const double speed = std::hypot(b.x - a.x, b.z - a.z) * walk.fps;
+      CHECK((flags[static_cast<std::size_t>(f) * 4 + k] != 0) == (a.y < height && speed < 0.6));
+    }
+  }
+  CHECK(std::count(flags.begin(), flags.end(), 1) > 40);
+  const ml::ContactJoint wrong[] = {{24, 0.1}};
+  CHECK_THROWS_WITH_AS(ml::foot_contacts(walk, wrong), Contains("joint 24 of 24"), ml::shape_error);
+}
+
+TEST_CASE("a path that drifts over standing feet is put right") {
+  auto still = synthetic::walk({.frames = 1});
+  for (int f = 1; f < 40; ++f) {
+    still.root.push_back(still.root[0]);
+    still.local.insert(still.local.end(), still.local.begin(), still.local.begin() + 24);
+  }
+  const auto fixed = ml::path_from_feet(drifting(still, 0.4));
+  for (ml::Index f = 0; f < 40; ++f) CHECK(ml::norm(fixed.root_at(f) - still.root_at(f)) < 1e-9);
+}
+
+TEST_CASE("a walk that slides slides no more, and goes where it went") {
+  const auto walk = synthetic::walk({.frames = 80});
+  const auto sliding = drifting(walk, 0.3);
+  const auto fixed = ml::fix_feet(sliding);
+  CHECK(skate(sliding) > 0.3);
+  CHECK(skate(fixed) < 0.5 * skate(sliding));
+  CHECK(std::abs(fixed.root_at(79).x - walk.root_at(79).x) < 0.1);  // the drift alone was 1.2 m
+  CHECK(std::abs(fixed.root_at(79).z - walk.root_at(79).z) < 0.2);
+  CHECK(ml::bone_length_deviation({fixed.positions(), 24, 20}, fixed.skeleton.parents) < 1e-9);
+  for (ml::Index f = 0; f < 80; ++f) CHECK(fixed.root_at(f).y == walk.root_at(f).y);
+}
+
+TEST_CASE("a clip whose feet do not slide hardly changes; one in the air and one of a frame stay as they are") {
+  const auto walk = synthetic::walk({.frames = 60});
+  auto high = drifting(walk, 0.3);
+  for (auto& root : high.root) root.y += 1;
+  CHECK(synthetic::largest_distance(ml::fix_feet(high), high) < 1e-9);
+  CHECK(synthetic::largest_distance(ml::fix_feet(walk), walk) < 0.06);  // the heel that comes off the floor slides a little
+  const auto one = synthetic::walk({.frames = 1});
+  CHECK(synthetic::largest_distance(ml::fix_feet(one), one) == 0);
+}
