@@ -41,6 +41,7 @@
 
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/euler.hpp>
+#include <motionlang/geometry/guo.hpp>
 #include <motionlang/geometry/matrix.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
 #include <motionlang/geometry/quaternion.hpp>
@@ -57,10 +58,13 @@
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/chain_kinematics.hpp>
+#include <motionlang/kinematics/chains.hpp>
 #include <motionlang/kinematics/forward.hpp>
 #include <motionlang/kinematics/lanes.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/loops.hpp>
+#include <motionlang/kinematics/mirror_joints.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
@@ -69,6 +73,7 @@
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/uniform_skeleton.hpp>
 
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/embedding.hpp>
@@ -94,6 +99,7 @@
 
 #include <motionlang/features/amass_resample.hpp>
 #include <motionlang/features/guoh3d.hpp>
+#include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/features/smplrifke.hpp>

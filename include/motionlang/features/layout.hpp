@@ -89,19 +89,39 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
   });
 }
 
-/// The vector of HumanML3D (and, with 21 joints, of KIT): 4 root numbers, positions of joints 1 ... J-1, their 6D
-/// rotations, velocities of all joints, 4 foot contacts: 12 J - 1 = 263 for J = 22.
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  std::vector<IndexRange> groups() const {
+    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
 inline FeatureLayout guoh3dfeats_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  const Index positions = 4, rotations = positions + 3 * (joints - 1), velocities = rotations + 6 * (joints - 1),
-              contacts = velocities + 3 * joints;
-  return FeatureLayout::from_owner("guoh3dfeats", contacts + 4, [=](Index i) {
-    if (i < positions || i >= contacts) return BodyPart::legs;
-    const Index joint = i < rotations    ? 1 + (i - positions) / 3
-                        : i < velocities ? 1 + (i - rotations) / 6
-                                         : (i - velocities) / 3;
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
     return part_of_joint[static_cast<std::size_t>(joint)];
   });
 }

@@ -5,13 +5,20 @@
 ///
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
 ///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation: the same up to rounding.
+///         HumanML3D takes the deviation of the population, n in place of n - 1, skips clips with NaN, and replaces
+///         each deviation by the mean of its group (spec humanml3d-features.md 9):
+///
+///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
+///     auto std = group_means(statistics.population_deviation(), slots.groups());
 #pragma once
 
-#include <cmath>   // sqrt
-#include <span>    // frames
-#include <vector>  // sums
+#include <algorithm>  // all_of, fill
+#include <cmath>      // sqrt
+#include <numeric>    // accumulate
+#include <span>       // frames
+#include <vector>     // sums
 
-#include <motionlang/core/concepts.hpp>
+#include <motionlang/features/layout.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -41,20 +48,44 @@ class FeatureStatistics {
     }
   }
 
+  /// The same, but a clip with a value that is not finite is left out. Returns whether it was added.
+  template <Scalar S>
+  bool add_finite(std::span<const S> frames, Index features) {
+    const bool finite = std::all_of(frames.begin(), frames.end(), [](S x) { return std::isfinite(x); });
+    if (finite) add(frames, features);
+    return finite;
+  }
+
   /// Frames so far.
   Index count() const { return count_; }
   const std::vector<double>& mean() const { return mean_; }
   /// Unbiased (divided by n - 1). Throws numeric_error 302 below two frames.
-  std::vector<double> standard_deviation() const {
-    if (count_ < 2) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
+  std::vector<double> standard_deviation() const { return deviation(2); }
+  /// Of these frames themselves (divided by n). Throws numeric_error 302 of no frame.
+  std::vector<double> population_deviation() const { return deviation(1); }
+
+ private:
+  std::vector<double> deviation(Index least) const {
+    if (count_ < least) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
     std::vector<double> out;
-    for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ - 1)));
+    for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ + 1 - least)));
     return out;
   }
 
- private:
   Index count_ = 0;
   std::vector<double> mean_, squares_;
 };
+
+/// Every value replaced by the mean of its group. Throws shape_error 203 if a group is empty or ends behind the values.
+inline std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups) {
+  for (const IndexRange& g : groups) {
+    if (g.begin < 0 || g.size() <= 0 || g.end > std::ssize(values)) {
+      raise<shape_error>(203, "group_means: the group ", g.begin, ":", g.end, " of ", values.size(), " values");
+    }
+    const auto first = values.begin() + g.begin, last = values.begin() + g.end;
+    std::fill(first, last, std::accumulate(first, last, 0.0) / static_cast<double>(g.size()));
+  }
+  return values;
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -30,6 +30,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
     kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
     sum += kernel.back();
   }
+  for (double& w : kernel) w /= sum;
   const Index frames = std::ssize(values) / width;
   std::vector<S> out(values.size());
   for (Index t = 0; t < frames; ++t) {
@@ -37,8 +38,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
       double y = 0;
       for (Index k = -radius; k <= radius; ++k) {
         const Index from = std::clamp<Index>(t + k, 0, frames - 1) * width + c;
-        y += kernel[static_cast<std::size_t>(k + radius)] / sum *
-             static_cast<double>(values[static_cast<std::size_t>(from)]);
+        y += kernel[static_cast<std::size_t>(k + radius)] * static_cast<double>(values[static_cast<std::size_t>(from)]);
       }
       out[static_cast<std::size_t>(t * width + c)] = static_cast<S>(y);
     }

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+/// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
+///
+/// The rotation of a joint is that of the bone that ENDS at it; it has no twist; the first rotation of a chain is
+/// relative to the root even where the chain begins at another joint. These are not SMPL's rotations.
+///
+///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
+///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
+/// Source  Guo et al. (CVPR 2022), common/skeleton.py; spec humanml3d-features.md 2, 3, 5
+/// Shapes  joints (frames, joints), joint fastest, any unit of length
+#pragma once
+
+#include <limits>  // infinity
+#include <span>    // joints
+
+#include <motionlang/geometry/guo.hpp>
+#include <motionlang/geometry/so3.hpp>
+#include <motionlang/kinematics/chains.hpp>
+#include <motionlang/kinematics/smoothing.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct FacingOptions {
+  double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
+  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, as shoulders do
+};
+struct ChainRotationOptions {
+  FacingOptions facing{};
+  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
+  bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction
+};
+
+namespace detail {
+
+/// Number of frames. Throws shape_error 205 if the joints are not whole frames.
+template <class T>
+std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleton, std::span<const T> values) {
+  const std::size_t frames = values.size() / std::max<std::size_t>(skeleton.size(), 1);
+  if (values.size() != frames * skeleton.size()) {
+    raise<shape_error>(205, function, ": ", values.size(), " values are no frames of ", skeleton.size(), " joints");
+  }
+  return frames;
+}
+
+/// The vector from a bone's parent to its joint, and its length. Throws numeric_error 301 if it is not finite, 302 if
+/// it is 0: such a bone has no direction.
+template <Scalar S>
+struct MeasuredBone {
+  Vec3<S> vector;
+  S length;
+};
+template <Scalar S>
+MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bone, const Vec3<S>* joints,
+                             std::size_t frame) {
+  const Vec3<S> v = joints[bone.joint] - joints[bone.parent];
+  const S length = norm(v);
+  if (!(length > 0 && length < std::numeric_limits<S>::infinity())) {
+    raise<numeric_error>(length == 0 ? 302 : 301, "'", skeleton.name, "' frame ", frame, ": the bone from joint ",
+                         bone.parent, " to ", bone.joint, " has length ", length);
+  }
+  return {v, length};
+}
+
+/// The joint that a skeleton names by number.
+template <class T>
+const T& joint_of(const T* frame, int joint) {
+  return frame[static_cast<std::size_t>(joint)];
+}
+
+}  // namespace detail
+
+/// Lengths of the bones in one frame, 0 for the root. Throws shape_error 205, numeric_error 301, 302.
+template <Scalar S>
+std::vector<S> bone_lengths(const ChainSkeleton& skeleton, std::span<const Vec3<S>> frame) {
+  if (frame.size() != skeleton.size()) {
+    raise<shape_error>(205, "bone_lengths: ", frame.size(), " joints for a skeleton of ", skeleton.size());
+  }
+  std::vector<S> out(skeleton.size());
+  for (const ChainBone& b : skeleton.bones()) {
+    out[b.joint] = detail::measure_bone(skeleton, b, frame.data(), 0).length;
+  }
+  return out;
+}
+
+/// Zero direction times length for every joint. Throws shape_error 204 unless there is one length for each joint.
+template <Scalar S, Scalar L>
+std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<const L> lengths) {
+  if (lengths.size() != skeleton.size()) {
+    raise<shape_error>(204, "chain_offsets: ", lengths.size(), " lengths for ", skeleton.size(), " joints");
+  }
+  std::vector<Vec3<S>> out;
+  for (std::size_t j = 0; j < lengths.size(); ++j) {
+    out.push_back(static_cast<S>(lengths[j]) * vec_cast<S>(skeleton.directions[j]));
+  }
+  return out;
+}
+
+/// Where a body faces in one frame: level, not of unit length (shorter if hips and shoulders are not level).
+///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
+/// legacy: the hips are taken the other way round, as the published inverse kinematics does.
+template <Scalar S>
+Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy) {
+  auto across = [&](std::size_t right, std::size_t left) {
+    return detail::joint_of(frame, skeleton.face[right]) - detail::joint_of(frame, skeleton.face[left]);
+  };
+  const Vec3<S> hips = across(0, 1), a = normalized((legacy ? -hips : hips) + across(2, 3));
+  return {a.z, S(0), -a.x};
+}
+
+/// Where it faces in every frame, unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
+template <Scalar S>
+std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                       const FacingOptions& options = {}) {
+  const std::size_t frames = detail::chain_frames("facing_directions", skeleton, joints);
+  std::vector<S> level;  // (frames, 2): x and z
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> f = facing(skeleton, &joints[t * skeleton.size()], options.legacy_forward);
+    level.insert(level.end(), {f.x, f.z});
+  }
+  if (options.sigma != 0) level = gaussian_smooth(std::span<const S>(level), 2, options.sigma);
+  std::vector<Vec3<S>> out;
+  for (std::size_t t = 0; t < frames; ++t) out.push_back(normalized(Vec3<S>{level[2 * t], S(0), level[2 * t + 1]}));
+  return out;
+}
+
+/// result  (frames, joints); joint 0: the rotation that turns the facing direction onto +Z
+/// Throws  shape_error 205, config_error 101 (sigma) and 106, numeric_error 301 and 302 for a bone without direction
+template <Scalar S>
+std::vector<Quaternion<S>> chain_inverse_kinematics(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                                    const ChainRotationOptions& options = {}) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_inverse_kinematics", skeleton, joints);
+  const auto bones = skeleton.bones();
+  const auto forward = facing_directions(skeleton, joints, options.facing);
+  const auto zero = chain_offsets<S>(skeleton, std::span<const S>(std::vector<S>(n, S(1))));
+  auto turn = [&](const Vec3<S>& a, const Vec3<S>& b) {
+    const Quaternion<S> q = guo::between(a, b);
+    return options.fix_opposite_bones && q.w != q.w ? rotation_between(a, b) : q;
+  };
+  std::vector<Quaternion<S>> out(frames * n), world(n);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const bool replaced = t == 0 && !options.fix_first_frame;
+    world[0] = out[t * n] = replaced ? Quaternion<S>::identity() : turn(forward[t], Vec3<S>{S(0), S(0), S(1)});
+    for (const ChainBone& b : bones) {
+      const auto [v, length] = detail::measure_bone(skeleton, b, &joints[t * n], t);
+      world[b.joint] = turn(zero[b.joint], (S(1) / length) * v);
+      out[t * n + b.joint] = inverse(world[b.before]) * world[b.joint];
+    }
+  }
+  return out;
+}
+
+/// local    (frames, joints), quaternions or matrices
+/// root     (frames)
+/// offsets  (joints), or (frames, joints) if bones change over time; see chain_offsets
+/// result   (frames, joints)
+/// Throws   shape_error 204, 205, config_error 106
+template <Rotation R, Scalar S>
+std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std::span<const R> local,
+                                              std::span<const Vec3<S>> root, std::span<const Vec3<S>> offsets,
+                                              bool root_rotation = true) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_forward_kinematics", skeleton, local);
+  if (root.size() != frames || (offsets.size() != n && offsets.size() != local.size())) {
+    raise<shape_error>(204, "chain_forward_kinematics: ", frames, " frames of ", n, " joints, ", root.size(),
+                       " root positions, ", offsets.size(), " offsets");
+  }
+  const auto bones = skeleton.bones();
+  std::vector<Vec3<S>> out(local.size());
+  std::vector<R> world(n);
+  for (std::size_t t = 0; t < frames; ++t) {
+    Vec3<S>* position = &out[t * n];
+    const Vec3<S>* offset = &offsets[offsets.size() == n ? 0 : t * n];
+    position[0] = root[t];
+    world[0] = root_rotation ? local[t * n] : R::identity();
+    for (const ChainBone& b : bones) {
+      world[b.joint] = world[b.before] * local[t * n + b.joint];
+      position[b.joint] = position[b.parent] + rotate(world[b.joint], offset[b.joint]);
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
