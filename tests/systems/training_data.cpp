@@ -1,0 +1,100 @@
+// What the motionlang program trains on: captions that follow what is done to a clip, and the loss on feet.
+#include <doctest/doctest.h>
+
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/kinematics/foot_contact.hpp>
+
+#include "../../examples/motionlang/foot_loss.hpp"
+#include "../../examples/motionlang/training_data.hpp"
+#include "../support/captioned_clips.hpp"
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<double>;
+using A = ml::Autodiff<B>;
+
+namespace {
+
+const program::TrainingSet& data() {
+  static const program::TrainingSet set = [] {
+    const captioned::Clips clips;
+    return program::TrainingSet(clips.captions, clips.folder.path, {});
+  }();
+  return set;
+}
+
+program::SampleOptions plain() {
+  return {.shortest = 30, .longest = 40, .no_text = 0, .compose = 0, .mirror = 0, .speed = 0, .tempo = 0, .reverse = 0};
+}
+
+double way_ahead(const program::Sample& s) {  // metres
+  double sum = 0;
+  for (ml::Index f = 0; f < s.frames; ++f)
+    sum += static_cast<double>(s.features[static_cast<std::size_t>(f * ml::smplrifke_size) + 2]);
+  return sum;
+}
+
+/// The mean of `value` over the samples whose caption is `caption`.
+template <class F>
+double mean_of(const program::SampleOptions& options, const std::string& caption, F value) {
+  double sum = 0, count = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const auto s = data().draw(ml::Philox{.seed = seed}, options);
+    if (s.caption == caption) sum += value(s) / static_cast<double>(s.frames), ++count;
+  }
+  REQUIRE(count > 5);
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("a caption of walking played backwards says so, and one that says more has none") {
+  CHECK(program::reversed_caption("a person walks forward") == "a person walks backwards");
+  CHECK(program::reversed_caption("walk straight ahead slowly") == "walk straight backwards slowly");
+  for (const char* caption : {"walk", "walk forward and turn left", "step forward and kick", "jump forward", "",
+                              "walk forward up the stairs", "lean forward"})
+    CHECK_MESSAGE(!program::reversed_caption(caption), caption);
+  CHECK(program::mirrored_caption("raise the left arm, turn right") == "raise the right arm, turn left");
+}
+
+TEST_CASE("walking is played backwards, slower and faster, and the captions follow") {
+  const double ahead = mean_of(plain(), "a person walks forward", way_ahead);
+  CHECK(std::abs(ahead) > 0.02);  // metres per frame
+  auto options = plain();
+  options.reverse = 1;
+  CHECK(mean_of(options, "a person walks backwards", way_ahead) == doctest::Approx(-ahead).epsilon(0.15));
+  options = plain();
+  options.tempo = 1;
+  CHECK(mean_of(options, "a person walks forward slowly", way_ahead) == doctest::Approx(0.6 * ahead).epsilon(0.15));
+  CHECK(mean_of(options, "a person walks forward quickly", way_ahead) == doctest::Approx(1.6 * ahead).epsilon(0.15));
+}
+
+TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path that slides") {
+  const auto sample = data().draw(ml::Philox{.seed = 3}, plain());
+  const ml::Shape shape{sample.frames, ml::smplrifke_size};
+  const std::vector<double> truth(sample.features.begin(), sample.features.end());
+  const auto x0 = ml::Tensor<B, 2>::from(truth, shape);
+  const ml::Offsets one(std::vector<ml::Index>{sample.frames});
+
+  const auto feet = program::feet_of(x0);  // by the rotations: the same as the joints in the features
+  for (ml::Index f = 0; f < sample.frames; ++f) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto joint = static_cast<std::size_t>(ml::smpl_contact_joints[k].joint);
+        CHECK(feet.span()[static_cast<std::size_t>(f) * 12 + 3 * k + c] ==
+              doctest::Approx(truth[static_cast<std::size_t>(f * 205) + 133 + 3 * joint + c]).epsilon(1e-4));
+      }
+    }
+  }
+  auto loss = [&](const std::vector<double>& values) {
+    return program::foot_velocity_loss<A>(ml::Tensor<A, 2>::from(values, shape), x0, one, 20).item();
+  };
+  CHECK(loss(truth) < 1e-20);
+  auto sliding = truth;
+  for (ml::Index f = 0; f < sample.frames; ++f) sliding[static_cast<std::size_t>(f * 205) + 1] += 0.05;  // 1 m/s
+  CHECK(loss(sliding) > 1.0 / 3);  // one of three coordinates, standing feet count five times
+  CHECK(loss(sliding) < 5.0 / 3);
+  auto rising = truth;
+  for (ml::Index f = 0; f < sample.frames; ++f) rising[static_cast<std::size_t>(f * 205)] += 0.05 * static_cast<double>(f);
+  CHECK(loss(rising) == doctest::Approx(loss(sliding)));
+}
