@@ -16,7 +16,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
   if (!model.empty()) {
     const auto config = ml::stmc_config(ml::SafetensorsFile::open(model_file(model)));
     fps = config.fps;
-    longest = config.denoiser.max_len - 2 - config.denoiser.nb_registers;
+    longest = config.denoiser.longest_crop();
   }
   const auto timelines = read_timelines(path, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {

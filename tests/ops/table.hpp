@@ -29,6 +29,7 @@ struct Row {
   std::vector<Shape> inputs;
   std::function<typename B::tensor(const std::vector<typename B::tensor>&)> run;
   Domain domain = Domain::real;
+  bool grows = true;  // sizes above 1 may all be multiplied by the same factor
 };
 
 template <ml::Backend B, int R>
@@ -96,12 +97,14 @@ std::vector<Row<B>> rows() {
                    [ta, tb](In x) { return B::matmul(x[0], x[1], ta, tb); }});
     }
   }
-  r.push_back({"reshape", {{3, 4}}, [](In x) { return B::reshape(x[0], Shape{2, 6}); }});
+  r.push_back(
+      {"reshape", {{3, 4}}, [](In x) { return B::reshape(x[0], Shape{2, 6}); }, Domain::real, /*grows=*/false});
   r.push_back({"permute", {{2, 3, 4}}, [](In x) {
                  const std::vector<int> axes{2, 0, 1};
                  return B::permute(x[0], std::span<const int>(axes));
                }});
-  r.push_back({"broadcast", {{3, 1}}, [](In x) { return B::broadcast(x[0], Shape{2, 3, 4}); }});
+  r.push_back(
+      {"broadcast", {{3, 1}}, [](In x) { return B::broadcast(x[0], Shape{2, 3, 4}); }, Domain::real, /*grows=*/false});
   for (int axis = 0; axis < 2; ++axis) {
     r.push_back({"slice axis " + std::to_string(axis), {{5, 6}}, [axis](In x) { return B::slice(x[0], axis, 1, 4); }});
     r.push_back({"concat axis " + std::to_string(axis),
@@ -112,10 +115,14 @@ std::vector<Row<B>> rows() {
                  const std::vector<Index> rows{3, 0, 3, 1, 1};
                  return B::gather(x[0], rows);
                }});
-  r.push_back({"scatter_add", {{4, 3}}, [](In x) {
+  r.push_back({"scatter_add",
+               {{4, 3}},
+               [](In x) {
                  const std::vector<Index> rows{2, 0, 2, 4};
                  return B::scatter_add(x[0], rows, 6);
-               }});
+               },
+               Domain::real,
+               /*grows=*/false});
 
   // Fused operations: where a backend has no kernel, its row tests the definition in primitives.
   using ml::Activation;
@@ -166,15 +173,20 @@ std::vector<Row<B>> rows() {
       const std::string suffix = std::string(causal ? " causal" : "") + (p > 0 ? " dropout" : "");
       const ml::AttentionOptions options{.heads = 3, .causal = causal, .dropout = {.p = p, .key = 77}};
       const ml::Offsets offsets{1, 19, 5};
-      r.push_back({"self_attention" + suffix, {{25, 36}}, [=](In x) {
-                     return ml::self_attention(as<B, 2>(x[0]), offsets, options).data();
-                   }});
+      r.push_back({"self_attention" + suffix,
+                   {{25, 36}},
+                   [=](In x) { return ml::self_attention(as<B, 2>(x[0]), offsets, options).data(); },
+                   Domain::real,
+                   /*grows=*/false});
       if (causal) continue;
       const ml::Offsets keys{4, 1, 33};
-      r.push_back(
-          {"attention" + suffix, {{25, 12}, {38, 12}, {38, 12}}, [=](In x) {
-             return ml::attention(as<B, 2>(x[0]), as<B, 2>(x[1]), as<B, 2>(x[2]), offsets, keys, options).data();
-           }});
+      r.push_back({"attention" + suffix,
+                   {{25, 12}, {38, 12}, {38, 12}},
+                   [=](In x) {
+                     return ml::attention(as<B, 2>(x[0]), as<B, 2>(x[1]), as<B, 2>(x[2]), offsets, keys, options).data();
+                   },
+                   Domain::real,
+                   /*grows=*/false});
     }
   }
   return r;

@@ -21,6 +21,9 @@ struct MdmSmplConfig {
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
+
+  /// Frames that fit behind the tokens of time and of a text of one token.
+  Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
 /// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder; the
@@ -70,7 +73,10 @@ struct MdmSmplDenoiser {
         dropout_p(c.dropout) {}
 
   /// Behind the tokens for time and text and the registers.
-  DenoiserTraits traits() const { return {.longest_crop = positions.rows().size(0) - 2 - registers.size(0)}; }
+  DenoiserTraits traits() const {
+    return {.longest_crop =
+                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop()};
+  }
 
   /// (sequences, latent)
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
