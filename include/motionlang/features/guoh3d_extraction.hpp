@@ -24,8 +24,8 @@ struct Guoh3dOptions {
   bool fix_yaw_sign = false;
 };
 
-/// Everything but what the published code gets wrong: the heading follows hips and shoulders alike, starts where the
-/// body faces, passes 180 degrees, and a bone may be opposite to its zero direction.
+/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
+/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
 inline Guoh3dOptions guoh3d_corrected() {
   return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
                         .fix_first_frame = true,
@@ -33,7 +33,7 @@ inline Guoh3dOptions guoh3d_corrected() {
           .fix_yaw_sign = true};
 }
 
-/// Joints on the floor; the first frame stands at x = z = 0 and faces +Z.
+/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
 template <Scalar S>
 struct GroundedJoints {
   std::vector<Vec3<S>> joints;  // (frames, joints)
@@ -41,15 +41,18 @@ struct GroundedJoints {
   Quaternion<S> turn{};         // that all joints have been turned by, last
 };
 
-/// Throws shape_error 205 if the joints are not whole frames
+/// first   how the facing direction of frame 0 is found; as published, from this frame alone
+/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma)
 template <Scalar S>
-GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints) {
+GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                const FacingOptions& first = {.legacy_forward = false}) {
   detail::chain_frames("ground_joints", skeleton, joints);
   GroundedJoints<S> out{{}, S(0), Quaternion<S>::identity()};
   if (joints.empty()) return out;
   out.floor = joints[0].y;
   for (const Vec3<S>& p : joints) out.floor = std::min(out.floor, p.y);
-  out.turn = guo::between(facing(skeleton, joints.data(), false), Vec3<S>{S(0), S(0), S(1)});
+  const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
+  out.turn = guo::between(facing[0], Vec3<S>{S(0), S(0), S(1)});
   const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
   out.joints.reserve(joints.size());
   for (const Vec3<S>& p : joints) out.joints.push_back(rotate(out.turn, p - origin));
@@ -130,12 +133,15 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
 /// joints   (frames, joints), of anybody, anywhere
 /// lengths  (joints), bones of the reference skeleton
 /// result   (frames - 1, 12 J - 1)
+/// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
 /// Throws   as above; shape_error 204 unless there is one length for each joint
 template <Scalar S>
 std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                std::span<const S> lengths, const Guoh3dOptions& options = {}) {
   const auto uniform = uniform_skeleton(skeleton, joints, lengths);
-  const auto grounded = ground_joints(skeleton, std::span<const Vec3<S>>(uniform.joints));
+  const FacingOptions published{.legacy_forward = false}, &smooth = options.rotations.facing;
+  const auto grounded = ground_joints(skeleton, std::span<const Vec3<S>>(uniform.joints),
+                                      options.rotations.fix_first_frame ? smooth : published);
   return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
 }
 /// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.

@@ -95,7 +95,7 @@ std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<cons
   return out;
 }
 
-/// Where a body faces in one frame: level, not of unit length (shorter if hips and shoulders are not level).
+/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders are not level).
 ///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
 /// legacy: the hips are taken the other way round, as the published inverse kinematics does.
 template <Scalar S>
