@@ -16,10 +16,15 @@
 namespace motionlang::inline MOTIONLANG_ABI::guo {
 
 /// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
+/// lengths = |a||b|, where it is known.
+template <class S>
+Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b, const S& lengths) {
+  const Vec3<S> c = cross(a, b);
+  return normalized(Quaternion<S>{lengths + dot(a, b), c.x, c.y, c.z});
+}
 template <class S>
 Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b) {
-  const Vec3<S> c = cross(a, b);
-  return normalized(Quaternion<S>{sqrt(dot(a, a) * dot(b, b)) + dot(a, b), c.x, c.y, c.z});
+  return between(a, b, sqrt(dot(a, a) * dot(b, b)));
 }
 
 /// Signs such that each quaternion and the same joint's in the frame before are no more than a half turn apart.

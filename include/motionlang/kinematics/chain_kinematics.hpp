@@ -42,8 +42,13 @@ std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleto
   return frames;
 }
 
-/// The vector from a bone's parent to its joint, and its length. Throws numeric_error 301 if it is not finite, 302 if
-/// it is 0: such a bone has no direction.
+/// Throws numeric_error 302 for a bone of length 0, 301 for one that is not finite.
+template <Scalar S>
+[[noreturn]] void refuse_bone(const ChainSkeleton& skeleton, const ChainBone& bone, std::size_t frame, S length) {
+  raise<numeric_error>(length == 0 ? 302 : 301, "'", skeleton.name, "' frame ", frame, ": the bone from joint ",
+                       bone.parent, " to ", bone.joint, " has length ", length);
+}
+/// The vector from a bone's parent to its joint, and its length, which is positive.
 template <Scalar S>
 struct MeasuredBone {
   Vec3<S> vector;
@@ -54,10 +59,7 @@ MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bon
                              std::size_t frame) {
   const Vec3<S> v = joints[bone.joint] - joints[bone.parent];
   const S length = norm(v);
-  if (!(length > 0 && length < std::numeric_limits<S>::infinity())) {
-    raise<numeric_error>(length == 0 ? 302 : 301, "'", skeleton.name, "' frame ", frame, ": the bone from joint ",
-                         bone.parent, " to ", bone.joint, " has length ", length);
-  }
+  if (!(length > 0 && length < std::numeric_limits<S>::infinity())) refuse_bone(skeleton, bone, frame, length);
   return {v, length};
 }
 
@@ -132,17 +134,16 @@ std::vector<Quaternion<S>> chain_inverse_kinematics(const ChainSkeleton& skeleto
   const auto bones = skeleton.bones();
   const auto forward = facing_directions(skeleton, joints, options.facing);
   const auto zero = chain_offsets<S>(skeleton, std::span<const S>(std::vector<S>(n, S(1))));
-  auto turn = [&](const Vec3<S>& a, const Vec3<S>& b) {
-    const Quaternion<S> q = guo::between(a, b);
-    return options.fix_opposite_bones && q.w != q.w ? rotation_between(a, b) : q;
+  auto turn = [&](const Vec3<S>& a, const Vec3<S>& b, S lengths) {
+    return options.fix_opposite_bones ? rotation_between(a, b) : guo::between(a, b, lengths);
   };
   std::vector<Quaternion<S>> out(frames * n), world(n);
   for (std::size_t t = 0; t < frames; ++t) {
     const bool replaced = t == 0 && !options.fix_first_frame;
-    world[0] = out[t * n] = replaced ? Quaternion<S>::identity() : turn(forward[t], Vec3<S>{S(0), S(0), S(1)});
+    world[0] = out[t * n] = replaced ? Quaternion<S>::identity() : turn(forward[t], Vec3<S>{S(0), S(0), S(1)}, S(1));
     for (const ChainBone& b : bones) {
       const auto [v, length] = detail::measure_bone(skeleton, b, &joints[t * n], t);
-      world[b.joint] = turn(zero[b.joint], (S(1) / length) * v);
+      world[b.joint] = turn(zero[b.joint], v, length);
       out[t * n + b.joint] = inverse(world[b.before]) * world[b.joint];
     }
   }

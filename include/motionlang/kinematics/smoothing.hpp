@@ -31,19 +31,18 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
     sum += kernel.back();
   }
   for (double& w : kernel) w /= sum;
-  const Index frames = std::ssize(values) / width;
-  std::vector<S> out(values.size());
-  for (Index t = 0; t < frames; ++t) {
-    for (Index c = 0; c < width; ++c) {
-      double y = 0;
-      for (Index k = -radius; k <= radius; ++k) {
-        const Index from = std::clamp<Index>(t + k, 0, frames - 1) * width + c;
-        y += kernel[static_cast<std::size_t>(k + radius)] * static_cast<double>(values[static_cast<std::size_t>(from)]);
-      }
-      out[static_cast<std::size_t>(t * width + c)] = static_cast<S>(y);
-    }
+  const Index frames = std::ssize(values) / width, size = frames * width;
+  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  for (Index t = -radius; frames > 0 && t < frames + radius; ++t) {
+    const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
+    for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
   }
-  return out;
+  const double* from = longer.data();
+  for (const double w : kernel) {
+    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * from[i];
+    from += width;
+  }
+  return std::vector<S>(sums.begin(), sums.end());
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
