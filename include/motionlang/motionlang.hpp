@@ -102,7 +102,10 @@
 #include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/normalizer.hpp>
+#include <motionlang/features/pose_representation.hpp>
+#include <motionlang/features/rifke.hpp>
 #include <motionlang/features/smplrifke.hpp>
+#include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>
 
 #include <motionlang/diffusion/denoiser.hpp>

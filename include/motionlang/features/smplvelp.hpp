@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+/// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
+///
+///     0        height of the translation, as it is
+///     1:3      its velocity x, y; 0 in the first frame
+///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
+/// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
+///
+/// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
+///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
+#pragma once
+
+#include <motionlang/features/pose_representation.hpp>
+#include <motionlang/features/smplrifke.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct SmplVelpOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  bool canonicalize = true;
+  bool offset = true;
+  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
+  /// true: the heading, and clips that differ by a turn about Z become the same.
+  bool exact_yaw = false;
+};
+
+template <Scalar S>
+struct SmplVelpMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints); joint 0 in the world
+  std::vector<Vec3<S>> trans;         // (frames)
+};
+
+/// rotations  (frames, joints); joint 0 in the world
+/// trans      (frames)
+/// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...
+/// Throws     shape_error 205 if the sizes do not fit
+template <Scalar S>
+std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::span<const Vec3<S>> trans,
+                                 const SmplVelpOptions& options = {}) {
+  const std::size_t frames = trans.size(), joints = frames == 0 ? 0 : rotations.size() / frames;
+  if (rotations.size() != frames * joints || (frames > 0 && joints == 0)) {
+    raise<shape_error>(205, "smplvelp_features: ", rotations.size(), " rotations for ", frames, " frames");
+  }
+  std::vector<S> out;
+  if (frames == 0) return out;
+  S angle{};
+  if (options.canonicalize) {
+    angle =
+        options.exact_yaw ? detail::zyx_angles(rotations[0], true).z : pytorch3d::matrix_to_axis_angle(rotations[0]).z;
+    if (options.offset) angle += S(std::numbers::pi / 2);
+  }
+  const Matrix3<S> back = axis_rotation(2, -angle);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> velocity = back * (trans[t] - trans[t == 0 ? 0 : t - 1]);
+    out.insert(out.end(), {trans[t].z, velocity.x, velocity.y});
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Matrix3<S>& r = rotations[t * joints + j];
+      append_rotation(out, options.rotations, j == 0 ? back * r : r);
+    }
+  }
+  return out;
+}
+
+/// features  (frames, 3 + 6 joints), not normalised
+/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+template <Scalar S>
+SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
+                                   PoseRepresentation representation = PoseRepresentation::rot6d) {
+  const Index numbers = size(representation), width = 3 + numbers * joints;
+  if (joints < 1 || std::ssize(features) % width != 0) {
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+  }
+  SmplVelpMotion<S> out;
+  Vec3<S> position{};
+  for (std::size_t at = 0; at < features.size(); at += static_cast<std::size_t>(width)) {
+    if (at > 0) position = position + Vec3<S>{features[at + 1], features[at + 2], S(0)};
+    position.z = features[at];
+    out.trans.push_back(position);
+    for (Index j = 0; j < joints; ++j) {
+      const auto own =
+          features.subspan(at + 3 + static_cast<std::size_t>(numbers * j), static_cast<std::size_t>(numbers));
+      out.rotations.push_back(rotation_from(representation, own));
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
