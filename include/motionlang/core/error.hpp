@@ -9,6 +9,7 @@
 #include <charconv>     // to_chars: messages without streams and without the locale
 #include <concepts>     // integral, floating_point
 #include <cstdlib>      // abort
+#include <initializer_list>  // parts of a message
 #include <stdexcept>    // runtime_error
 #include <string>       // string
 #include <string_view>  // string_view
@@ -124,6 +125,25 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
+/// all lengths, because messages are many and each would be compiled for its own list of types.
+struct TextPart {
+  const void* value;
+  void (*append)(std::string& out, const void* value);
+};
+inline TextPart text_part(const char* literal) {
+  return {literal, [](std::string& out, const void* value) { out += static_cast<const char*>(value); }};
+}
+template <class T>
+TextPart text_part(const T& value) {
+  return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
+}
+inline std::string concat_parts(std::initializer_list<TextPart> parts) {
+  std::string out;
+  for (const TextPart& p : parts) p.append(out, p.value);
+  return out;
+}
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
   static std::vector<std::string>& names() {
@@ -137,9 +157,7 @@ struct ModulePath {
 /// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
 template <class... T>
 std::string concat_text(const T&... parts) {
-  std::string out;
-  (detail::append(out, parts), ...);
-  return out;
+  return detail::concat_parts({detail::text_part(parts)...});
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -159,12 +177,14 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
+namespace detail {
+
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
-template <class E, class... T>
-[[noreturn]] void raise(int id, const T&... parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
+template <class E>
+[[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = detail::ModulePath::names();
+  const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
 #ifdef MOTIONLANG_THROW
@@ -173,6 +193,14 @@ template <class E, class... T>
 #else
   throw E(id, text);
 #endif
+}
+
+}  // namespace detail
+
+/// Throws E with this id and the text of all parts.
+template <class E, class... T>
+[[noreturn]] void raise(int id, const T&... parts) {
+  detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -33,32 +33,23 @@ Dense<S> eigen_unary(Dense<S> a, F f) {
   return out;
 }
 
-/// out = f(a, b) with broadcasting; f maps two Eigen expressions to one.
-template <class S, class F>
-Dense<S> eigen_binary(Dense<S> a, Dense<S> b, F f) {
-  if (a.shape() == b.shape()) {
-    Dense<S> out = a.unique() ? a : b.unique() ? b : Dense<S>(a.shape());
-    eigen_map(out.data(), a.count()) =
-        f(eigen_map(std::as_const(a).data(), a.count()), eigen_map(std::as_const(b).data(), a.count()));
-    return out;
-  }
-  const Shape s = broadcast_shapes(a.shape(), b.shape(), "binary operation");
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+template <class S>
+Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
+  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
   const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
-  if (!pattern) return eigen_binary(DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s), f);
-  const auto& p = *pattern;
+  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
+  const auto& [outer, inner, walk_a, walk_b] = *pattern;
   Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  const S *pa = std::as_const(a).data(), *pb = std::as_const(b).data();
-  S* to = out.data();
-  for (Index i = 0; i < p.outer; ++i, to += p.inner) {
-    const S* x = pa + (p.a.outer ? i * (p.a.inner ? p.inner : 1) : 0);
-    const S* y = pb + (p.b.outer ? i * (p.b.inner ? p.inner : 1) : 0);
-    auto row = eigen_map(to, p.inner);
-    if (p.a.inner && p.b.inner)
-      row = f(eigen_map(x, p.inner), eigen_map(y, p.inner));
-    else if (p.a.inner)
-      row = f(eigen_map(x, p.inner), EigenArray<S>::Constant(p.inner, *y));
-    else
-      row = f(EigenArray<S>::Constant(p.inner, *x), eigen_map(y, p.inner));
+  const auto apply = kernels<S>().binary;
+  for (Index i = 0; i < outer && inner > 0; ++i) {
+    apply({.op = op,
+           .a = std::as_const(a).data() + (walk_a.outer ? i * (walk_a.inner ? inner : 1) : 0),
+           .b = std::as_const(b).data() + (walk_b.outer ? i * (walk_b.inner ? inner : 1) : 0),
+           .a_repeated = !walk_a.inner,
+           .b_repeated = !walk_b.inner,
+           .count = inner,
+           .y = out.data() + i * inner});
   }
   return out;
 }
@@ -84,29 +75,31 @@ Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fo
 
 template <Scalar S>
 Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x + y; });
+  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x - y; });
+  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x * y; });
+  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x / y; });
+  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x.max(y); });
+  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) {
-    return x.binaryExpr(y, [](S p, S q) { return std::atan2(p, q); });
-  });
+  const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
+  a = DenseOps<S>::broadcast(a, s), b = DenseOps<S>::broadcast(b, s);
+  tensor out(s);
+  for (Index i = 0, n = s.count(); i < n; ++i) out.data()[i] = std::atan2(std::as_const(a).data()[i], std::as_const(b).data()[i]);
+  return out;
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::exp(tensor a) {

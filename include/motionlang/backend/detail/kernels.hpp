@@ -72,6 +72,17 @@ struct AdamwStep {
   S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
+/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+enum class BinaryOp { add, sub, mul, div, maximum };
+template <class S>
+struct Binary {
+  BinaryOp op{};
+  const S *a = nullptr, *b = nullptr;
+  bool a_repeated = false, b_repeated = false;
+  Index count = 0;
+  S* y = nullptr;  // may be a or b
+};
+
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
@@ -91,6 +102,7 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
+  void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
@@ -112,7 +124,11 @@ struct Kernels {
 
 #define MOTIONLANG_ISA portable
 #define MOTIONLANG_VECTOR_BYTES 16
+#if defined(__OPTIMIZE__)
 #define MOTIONLANG_TILE_ROWS 6
+#else  // without the optimiser higher tiles would only take longer to compile
+#define MOTIONLANG_TILE_ROWS 2
+#endif
 #include <motionlang/backend/detail/kernels.inc>
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
