@@ -24,6 +24,7 @@ void add_info(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_judge(CLI::App& app);
+void add_convert(CLI::App& app);  // and strip, view
 
 /// The weights that come with the repository, unless MOTIONLANG_MODEL names others.
 inline std::filesystem::path default_model() {

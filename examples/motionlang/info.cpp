@@ -3,12 +3,11 @@
 #include <filesystem>
 
 #include <motionlang/io/amass.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb_reader.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "commands.hpp"
+#include "motion_files.hpp"
 #include "timelines.hpp"
 
 namespace program {
@@ -47,6 +46,11 @@ void motion(const std::string& path, const ml::Motion& m) {
   }
   std::printf("  root moves within x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m\n", low.x, high.x, low.y, high.y,
               low.z, high.z);
+  if (m.skeleton.names == ml::smpl24_skeleton().names) {
+    const auto q = ml::motion_quality(m);
+    std::printf("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; %.1f cm below the floor\n",
+                100 * q.feet.contact, q.feet.speed, q.jitter, 100 * q.below_floor.mean);
+  }
   for (int j = 0; j < m.skeleton.size(); ++j) {
     std::printf("  %3d %-24s %s\n", j, m.skeleton.name(j).c_str(),
                 j == 0 ? "" : m.skeleton.name(m.skeleton.parent(j)).c_str());
@@ -61,16 +65,15 @@ void joints(const std::string& path) {
 void run(const std::string& path) {
   const std::string kind = std::filesystem::path(path).extension().string();
   if (kind == ".safetensors") return weights(path);
-  if (kind == ".bvh") return motion(path, ml::read_bvh_motion(path));
-  if (kind == ".npz") return motion(path, ml::read_amass(path).motion);
   if (kind == ".npy") return joints(path);
-  if (kind == ".glb") {
-    const auto file = ml::GlbFile::open(path);
-    const auto names = file.animation_names();
-    std::printf("%zu animations\n", names.size());
-    for (std::size_t i = 0; i < names.size(); ++i) std::printf("  %zu %s\n", i, names[i].c_str());
-    if (!names.empty()) motion(path, file.motion(ml::Index{0}, 30));
-    return;
+  if (kind == ".bvh" || kind == ".npz" || kind == ".glb" || kind == ".amc") {
+    const auto motions = read_motions(path);
+    if (motions.size() > 1) {
+      std::printf("%zu animations\n", motions.size());
+      for (std::size_t i = 0; i < motions.size(); ++i)
+        std::printf("  %zu %s, %.2f s\n", i, motions[i].name.c_str(), motions[i].seconds());
+    }
+    return motion(path, motions.front());
   }
   for (const auto& t : read_timelines(path, 20)) {
     std::printf("timeline: %td texts, %.2f s\n", std::ssize(t.intervals), static_cast<double>(t.end()) / 20);
@@ -85,7 +88,7 @@ void run(const std::string& path) {
 void add_info(CLI::App& app) {
   const auto path = std::make_shared<std::string>();
   CLI::App* c = app.add_subcommand(
-      "info", "Shows what a file holds: weights (.safetensors), motion (.bvh .glb .npz .npy), or a timeline");
+      "info", "Shows what a file holds: weights (.safetensors), motion (.bvh .amc .glb .npz .npy), or a timeline");
   c->add_option("file", *path, "The file")->required()->check(CLI::ExistingFile);
   c->callback([path] { run(*path); });
 }

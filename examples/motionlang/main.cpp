@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   program::add_info(app);
   program::add_train(app);
   program::add_judge(app);
+  program::add_convert(app);
   try {
     app.parse(argc, argv);
     return program::ok;

@@ -17,7 +17,7 @@ struct Options {
   TrainingConfig config;
   double save_minutes = 5;
   std::string license = "MIT", provenance, commit, denoiser;
-  bool fresh = false;
+  bool fresh = false, other_settings = false;
   int threads = 0;
 };
 
@@ -75,7 +75,7 @@ void run(const Options& o) {
   std::printf("%zu segments, %.1f minutes\n", data.segments().size(), data.seconds() / 60);
   Trainer trainer(o.config, data);
   if (!o.fresh && std::filesystem::exists(checkpoint)) {
-    trainer.resume(checkpoint);
+    trainer.resume(checkpoint, o.other_settings);
     std::printf("going on at step %td of %td\n", trainer.steps_done(), o.config.steps);
   } else {
     if (!o.denoiser.empty()) trainer.take_denoiser(o.denoiser);
@@ -164,6 +164,11 @@ void add_train(CLI::App& app) {
   c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
   c->add_option("--save-minutes", o->save_minutes, "Minutes between checkpoints")->capture_default_str();
+  c->add_flag("--other-settings", o->other_settings,
+              "Go on with a checkpoint of other weights of losses or samples; the result is then no longer that of one command");
+  c->add_option("--noise-focus", o->config.noise_focus, "Share of the samples that come from the noisiest fifth")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   c->add_flag("--fresh", o->fresh, "Start anew even if there is a checkpoint");
   c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
       ->check(CLI::Range(1, 1024));

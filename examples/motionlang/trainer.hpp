@@ -27,6 +27,7 @@ struct TrainingConfig {
   double clip_norm = 1;
   double ema = 0.999;
   double velocity_weight = 1;   // of the loss on differences between neighbouring frames
+  double noise_focus = 0.5;     // share of the samples that come from the noisiest fifth of the diffusion
   double root_weight = 8;       // of the four numbers that move the figure, against 1 for each of the others
   double foot_weight = 0.2;     // of the loss on the velocity of the feet, (m/s)^2
   double text_weight = 0.2;     // of the loss that asks a caption's vector for a summary of the motion
@@ -57,9 +58,9 @@ class Trainer {
 
   /// Everything that is needed to go on, in float32.
   void save(const std::filesystem::path& checkpoint) const;
-  /// Goes on where `checkpoint` stopped. Throws config_error 102 if that run had other settings, captions or sizes, io_error 406,
-  /// 407 if tensors are missing or wrong.
-  void resume(const std::filesystem::path& checkpoint);
+  /// Goes on where `checkpoint` stopped. Throws config_error 102 if that run had other settings, captions or sizes
+  /// (`with_other_settings`: other sizes or captions), io_error 406, 407 if tensors are missing or wrong.
+  void resume(const std::filesystem::path& checkpoint, bool with_other_settings = false);
   /// The averaged weights, in half precision.
   void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
 

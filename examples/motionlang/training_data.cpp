@@ -227,7 +227,7 @@ ml::Motion TrainingSet::variant(const Segment& s, Index frames, bool mirrored, d
 Sample TrainingSet::draw(ml::Philox rng, const SampleOptions& options) const {
   const Index range = options.longest - options.shortest;
   // short lengths more often than long ones: most texts of a timeline last a few seconds
-  const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 1.5));
+  const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
   const bool mirrored = rng.uniform() < options.mirror;
   auto caption_of = [&](const Segment& s) {
     const auto& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];

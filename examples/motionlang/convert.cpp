@@ -1,0 +1,105 @@
+// motionlang convert, strip, view: a file of motion in, another file, a picture or a page out.
+#include <cstdio>
+
+#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+
+#include "commands.hpp"
+#include "motion_files.hpp"
+
+namespace program {
+
+namespace {
+
+struct Options {
+  std::string in, out;
+  MotionReadOptions read;
+  double scale = 100, fps = 0, from = 0, to = 0, speed = 1;
+  bool smpl = false, mirror = false, fix_feet = false;
+};
+
+ml::Motion edited(ml::Motion m, const Options& o) {
+  if (o.from > 0 || o.to > 0) {
+    const auto frame = [&](double seconds) { return static_cast<ml::Index>(seconds * m.fps + 0.5); };
+    const ml::Index last = o.to > 0 ? std::min(frame(o.to), m.frames()) : m.frames();
+    if (frame(o.from) >= last)
+      ml::raise<ml::config_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ", o.to, " s");
+    m = ml::crop(m, frame(o.from), last);
+  }
+  if (o.speed != 1) m = ml::change_speed(m, o.speed);
+  if (o.fps > 0) m = ml::resample(m, o.fps);
+  if (o.smpl || o.fix_feet) m = on_smpl(m);
+  if (o.mirror) m = ml::mirror(m);
+  if (o.fix_feet) m = ml::fix_feet(m);
+  return m;
+}
+
+/// One file for each motion: out.bvh, or out_walk.bvh, out_run.bvh if there are several.
+std::filesystem::path name_of(const std::filesystem::path& out, const ml::Motion& m, bool several) {
+  if (!several) return out;
+  std::string name = m.name;
+  for (char& c : name) c = c == '/' || c == '\\' || c == ':' ? '_' : c;
+  return out.parent_path() / (out.stem().string() + "_" + name + out.extension().string());
+}
+
+void run(const Options& o) {
+  const auto motions = read_motions(o.in, o.read);
+  for (const ml::Motion& m : motions) {
+    const ml::Motion made = edited(m, o);
+    const auto path = name_of(o.out, made, motions.size() > 1);
+    write_motion(path, made, o.scale);
+    std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), made.frames(), made.fps,
+                made.seconds(), made.skeleton.size());
+  }
+}
+
+void add_input(CLI::App& c, Options& o) {
+  c.add_option("input", o.in, "Motion: .bvh, .amc, .npz (AMASS) or .glb (every animation)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  c.add_option("--asf", o.read.asf, "Skeleton of an AMC file; the file of its subject beside it unless given")
+      ->check(CLI::ExistingFile);
+}
+
+void add_picture(CLI::App& app, const std::string& name, const std::string& about, const std::string& extension) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand(name, about);
+  add_input(*c, *o);
+  c->add_option("output", o->out, "The picture; beside the motion unless given");
+  c->callback([o, extension] {
+    if (o->out.empty()) o->out = std::filesystem::path(o->in).replace_extension(extension).string();
+    run(*o);
+  });
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("convert", "Reads a motion and writes it in another format, edited if you like");
+  add_input(*c, *o);
+  c->add_option("output", o->out,
+                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg (film strip)")
+      ->required();
+  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given")->check(CLI::PositiveNumber);
+  c->add_option("--from", o->from, "Begin, seconds")->check(CLI::NonNegativeNumber);
+  c->add_option("--to", o->to, "End, seconds")->check(CLI::PositiveNumber);
+  c->add_option("--speed", o->speed, "How much faster")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
+  c->add_flag("--mirror", o->mirror, "Left becomes right");
+  c->add_flag("--fix-feet", o->fix_feet, "On SMPL's 24 joints, and feet that stand do not slide");
+  c->callback([o] {
+    if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
+    run(*o);
+  });
+  add_picture(app, "strip", "Draws a film strip (SVG) of a motion", ".svg");
+  add_picture(app, "view", "Writes a page (HTML) on which a motion can be watched", ".html");
+}
+
+}  // namespace program

@@ -1,0 +1,80 @@
+#include "motion_files.hpp"
+
+#include <motionlang/io/amass.hpp>
+#include <motionlang/io/amc.hpp>
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/film_strip.hpp>
+#include <motionlang/io/glb.hpp>
+#include <motionlang/io/viewer.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+namespace program {
+
+namespace {
+
+std::string kind_of(const std::filesystem::path& path) {
+  std::string kind = path.extension().string();
+  for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return kind;
+}
+
+/// CMU keeps one skeleton for each subject: 01.asf beside 01_02.amc.
+std::filesystem::path asf_of(const std::filesystem::path& amc) {
+  const std::string stem = amc.stem().string();
+  return amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
+}
+
+std::vector<ml::Motion> every_animation(const std::filesystem::path& path, double fps) {
+  const auto file = ml::GlbFile::open(path);
+  std::vector<ml::Motion> motions;
+  for (ml::Index i = 0; i < std::ssize(file.animation_names()); ++i) motions.push_back(file.motion(i, fps));
+  if (motions.empty()) ml::raise<ml::io_error>(406, path.string(), ": no animation");
+  return motions;
+}
+
+}  // namespace
+
+std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options) {
+  const std::string kind = kind_of(path);
+  std::vector<ml::Motion> motions;
+  if (kind == ".bvh")
+    motions.push_back(ml::read_bvh_motion(path, {.scale = options.scale}));
+  else if (kind == ".amc")
+    motions.push_back(ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_of(path) : std::filesystem::path(options.asf))));
+  else if (kind == ".npz")
+    motions.push_back(ml::read_amass(path).motion);
+  else if (kind == ".glb")
+    motions = every_animation(path, options.fps);
+  else
+    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz and .glb, not '", kind, "'");
+  for (ml::Motion& m : motions) {
+    if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
+  }
+  return motions;
+}
+
+void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre) {
+  const std::string kind = kind_of(path);
+  if (kind == ".bvh")
+    ml::write_bvh(path, motion, {.scale = bvh_units_per_metre});
+  else if (kind == ".glb")
+    ml::write_glb(path, motion);
+  else if (kind == ".npz")
+    ml::write_amass(path, on_smpl(motion));
+  else if (kind == ".npy")
+    ml::write_joints_npy(path, motion);
+  else if (kind == ".html")
+    ml::write_viewer(path, motion);
+  else if (kind == ".svg")
+    ml::write_film_strip(path, motion);
+  else
+    ml::raise<ml::config_error>(103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html and .svg, not '",
+                                kind, "'");
+}
+
+ml::Motion on_smpl(const ml::Motion& motion) {
+  const bool already = motion.skeleton.names == ml::smpl24_skeleton().names;
+  return already ? motion : ml::retarget(motion);
+}
+
+}  // namespace program

@@ -1,0 +1,31 @@
+// Files of motion, by their extensions: what `convert`, `strip`, `view` and `info` read and write.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <motionlang/kinematics/motion.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+struct MotionReadOptions {
+  double scale = 0.01;  // metres per unit of a BVH file
+  double fps = 30;      // of a GLB file, whose keys have times of their own
+  std::string asf{};    // skeleton of an AMC file; "": the file of its subject beside it, 01.asf for 01_02.amc
+};
+
+/// The motions of a file: .bvh, .amc, .npz (AMASS), .glb (every animation). Each has a name.
+/// Throws config_error 103 for another extension, and what the reader throws.
+std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
+
+/// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg (film strip).
+/// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
+void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
+
+/// The motion on SMPL's 24 joints; itself if it is on them already.
+ml::Motion on_smpl(const ml::Motion& motion);
+
+}  // namespace program
