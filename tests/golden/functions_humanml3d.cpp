@@ -203,8 +203,8 @@ void features_from_joints(Case& c) {
     const auto root = i - i % n;
     return ml::guoh3d_position(q[root], global[root], global[i]);
   });
-  const auto left = ml::foot_contacts(skeleton, view(global), skeleton.left_foot);
-  const auto right = ml::foot_contacts(skeleton, view(global), skeleton.right_foot);
+  const auto left = ml::guoh3d_contacts(skeleton, view(global), skeleton.left_foot);
+  const auto right = ml::guoh3d_contacts(skeleton, view(global), skeleton.right_foot);
   c.out("contacts_left", c.shape("out/contacts_left"), left);
   c.out("contacts_right", c.shape("out/contacts_right"), right);
   c.out("features", c.shape("out/features"), ml::guoh3d_features(skeleton, view(joints), view(lengths), options));
@@ -220,8 +220,8 @@ template <class S>
 void contacts(Case& c) {
   const auto skeleton = skeleton_of(c);
   const auto joints = vectors<S>(c, "joints");
-  c.out("left", c.shape("out/left"), ml::foot_contacts(skeleton, view(joints), skeleton.left_foot));
-  c.out("right", c.shape("out/right"), ml::foot_contacts(skeleton, view(joints), skeleton.right_foot));
+  c.out("left", c.shape("out/left"), ml::guoh3d_contacts(skeleton, view(joints), skeleton.left_foot));
+  c.out("right", c.shape("out/right"), ml::guoh3d_contacts(skeleton, view(joints), skeleton.right_foot));
 }
 
 template <class S>

@@ -11,6 +11,7 @@
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
 #pragma once
 
+#include <motionlang/core/lane.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
@@ -54,23 +55,27 @@ GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const V
   const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
   out.turn = guo::between(facing[0], Vec3<S>{S(0), S(0), S(1)});
   const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
-  out.joints.reserve(joints.size());
-  for (const Vec3<S>& p : joints) out.joints.push_back(rotate(out.turn, p - origin));
+  out.joints.resize(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = rotate(out.turn, joints[i] - origin);
   return out;
 }
 
-/// joints (frames, joints) -> (frames - 1, 2): for two joints, 1 while the squared displacement to the next frame is
-/// below the threshold, else 0. Throws shape_error 205.
+/// 1 while the squared displacement to the next frame is below the threshold, else 0.
+template <ScalarLike T>
+T guoh3d_contact(const Vec3<T>& now, const Vec3<T>& next, double threshold) {
+  const Vec3<T> moved = next - now;
+  return where_less(dot(moved, moved), T(threshold), T(1), T(0));
+}
+/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205.
 template <Scalar S>
-std::vector<S> foot_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
-                             const std::array<int, 2>& foot) {
-  const std::size_t frames = detail::chain_frames("foot_contacts", skeleton, joints);
+std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const std::array<int, 2>& foot) {
+  const std::size_t frames = detail::chain_frames("guoh3d_contacts", skeleton, joints);
   std::vector<S> out;
   for (std::size_t t = 0; t + 1 < frames; ++t) {
     const Vec3<S>*now = &joints[t * skeleton.size()], *next = now + skeleton.size();
     for (const int j : foot) {
-      const Vec3<S> moved = detail::joint_of(next, j) - detail::joint_of(now, j);
-      out.push_back(dot(moved, moved) < static_cast<S>(skeleton.foot_threshold) ? S(1) : S(0));
+      out.push_back(guoh3d_contact(detail::joint_of(now, j), detail::joint_of(next, j), skeleton.foot_threshold));
     }
   }
   return out;
@@ -78,21 +83,51 @@ std::vector<S> foot_contacts(const ChainSkeleton& skeleton, std::span<const Vec3
 
 /// The rotation from one root rotation to the next; its y is the sine of half the turn.
 /// fix_sign: the shorter way round.
-template <Scalar S>
-Quaternion<S> guoh3d_turn(const Quaternion<S>& root, const Quaternion<S>& next, bool fix_sign = false) {
-  const Quaternion<S> q = next * inverse(root);
-  return fix_sign && q.w < 0 ? -q : q;
+template <ScalarLike T>
+Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
+  const Quaternion<T> q = next * inverse(root);
+  return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
 }
 /// The way of the root to the next frame, seen from the body there.
-template <Scalar S>
-Vec3<S> guoh3d_root_velocity(const Quaternion<S>& next, const Vec3<S>& now_position, const Vec3<S>& next_position) {
+template <ScalarLike T>
+Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
   return rotate(next, next_position - now_position);
 }
 /// A joint seen from the body: x and z relative to the body's root, the height above the floor.
-template <Scalar S>
-Vec3<S> guoh3d_position(const Quaternion<S>& root, const Vec3<S>& root_position, const Vec3<S>& joint) {
-  return rotate(root, joint - Vec3<S>{root_position.x, S(0), root_position.z});
+template <ScalarLike T>
+Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
+  return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
 }
+
+namespace detail {
+
+/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
+/// the sine of half the turn.
+template <ScalarLike T>
+void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
+                const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
+  auto put = [&](const Vec3<T>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
+  const Quaternion<T>& root = local[0];
+  const Vec3<T> speed = guoh3d_root_velocity(next_root, now[0], next[0]);
+  *to++ = guoh3d_turn(root, next_root, fix_yaw_sign).y;
+  *to++ = speed.x;
+  *to++ = speed.z;
+  *to++ = now[0].y;
+  for (std::size_t j = 1; j < now.size(); ++j) put(guoh3d_position(root, now[0], now[j]));
+  for (std::size_t j = 1; j < now.size(); ++j) {
+    const auto columns = to_rotation6d_columns(local[j]);
+    put(columns.a);
+    put(columns.b);
+  }
+  for (std::size_t j = 0; j < now.size(); ++j) put(rotate(root, next[j] - now[j]));
+  for (const auto& foot : {skeleton.left_foot, skeleton.right_foot}) {
+    for (const int j : foot) {
+      *to++ = guoh3d_contact(joint_of(now.data(), j), joint_of(next.data(), j), skeleton.foot_threshold);
+    }
+  }
+}
+
+}  // namespace detail
 
 /// joints  (frames, joints), grounded
 /// result  (frames - 1, 12 J - 1)
@@ -103,29 +138,43 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
                                     const Guoh3dOptions& options = {}) {
   const std::size_t n = skeleton.size(), frames = detail::chain_frames("guoh3d_from_grounded", skeleton, joints);
   if (frames < 2) raise<shape_error>(205, "guoh3d_from_grounded: ", frames, " frames; a row is made of two");
-  const auto rotations = chain_inverse_kinematics(skeleton, joints, options.rotations);
-  const auto left = foot_contacts(skeleton, joints, skeleton.left_foot);
-  const auto right = foot_contacts(skeleton, joints, skeleton.right_foot);
-  std::vector<S> out(static_cast<std::size_t>(Guoh3dSlots{static_cast<Index>(n)}.size()) * (frames - 1));
-  S* to = out.data();
-  auto put = [&](const Vec3<S>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
-  for (std::size_t t = 0; t + 1 < frames; ++t) {
-    const Vec3<S>*now = &joints[t * n], *next = now + n;
-    const Quaternion<S>*q = &rotations[t * n], &root = q[0], &next_root = q[n];
-    const Vec3<S> speed = guoh3d_root_velocity(next_root, now[0], next[0]);
-    *to++ = std::asin(std::clamp(guoh3d_turn(root, next_root, options.fix_yaw_sign).y, S(-1), S(1)));
-    *to++ = speed.x;
-    *to++ = speed.z;
-    *to++ = now[0].y;
-    for (std::size_t j = 1; j < n; ++j) put(guoh3d_position(root, now[0], now[j]));
-    for (std::size_t j = 1; j < n; ++j) {
-      const auto columns = to_rotation6d_columns(q[j]);
-      put(columns.a);
-      put(columns.b);
+  const auto bones = skeleton.bones();
+  const auto roots = detail::chain_roots(skeleton, joints, options.rotations);
+  const std::size_t rows = frames - 1, width = static_cast<std::size_t>(Guoh3dSlots{static_cast<Index>(n)}.size());
+  std::vector<S> out(width * rows);
+
+  using L = Lane<S>;  // eight frames at once
+  const auto zero = [&] {
+    std::vector<Vec3<L>> directions;
+    for (const auto& d : skeleton.directions) directions.push_back({L(d.x), L(d.y), L(d.z)});
+    return directions;
+  }();
+  std::vector<Vec3<L>> now(n), next(n);
+  std::vector<Quaternion<L>> world(n), local(n);
+  std::vector<L> row(width);
+  for (std::size_t first = 0; first < rows; first += L::size) {
+    Quaternion<L> root, next_root;
+    for (int i = 0; i < L::size; ++i) {
+      const std::size_t t = std::min(first + static_cast<std::size_t>(i), rows - 1);
+      auto lane = [i](Vec3<L>& to, const Vec3<S>& v) { to.x[i] = v.x, to.y[i] = v.y, to.z[i] = v.z; };
+      auto turn = [i](Quaternion<L>& to, const Quaternion<S>& q) {
+        to.w[i] = q.w, to.x[i] = q.x, to.y[i] = q.y, to.z[i] = q.z;
+      };
+      for (std::size_t j = 0; j < n; ++j) lane(now[j], joints[t * n + j]), lane(next[j], joints[(t + 1) * n + j]);
+      turn(root, roots[t]), turn(next_root, roots[t + 1]);
     }
-    for (std::size_t j = 0; j < n; ++j) put(rotate(root, next[j] - now[j]));
-    for (const auto* foot : {&left, &right}) *to++ = (*foot)[2 * t], *to++ = (*foot)[2 * t + 1];
+    const L bad = detail::chain_rotations<L>(bones, zero, now.data(), root, options.rotations.fix_opposite_bones,
+                                             world.data(), local.data());
+    detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
+    for (int i = 0; i < L::size && first + static_cast<std::size_t>(i) < rows; ++i) {
+      const std::size_t t = first + static_cast<std::size_t>(i);
+      if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
+      S* to = &out[t * width];
+      for (std::size_t k = 0; k < width; ++k) to[k] = row[k][i];
+      to[0] = std::asin(std::clamp(to[0], S(-1), S(1)));
+    }
   }
+  detail::require_bones(skeleton, bones, &joints[rows * n], rows);
   return out;
 }
 

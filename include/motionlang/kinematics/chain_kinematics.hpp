@@ -125,6 +125,53 @@ std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<
   return out;
 }
 
+namespace detail {
+
+/// Rotations of the root in all frames.
+template <Scalar S>
+std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                       const ChainRotationOptions& options) {
+  std::vector<Quaternion<S>> out;
+  for (const Vec3<S>& forward : facing_directions(skeleton, joints, options.facing)) {
+    const Vec3<S> ahead{S(0), S(0), S(1)};
+    const bool replaced = out.empty() && !options.fix_first_frame;
+    out.push_back(replaced                     ? Quaternion<S>::identity()
+                  : options.fix_opposite_bones ? rotation_between(forward, ahead)
+                                               : guo::between(forward, ahead));
+  }
+  return out;
+}
+
+/// Rotations of all joints of one frame, or of one frame in each lane.
+/// zero    directions of the bones
+/// world   workspace (joints)
+/// local   result (joints)
+/// Returns 0 where all bones have a length.
+template <ScalarLike T>
+T chain_rotations(std::span<const ChainBone> bones, std::span<const Vec3<T>> zero, const Vec3<T>* joints,
+                  const Quaternion<T>& root, bool fix_opposite, Quaternion<T>* world, Quaternion<T>* local) {
+  const T none = T(0), one = T(1), infinite = T(std::numeric_limits<float>::max());
+  T bad = none;
+  world[0] = local[0] = root;
+  for (const ChainBone& b : bones) {
+    const Vec3<T> v = joints[b.joint] - joints[b.parent];
+    const T squared = dot(v, v);
+    bad = bad + where_less(none, squared, where_less(squared, infinite, none, one), one);
+    world[b.joint] = fix_opposite ? rotation_between(zero[b.joint], v) : guo::between(zero[b.joint], v, sqrt(squared));
+    local[b.joint] = inverse(world[b.before]) * world[b.joint];
+  }
+  return bad;
+}
+
+/// Throws numeric_error 301 or 302 for the first bone of a frame that has no direction.
+template <Scalar S>
+void require_bones(const ChainSkeleton& skeleton, std::span<const ChainBone> bones, const Vec3<S>* joints,
+                   std::size_t frame) {
+  for (const ChainBone& b : bones) measure_bone(skeleton, b, joints, frame);
+}
+
+}  // namespace detail
+
 /// result  (frames, joints); joint 0: the rotation that turns the facing direction onto +Z
 /// Throws  shape_error 205, config_error 101 (sigma) and 106, numeric_error 301 and 302 for a bone without direction
 template <Scalar S>
@@ -132,20 +179,13 @@ std::vector<Quaternion<S>> chain_inverse_kinematics(const ChainSkeleton& skeleto
                                                     const ChainRotationOptions& options = {}) {
   const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_inverse_kinematics", skeleton, joints);
   const auto bones = skeleton.bones();
-  const auto forward = facing_directions(skeleton, joints, options.facing);
+  const auto roots = detail::chain_roots(skeleton, joints, options);
   const auto zero = chain_offsets<S>(skeleton, std::span<const S>(std::vector<S>(n, S(1))));
-  auto turn = [&](const Vec3<S>& a, const Vec3<S>& b, S lengths) {
-    return options.fix_opposite_bones ? rotation_between(a, b) : guo::between(a, b, lengths);
-  };
   std::vector<Quaternion<S>> out(frames * n), world(n);
   for (std::size_t t = 0; t < frames; ++t) {
-    const bool replaced = t == 0 && !options.fix_first_frame;
-    world[0] = out[t * n] = replaced ? Quaternion<S>::identity() : turn(forward[t], Vec3<S>{S(0), S(0), S(1)}, S(1));
-    for (const ChainBone& b : bones) {
-      const auto [v, length] = detail::measure_bone(skeleton, b, &joints[t * n], t);
-      world[b.joint] = turn(zero[b.joint], v, length);
-      out[t * n + b.joint] = inverse(world[b.before]) * world[b.joint];
-    }
+    const S bad = detail::chain_rotations<S>(bones, zero, &joints[t * n], roots[t], options.fix_opposite_bones,
+                                             world.data(), &out[t * n]);
+    if (bad > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
   }
   return out;
 }

@@ -209,8 +209,8 @@ TEST_CASE("guoh3d: in the mirror left feet are right feet") {
   const auto mirrored = ml::mirror_joints(view(joints), view(partners));
   auto skeleton = ml::humanml3d_chains();  // whose left and right lengths differ
   skeleton.lengths = ml::bone_lengths(skeleton, view(joints).first(22));
-  CHECK(ml::foot_contacts(skeleton, view(mirrored), skeleton.left_foot) ==
-        ml::foot_contacts(skeleton, view(joints), skeleton.right_foot));
+  CHECK(ml::guoh3d_contacts(skeleton, view(mirrored), skeleton.left_foot) ==
+        ml::guoh3d_contacts(skeleton, view(joints), skeleton.right_foot));
   const auto rows = ml::guoh3d_features(skeleton, view(joints)),
              mirror_rows = ml::guoh3d_features(skeleton, view(mirrored));
   double turned = 0;
