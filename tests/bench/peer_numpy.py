@@ -1,5 +1,8 @@
 #!/usr/bin/python3
-"""HumanML3D's 263 numbers from joints in NumPy, all frames and bones at once: the peer of features.cpp. Same output format.
+"""HumanML3D's 263 numbers from joints in NumPy: the peer of features.cpp. Same output format.
+
+numpy: all frames and bones at once, and no rotation where they cancel; numpy-chains: all frames at once, bone after bone along
+the chains, onto the reference skeleton by inverse and forward kinematics, as published.
 
 usage: peer_numpy.py [FRAMES ...]
 Debian: python3-numpy.
@@ -41,7 +44,7 @@ def between(a, b):
     return unit(np.concatenate([w, np.cross(a, b)], -1))
 
 
-def smooth(v, sigma=20):
+def smooth(v, sigma):
     radius = int(4 * sigma + 0.5)
     kernel = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
     padded = np.pad(v, ((radius, radius), (0, 0)), "edge")
@@ -60,29 +63,64 @@ def two_columns(q):
                      k * (x * y - z * w), 1 - k * (x * x + z * z), k * (y * z + x * w)], -1)
 
 
-def features(p):
-    frames = len(p)
+def uniform(p, scale):
     bone = p[:, JOINT] - p[:, PARENT]
-    length = np.sqrt((bone * bone).sum(-1, keepdims=True))
-    scale = LENGTHS[[5, 8]].sum() / np.linalg.norm(p[0, [5, 8]] - p[0, [2, 5]], axis=-1).sum()
-    bone = bone * (LENGTHS[JOINT][:, None] / length)
+    bone = bone * (LENGTHS[JOINT][:, None] / np.sqrt((bone * bone).sum(-1, keepdims=True)))
     x = np.empty_like(p)
     x[:, 0] = p[:, 0] * scale
     for k, (joint, parent, _) in enumerate(BONES):
         x[:, joint] = x[:, parent] + bone[:, k]
+    return x
 
+
+def inverse_kinematics(x, root):
+    world = np.empty(x.shape[:2] + (4,), np.float32)
+    world[:, 0] = root
+    world[:, JOINT] = between(DIRECTIONS[JOINT], unit(x[:, JOINT] - x[:, PARENT]))
+    local = np.empty_like(world)
+    local[:, 0] = root
+    local[:, JOINT] = multiply(inverse(world[:, BEFORE]), world[:, JOINT])
+    return local
+
+
+def uniform_by_chains(p, scale):
+    q = inverse_kinematics_by_chains(p, roots(p, 0))
+    x = np.empty_like(p)
+    x[:, 0] = p[:, 0] * scale
+    for chain in CHAINS:
+        r = q[:, 0]
+        for parent, joint in zip(chain, chain[1:]):
+            r = multiply(r, q[:, joint])
+            x[:, joint] = x[:, parent] + rotate(r, np.broadcast_to(LENGTHS[joint] * DIRECTIONS[joint], p[:, 0].shape))
+    return x
+
+
+def inverse_kinematics_by_chains(x, root):
+    q = np.empty(x.shape[:2] + (4,), np.float32)
+    q[:, 0] = root
+    for chain in CHAINS:
+        r = root
+        for parent, joint in zip(chain, chain[1:]):
+            v = unit(x[:, joint] - x[:, parent])
+            q[:, joint] = multiply(inverse(r), between(np.broadcast_to(DIRECTIONS[joint], v.shape), v))
+            r = multiply(r, q[:, joint])
+    return q
+
+
+def roots(x, sigma):
+    forward = facing(x, True)
+    root = between(unit(smooth(forward, sigma) if sigma else forward), Z).astype(np.float32)
+    root[0] = 1, 0, 0, 0
+    return root
+
+
+def features(p, by_chains):
+    scale = LENGTHS[[5, 8]].sum() / np.linalg.norm(p[0, [5, 8]] - p[0, [2, 5]], axis=-1).sum()
+    x = (uniform_by_chains if by_chains else uniform)(p, scale)
     x -= np.array([x[0, 0, 0], x[..., 1].min(), x[0, 0, 2]])
     x = rotate(between(facing(x[:1], False), Z)[:, None], x)
-
-    forward = unit(smooth(facing(x, True)))
-    world = np.empty((frames, 22, 4), np.float32)
-    world[:, 0] = between(forward, Z)
-    world[0, 0] = 1, 0, 0, 0
-    bone = x[:, JOINT] - x[:, PARENT]
-    world[:, JOINT] = between(DIRECTIONS[JOINT], unit(bone))
-    local = np.empty((frames, 21, 4), np.float32)
-    local[:, JOINT - 1] = multiply(inverse(world[:, BEFORE]), world[:, JOINT])
-    root = world[:, 0]
+    root = roots(x, 20)
+    local = (inverse_kinematics_by_chains if by_chains else inverse_kinematics)(x, root)[:, 1:]
 
     turn = np.arcsin(multiply(root[1:], inverse(root[:-1]))[:, 2:3])
     moved = x[1:] - x[:-1]
@@ -91,7 +129,7 @@ def features(p):
     positions = rotate(root[:-1, None], (x - ground)[:-1, 1:])
     velocities = rotate(root[:-1, None], moved)
     contacts = ((moved * moved).sum(-1) < 0.002)[:, [7, 10, 8, 11]]
-    rows = frames - 1
+    rows = len(x) - 1
     return np.concatenate([turn, speed, x[:-1, 0, 1:2], positions.reshape(rows, -1), two_columns(local[:-1]).reshape(rows, -1),
                            velocities.reshape(rows, -1), contacts], -1).astype(np.float32)
 
@@ -111,14 +149,15 @@ def joints(frames):
 def main():
     for frames in map(int, sys.argv[1:] or ["60", "200", "1000"]):
         p = joints(frames)
-        times = []
-        start = time.perf_counter()
-        while len(times) < 5 or (time.perf_counter() - start < 2 and len(times) < 300):
-            before = time.perf_counter()
-            out = features(p)
-            times.append(time.perf_counter() - before)
-        times = np.array(sorted(times)) * 1e3
-        print(f"humanml3d,{frames} frames sum {np.abs(out).sum():.2f},numpy,1,{times[0]:.3f},{np.median(times):.3f},{times[int(0.9 * len(times))]:.3f},0,0")
+        for variant in ("numpy", "numpy-chains"):
+            times = []
+            start = time.perf_counter()
+            while len(times) < 5 or (time.perf_counter() - start < 2 and len(times) < 300):
+                before = time.perf_counter()
+                out = features(p, variant == "numpy-chains")
+                times.append(time.perf_counter() - before)
+            low, middle, high = np.percentile(np.array(times) * 1e3, [0, 50, 90])
+            print(f"humanml3d,{frames} frames sum {np.abs(out).sum():.2f},{variant},1,{low:.3f},{middle:.3f},{high:.3f},0,0")
 
 
 if __name__ == "__main__":
