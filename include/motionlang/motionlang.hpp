@@ -28,6 +28,7 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
+#include <motionlang/core/sort.hpp>
 #include <motionlang/core/torch_random.hpp>
 #include <motionlang/core/utf8.hpp>
 
@@ -98,8 +99,10 @@
 #include <motionlang/optim/lr_schedule.hpp>
 
 #include <motionlang/features/amass_resample.hpp>
+#include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
+#include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/features/pose_representation.hpp>

@@ -1,5 +1,6 @@
 // Golden functions: the 205-vector, preparation of AMASS, smoothing of joints.
 #include <motionlang/features/amass_resample.hpp>
+#include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 
@@ -60,8 +61,19 @@ void out_poses(Case& c, const ml::AmassPoses<S>& result) {
   c.out("trans", {T, 3}, result.trans);
 }
 
+/// Of TEACH: which frames are taken.
+void amass_frame_indices(Case& c) {
+  const auto fps = c.values<double>("in/fps");
+  const auto frames = c.values<ml::Index>("in/frames");
+  for (std::size_t k = 0; k < fps.size(); ++k) {
+    c.out("ids" + std::to_string(k), ml::spread_frames(frames[k], fps[k], c.config()["out_fps"].as<double>()));
+  }
+}
+
+/// Of STMC: poses between the frames. TEACH has another function of this name.
 template <class S>
 void amass_resampling(Case& c) {
+  if (c.has("in/frames")) return amass_frame_indices(c);
   const auto poses = c.values<S>("in/poses"), trans = c.values<S>("in/trans");
   out_poses(c, ml::amass_resample(std::span<const S>(poses), std::span<const S>(trans),
                                   c.config()["old_fps"].as<double>(), c.config()["new_fps"].as<double>()));

@@ -1,5 +1,7 @@
-// Golden functions: the representations of ACTOR, TEMOS, TEACH, SINC and TMR.
+// Golden functions: the representations of ACTOR, TEMOS, TEACH, SINC and TMR, and which frames they take.
+#include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/guoh3d.hpp>
+#include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/features/rifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
@@ -238,6 +240,56 @@ void actor_motion_features(Case& c) {
                             .global = config["glob"].as<bool>()}));
 }
 
+std::string three_digits(std::size_t k) {
+  const std::string digits = std::to_string(k);
+  return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
+}
+void temos_subsampling(Case& c) {
+  const auto old_fps = c.values<double>("in/framerate"), new_fps = c.values<double>("in/new_framerate");
+  const auto frames = c.values<ml::Index>("in/num_frames");
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    c.out(three_digits(k), ml::every_nth_frame(frames[k], old_fps[k], new_fps[k]));
+  }
+}
+template <class S>
+void temos_upsampling(Case& c) {
+  const ml::Shape& shape = c.shape("in/motion");
+  c.out("motion", c.shape("out/motion"),
+        ml::upsample_linearly(view(c.values<S>("in/motion")), shape.count(1, shape.rank()),
+                              c.config()["framerate"].as<double>(), c.config()["new_framerate"].as<double>()));
+}
+
+void tmr_motion_slice(Case& c) {
+  const auto start = c.values<double>("in/start"), end = c.values<double>("in/end");
+  std::vector<ml::Index> out;
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    const auto slice =
+        ml::slice_of_seconds(start[k], end[k], c.config()["fps"].as<double>(), c.scalar<ml::Index>("in/num_frames"));
+    out.insert(out.end(), {slice.first, slice.length});
+  }
+  c.out("first_and_length", c.shape("out/first_and_length"), out);
+}
+
+void actor_frame_selection(Case& c) {
+  const auto config = c.config();
+  ml::PythonRandom random(config["seed"].as<std::uint64_t>());
+  std::vector<ml::Index> out;
+  for (const ml::Index available : c.values<ml::Index>("in/available")) {
+    extend(out, ml::actor_frames(available,
+                                 {.frames = config["num_frames"].as<ml::Index>(),
+                                  .random_step = config["sampling"].as<std::string>() == "random_conseq",
+                                  .step = config["sampling_step"].as<ml::Index>()},
+                                 random));
+  }
+  c.out("indices", c.shape("out/indices"), out);
+}
+
+template <class S>
+void teach_joint_sets(Case& c) {
+  const auto points = vectors<S>(c, "joints"), trans = vectors<S>(c, "trans");
+  for (const auto& name : c.names("out/")) out_list<S>(c, name, ml::select_joints(name, view(points), view(trans)));
+}
+
 const Registration registrations[] = {
     {"temos rifke features", "double", temos_rifke_features<double>},
     {"temos rifke features", "float", temos_rifke_features<float>},
@@ -261,6 +313,13 @@ const Registration registrations[] = {
     {"sinc features", "float", sinc_features<float>},
     {"teach rotation conversions", "double", teach_rotation_conversions},
     {"actor motion features", "double", actor_motion_features},
+    {"actor frame selection", "integers", actor_frame_selection},
+    {"temos subsampling", "integers", temos_subsampling},
+    {"temos upsampling", "double", temos_upsampling<double>},
+    {"temos upsampling", "float", temos_upsampling<float>},
+    {"tmr motion slice", "integers", tmr_motion_slice},
+    {"teach joint sets", "double", teach_joint_sets<double>},
+    {"teach joint sets", "float", teach_joint_sets<float>},
 };
 
 }  // namespace

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+/// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
+/// resample clips of one's own use kinematics/motion_tools.hpp.
+#pragma once
+
+#include <algorithm>  // min, max
+#include <span>       // frames
+#include <vector>     // indices
+
+#include <motionlang/core/concepts.hpp>
+#include <motionlang/core/python_random.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline void require_rates(const char* function, double from, double to) {
+  if (!(from > 0 && to > 0)) raise<config_error>(101, function, ": ", from, " to ", to, " frames per second");
+}
+
+}  // namespace detail
+
+/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
+/// Source  TEMOS, spec temos.md 9. Throws config_error 101 unless 0 < new <= old.
+inline std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("every_nth_frame", old_fps, new_fps);
+  const auto step = static_cast<Index>(old_fps / new_fps);
+  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
+  std::vector<Index> out;
+  for (Index f = 0; f < frames; f += step) out.push_back(f);
+  return out;
+}
+
+/// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
+/// Source  TEACH, spec teach.md 4.1. Throws config_error 101 unless both rates are positive.
+inline std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("spread_frames", old_fps, new_fps);
+  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
+  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
+  std::vector<Index> out;
+  for (Index i = 0; i < count; ++i) {
+    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
+  }
+  return out;
+}
+
+/// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
+/// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
+template <Scalar S>
+std::vector<double> upsample_linearly(std::span<const S> values, Index width, double old_fps, double new_fps) {
+  detail::require_rates("upsample_linearly", old_fps, new_fps);
+  const auto factor = static_cast<Index>(new_fps / old_fps);
+  if (factor < 1) raise<config_error>(101, "upsample_linearly: from ", old_fps, " down to ", new_fps);
+  if (width < 1 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are no rows of ", width);
+  }
+  const auto n = static_cast<std::size_t>(width);
+  std::vector<double> out;
+  for (std::size_t at = 0; at + n < values.size(); at += n) {
+    for (Index j = 0; j < factor; ++j) {
+      const double t = static_cast<double>(j) / static_cast<double>(factor);
+      for (std::size_t i = at; i < at + n; ++i) {
+        out.push_back((1 - t) * static_cast<double>(values[i]) + t * static_cast<double>(values[i + n]));
+      }
+    }
+  }
+  out.insert(out.end(), values.end() - std::min<Index>(width, std::ssize(values)), values.end());
+  return out;
+}
+
+/// Consecutive frames. Of none, `first` is -1.
+struct FrameSlice {
+  Index first = -1, length = 0;
+  bool operator==(const FrameSlice&) const = default;
+};
+/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
+/// Throws config_error 101 for a negative time or a rate that is none.
+inline FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
+  if (!(start >= 0 && end >= 0 && fps > 0)) {
+    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
+  }
+  const auto first = static_cast<Index>(start * fps), last = std::min(static_cast<Index>(end * fps), frames);
+  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
+}
+
+struct ActorFrameOptions {
+  Index frames = 60;         // to take
+  bool random_step = false;  // "random_conseq": the step is drawn, too
+  Index step = 1;            // -1: the largest that fits
+};
+
+/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
+/// others, every step-th frame from a random start on. The last possible start is never drawn, as published.
+/// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
+/// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
+inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {
+  const Index k = options.frames, n = available;
+  if (k < 2 || n < 1 || options.step == 0 || options.step < -1) {
+    raise<config_error>(101, "actor_frames: ", k, " of ", n, " frames, step ", options.step);
+  }
+  std::vector<Index> out;
+  if (k > n) {
+    for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
+    return out;
+  }
+  const Index longest = (n - 1) / (k - 1);
+  const bool fits = options.step > 0 && options.step * (k - 1) < n;
+  const Index step = options.random_step ? static_cast<Index>(random.randint(1, longest))
+                     : fits              ? options.step
+                                         : longest;
+  const Index last = step * (k - 1);
+  const auto shift = static_cast<Index>(random.randint(0, std::max<Index>(0, n - last - 2)));
+  for (Index i = 0; i < k; ++i) out.push_back(shift + i * step);
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
