@@ -26,16 +26,16 @@ class Collage {
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for
   /// the denoiser.
-  Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
+  Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance)
-      : denoiser_(&denoiser), plan_(std::move(plan)), layout_(std::move(layout)), guidance_(guidance) {
+      : denoiser_(&denoiser), plan_(std::move(plan)), guidance_(guidance) {
     const DenoiserTraits traits = denoiser.traits();
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
     crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
-    stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
+    stitch_ = Stitcher<B>(plan_, layout, crops_.offsets, motion_.stride);
     build_batch(text, null);
   }
 
@@ -132,7 +132,6 @@ class Collage {
 
   const D* denoiser_;
   BatchPlan plan_;
-  FeatureLayout layout_;
   double guidance_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;

@@ -4,10 +4,11 @@
 /// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
 #pragma once
 
-#include <algorithm>  // sort, lower_bound
+#include <algorithm>  // lower_bound
 #include <utility>    // pair
 
 #include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/sort.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -29,7 +30,7 @@ std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
     events.emplace_back(interval.start, i);
     events.emplace_back(interval.end, i++);
   }
-  std::sort(events.begin(), events.end());
+  detail::sort(events, [](const auto& a, const auto& b) { return a < b; });
 
   std::vector<BasicPiece<T>> pieces;
   std::vector<Index> active;  // ascending
@@ -60,7 +61,7 @@ template <class T>
 void fill_gaps(BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, T>> covered;
   for (const auto& i : timeline.intervals) covered.emplace_back(i.start, i.end);
-  std::sort(covered.begin(), covered.end());
+  detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
   T reached{};
   for (const auto& [start, end] : covered) {
     if (start > reached) timeline.intervals.push_back({"", reached, start, BodyParts::all()});

@@ -10,7 +10,7 @@
 ///            and transitions at which no part changes can be left out
 #pragma once
 
-#include <algorithm>    // sort, max
+#include <algorithm>    // lower_bound, max
 #include <limits>       // net weights
 #include <span>         // several timelines
 #include <string_view>  // texts of crops
@@ -247,7 +247,7 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
       }
     };
     count(plan.add, 1), count(plan.subtract, -1);
-    std::sort(steps.begin(), steps.end());
+    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
     int weight = 0;
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
       weight += steps[i].second;

@@ -11,10 +11,11 @@
 #include <cstddef>  // byte
 #include <cstdint>  // sizes
 #include <cstdlib>  // aligned_alloc
+#include <cstring>  // memcpy
 #include <memory>   // owner of foreign memory
 #include <new>      // bad_alloc
+#include <type_traits>  // is_trivially_copyable
 #include <utility>  // exchange
-#include <vector>   // PoolVector
 
 #include <motionlang/version.hpp>
 
@@ -166,26 +167,52 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// Standard allocator over the pool: lists that are made anew in every round of a loop cost nothing after the first.
+/// A list of plain values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
+/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
-struct PoolAllocator {
+class PoolVector {
+  static_assert(std::is_trivially_copyable_v<T>, "motionlang::PoolVector: plain values only");
+
+ public:
   using value_type = T;
-  PoolAllocator() = default;
-  template <class U>
-  PoolAllocator(const PoolAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::take(n * sizeof(T))->data); }
-  void deallocate(T* p, std::size_t) {  // the header lies right before the data
-    BufferPool::give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+  PoolVector() = default;
+  explicit PoolVector(std::size_t size, T value = T{}) {
+    reserve(size);
+    for (; size_ < size; ++size_) data_[size_] = value;
   }
-  template <class U>
-  bool operator==(const PoolAllocator<U>&) const {
-    return true;
+  PoolVector(PoolVector&& o) noexcept
+      : memory_(std::move(o.memory_)), data_(std::exchange(o.data_, nullptr)), size_(std::exchange(o.size_, 0)),
+        capacity_(std::exchange(o.capacity_, 0)) {}
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T* begin() { return data_; }
+  const T* begin() const { return data_; }
+  T* end() { return data_ + size_; }
+  const T* end() const { return data_ + size_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+
+  void reserve(std::size_t capacity) {
+    if (capacity <= capacity_) return;
+    detail::BufferHandle larger(capacity * sizeof(T));
+    if (size_ > 0) std::memcpy(larger.data(), data_, size_ * sizeof(T));
+    memory_ = std::move(larger);
+    data_ = static_cast<T*>(memory_.data());
+    capacity_ = capacity;
   }
+  void push_back(T value) {
+    if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
+    data_[size_++] = value;
+  }
+
+ private:
+  detail::BufferHandle memory_;
+  T* data_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
 };
-
-/// A list that is cheap to make again and again.
-template <class T>
-using PoolVector = std::vector<T, PoolAllocator<T>>;
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

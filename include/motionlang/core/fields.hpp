@@ -106,10 +106,16 @@ void each_field(F& f, const First& first, const Walks&... others) {
   }
 }
 
+template <class F, class First, class... Walks>
+void visit_walks(const std::string& prefix, F& f, const First& first, const Walks&... others) {
+  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
+    visit_member(join_path(prefix, first.list.first.name), f, first.member(), others.member()...);
+    visit_walks(prefix, f, first.rest(), others.rest()...);
+  }
+}
 template <class F, class... Objects>
 void visit_fields(const std::string& prefix, F& f, Objects&... objects) {
-  auto member = [&](const char* name, auto&... members) { visit_member(join_path(prefix, name), f, members...); };
-  each_field(member, walk(objects)...);
+  visit_walks(prefix, f, walk(objects)...);
 }
 
 }  // namespace detail

@@ -2,10 +2,10 @@
 /// Where each sequence of a packed batch begins: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 #pragma once
 
+#include <cstring>           // memcmp
 #include <initializer_list>  // lengths
-#include <memory>            // shared list
 #include <span>              // view
-#include <vector>            // list
+#include <vector>            // lengths
 
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/shape.hpp>
@@ -15,17 +15,17 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
 class Offsets {
  public:
-  Offsets() : Offsets(std::vector<Index>{}) {}
+  Offsets() : Offsets(std::span<const Index>()) {}
   /// From the lengths of the sequences. Throws shape_error 207 on a negative one.
-  explicit Offsets(std::span<const Index> lengths) {
-    auto list = std::allocate_shared<List>(PoolAllocator<List>{});
-    list->reserve(lengths.size() + 1);
-    list->push_back(0);
+  explicit Offsets(std::span<const Index> lengths)
+      : memory_((lengths.size() + 1) * sizeof(Index)), count_(static_cast<Index>(lengths.size())) {
+    Index* last = static_cast<Index*>(memory_.data());
+    *last = 0;
     for (Index n : lengths) {
       if (n < 0) raise<shape_error>(207, "Offsets: negative length ", n);
-      list->push_back(list->back() + n);
+      last[1] = *last + n;
+      ++last;
     }
-    list_ = std::move(list);
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
@@ -34,22 +34,26 @@ class Offsets {
     return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 
-  Index count() const { return static_cast<Index>(list_->size()) - 1; }
-  Index rows() const { return list_->back(); }
-  Index begin(Index i) const { return (*list_)[static_cast<std::size_t>(i)]; }
-  Index end(Index i) const { return (*list_)[static_cast<std::size_t>(i) + 1]; }
+  Index count() const { return count_; }
+  Index rows() const { return first()[count_]; }
+  Index begin(Index i) const { return first()[i]; }
+  Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
   Index longest() const {
     Index n = 0;
     for (Index i = 0; i < count(); ++i) n = length(i) > n ? length(i) : n;
     return n;
   }
-  std::span<const Index> list() const { return *list_; }
-  bool operator==(const Offsets& o) const { return list_ == o.list_ || *list_ == *o.list_; }
+  std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
+  bool operator==(const Offsets& o) const {
+    return count_ == o.count_ &&
+           std::memcmp(first(), o.first(), (static_cast<std::size_t>(count_) + 1) * sizeof(Index)) == 0;
+  }
 
  private:
-  using List = PoolVector<Index>;
-  std::shared_ptr<const List> list_;
+  const Index* first() const { return static_cast<const Index*>(memory_.data()); }
+  detail::BufferHandle memory_;
+  Index count_;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -15,7 +15,6 @@
 #include <mutex>               // sleeping workers
 #include <thread>              // workers
 #include <utility>             // exchange
-#include <vector>              // workers
 
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/shape.hpp>
@@ -31,25 +30,26 @@ class ThreadPool {
     return pool;
   }
 
-  int size() const { return static_cast<int>(workers_.size()) + 1; }
+  int size() const { return workers_ + 1; }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
 
   void resize(int threads) {
     stop();
-    workers_.reserve(static_cast<std::size_t>(threads - 1));
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
-      workers_.emplace_back([this, i, seen = round_.load()] {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
         number_ = i;
         work(seen);
       });
+      ++workers_;
     }
   }
 
   /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
   void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_.empty() || inside_) {
+    if (count == 1 || workers_ == 0 || inside_) {
       for (Index i = 0; i < count; ++i) task(context, i);
       return;
     }
@@ -58,7 +58,7 @@ class ThreadPool {
     context_ = context;
     count_ = count;
     next_.store(0, std::memory_order_relaxed);
-    pending_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
+    pending_.store(workers_, std::memory_order_relaxed);
     {
       std::scoped_lock lock(sleep_);
       round_.fetch_add(1, std::memory_order_release);
@@ -92,8 +92,7 @@ class ThreadPool {
       round_.fetch_add(1);
     }
     wake_.notify_all();
-    for (auto& w : workers_) w.join();
-    workers_.clear();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
   void work(unsigned seen) {
@@ -130,7 +129,8 @@ class ThreadPool {
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::vector<std::thread> workers_;
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
   std::condition_variable wake_;
   std::atomic<unsigned> round_{0};

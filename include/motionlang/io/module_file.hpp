@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>  // isfinite
+#include <set>    // names
 
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
@@ -42,9 +43,10 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
   const auto numbers = tensor.span();
-  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](S x) { return !std::isfinite(x); });
-  if (wrong != numbers.end())
-    raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i]))
+      raise<numeric_error>(301, where, ": number ", i, " of tensor '", view.name, "' is ", numbers[i]);
+  }
 }
 
 /// Names that a file lacks, and names that nobody asked for.
@@ -52,24 +54,38 @@ struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
+namespace detail {
+
+/// Fills tensors from a file by their names.
+struct TensorLoader {
+  const SafetensorsFile& file;
+  const std::string& prefix;
+  std::string (*key)(const std::string& prefix, const std::string& path);
+  KeyReport& report;
+  std::set<std::string>& known;
+
+  template <Backend B, int R>
+  void operator()(const std::string& path, Tensor<B, R>& tensor) const {
+    const std::string& name = *known.insert(key(prefix, path)).first;
+    const TensorView* view = file.find(name);
+    if (view == nullptr)
+      report.missing.push_back(name);
+    else
+      assign_tensor(tensor, *view, file.owner(), file.name());
+  }
+};
+
+}  // namespace detail
+
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match; throws io_error 407 for a tensor of another shape.
 template <Module M>
 KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
   KeyReport report;
-  std::vector<std::string> known;
-  visit_tensors(module, [&](const std::string& path, auto& tensor) {
-    known.push_back(tensor_key<M>(prefix, path));
-    const TensorView* view = file.find(known.back());
-    if (view == nullptr)
-      report.missing.push_back(known.back());
-    else
-      assign_tensor(tensor, *view, file.owner(), file.name());
-  });
-  std::sort(known.begin(), known.end());
+  std::set<std::string> known;
+  visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
   for (const TensorView& t : file.tensors()) {
-    if (t.name.starts_with(prefix) && !std::binary_search(known.begin(), known.end(), t.name))
-      report.unexpected.push_back(t.name);
+    if (t.name.starts_with(prefix) && !known.contains(t.name)) report.unexpected.push_back(t.name);
   }
   return report;
 }

@@ -13,10 +13,11 @@
 /// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
 #pragma once
 
-#include <algorithm>  // sort, lower_bound
+#include <algorithm>  // lower_bound
 #include <map>        // metadata
 #include <memory>     // owner of the bytes
 
+#include <motionlang/core/sort.hpp>
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/detail/json_cursor.hpp>
 #include <motionlang/io/file.hpp>
@@ -95,7 +96,7 @@ class SafetensorsFile {
     json.skip_space();
     if (!json.at_end()) json.fail(403, json.position(), "text behind the header's object");
     check_tiling(json, ranges, data.size());
-    std::sort(tensors_.begin(), tensors_.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+    detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
   }
 
   void read_metadata(Cursor& json) {
@@ -181,8 +182,8 @@ class SafetensorsFile {
 
   /// The ranges follow each other without overlap or hole and end where the data end.
   static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size) {
-    std::sort(ranges.begin(), ranges.end(),
-              [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
+    detail::sort(ranges,
+                 [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
     std::uint64_t end = 0;
     for (const Range& r : ranges) {
       if (r.begin != end) {
@@ -260,7 +261,7 @@ inline std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tens
   std::vector<const TensorView*> order;
   std::size_t size = 0;
   for (const TensorView& t : tensors) order.push_back(&t), size += t.bytes.size();
-  std::sort(order.begin(), order.end(), [](const TensorView* a, const TensorView* b) {
+  detail::sort(order, [](const TensorView* a, const TensorView* b) {
     const int bits_a = info(a->dtype).bits, bits_b = info(b->dtype).bits;
     return bits_a != bits_b ? bits_a > bits_b : a->name < b->name;
   });

@@ -29,16 +29,21 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
                                                        const StmcOptions& options) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
+  BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
                                                     .extend = !hard_cuts,
                                                     .transition_crops = !hard_cuts,
                                                     .gaps = options.gaps,
                                                     .hidden = options.hidden,
                                                     .longest_crop = traits.longest()});
-  const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
-  const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                              options.guidance.value_or(guidance));
-  const auto sequences = static_cast<Index>(sampled.timelines.size());
+  const auto text = encode(texts_of(plan)), null = encode({std::string()});
+  BatchPlan together;  // what is stitched at the end where every text is sampled alone
+  if (hard_cuts) {
+    together = std::move(plan);
+    plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
+  }
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const BatchPlan& wanted = hard_cuts ? together : collage.plan();
+  const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
     const Tensor<B, 3> z = noise(draw, shape);
@@ -49,14 +54,14 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
                               options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
-    x0 = stitch_independent(plan, x0, stride);
-    stride = plan.frames;
-    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(plan, layout, x0, stride);
+    x0 = stitch_independent(wanted, x0, stride);
+    stride = wanted.frames;
+    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(wanted, layout, x0, stride);
   }
   std::vector<Tensor<B, 2>> out;
-  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+  for (std::size_t m = 0; m < wanted.timelines.size(); ++m) {
     const Index first = static_cast<Index>(m) * stride;
-    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + plan.timelines[m].frames)));
+    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + wanted.timelines[m].frames)));
   }
   return out;
 }

@@ -16,12 +16,25 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+namespace detail {
+
+/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for every
+/// module, and all that lies below would be compiled again.
+template <class F>
+struct TensorsOnly {
+  F& f;
+  template <class T>
+  void operator()(const std::string& path, T& leaf) const {
+    if constexpr (is_tensor<std::remove_const_t<T>>) f(path, leaf);
+  }
+};
+
+}  // namespace detail
+
 /// Calls f(path, tensor) for all tensors of a module; other fields (sizes, options) are passed over.
 template <class M, class F>
 void visit_tensors(M& module, F f) {
-  visit(module, [&](const std::string& path, auto& leaf) {
-    if constexpr (is_tensor<std::remove_cvref_t<decltype(leaf)>>) f(path, leaf);
-  });
+  visit(module, detail::TensorsOnly<F>{f});
 }
 
 /// Numbers in all tensors of a module.
@@ -81,14 +94,22 @@ M<typename A::inner> to_inner(const M<A>& model) {
   return convert<typename A::inner>(model);
 }
 
+namespace detail {
+
+struct PrepareWeights {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (R == 2 && requires { B::prepare(t.data()); }) B::prepare(t.data());
+  }
+};
+
+}  // namespace detail
+
 /// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
-  visit_tensors(model, [](const std::string&, auto& t) {
-    using T = std::remove_cvref_t<decltype(t)>;
-    if constexpr (T::rank == 2 && requires { T::backend::prepare(t.data()); }) T::backend::prepare(t.data());
-  });
+  visit_tensors(model, detail::PrepareWeights{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

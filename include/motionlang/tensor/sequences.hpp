@@ -35,7 +35,9 @@ struct Sequences {
 inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   PoolVector<Index> owner;
   owner.reserve(static_cast<std::size_t>(offsets.rows()));
-  for (Index s = 0; s < offsets.count(); ++s) owner.insert(owner.end(), static_cast<std::size_t>(offsets.length(s)), s);
+  for (Index s = 0; s < offsets.count(); ++s) {
+    for (Index i = 0; i < offsets.length(s); ++i) owner.push_back(s);
+  }
   return owner;
 }
 /// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
