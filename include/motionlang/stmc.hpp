@@ -9,13 +9,14 @@
 ///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
 ///     const ml::Motion motion = ml::stmc_motion(features);
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>.
+/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...) includes
+/// <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
 /// header only says what can be called. For other backends, and for `generate_from`, include <motionlang/io/stmc_file.hpp> as well.
 #pragma once
 
-#include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/detail/eigen_class.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/io/file_path.hpp>
 #include <motionlang/systems/detail/stmc_class.hpp>

@@ -5,43 +5,8 @@
 /// expressions of broadcasting compiles half a second longer.
 #pragma once
 
-#include <motionlang/backend/dense_ops.hpp>
-#include <motionlang/backend/kernel_ops.hpp>
+#include <motionlang/backend/detail/eigen_class.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
-
-template <Scalar S>
-struct EigenBackend : DenseOps<S>, KernelOps<S> {
-  using tensor = Dense<S>;
-
-  // Operands come by value: memory that nobody else holds is reused for the result.
-  static tensor add(tensor a, tensor b);
-  static tensor sub(tensor a, tensor b);
-  static tensor mul(tensor a, tensor b);
-  static tensor div(tensor a, tensor b);
-  static tensor maximum(tensor a, tensor b);
-  static tensor atan2(tensor a, tensor b);
-  static tensor exp(tensor a);
-  static tensor log(tensor a);
-  static tensor sqrt(tensor a);
-  static tensor tanh(tensor a);
-  static tensor erf(tensor a);
-  static tensor sin(tensor a);
-  static tensor cos(tensor a);
-  static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
-  static tensor sum(const tensor& a, int axis);
-  static tensor max(const tensor& a, int axis);
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-
-#ifdef MOTIONLANG_INSTANTIATED
-extern template struct motionlang::EigenBackend<float>;
-extern template struct motionlang::EigenBackend<double>;
-#else
+#ifndef MOTIONLANG_INSTANTIATED
 #include <motionlang/backend/detail/eigen_impl.hpp>
 #endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI

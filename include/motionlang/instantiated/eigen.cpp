@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The eigen backend, compiled once for motionlang::instantiated.
+#include <motionlang/backend/detail/eigen_arithmetic.hpp>
 #include <motionlang/backend/detail/eigen_impl.hpp>
 
 template struct motionlang::EigenBackend<float>;
