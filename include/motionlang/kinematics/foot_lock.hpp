@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs are
-/// predicted side by side and agree only nearly.
+/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
+/// are predicted side by side and agree only nearly.
 ///
 ///     Motion steady = fix_feet(motion);      // path_from_feet, then lock_feet
 #pragma once
 
-#include <optional>  // frames in the air
+#include <algorithm>  // max
+#include <optional>   // frames in the air
+#include <utility>    // pair
+#include <vector>     // one value for each frame
 
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
@@ -22,13 +25,22 @@ inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
 
 struct FootFixOptions {
   double floor = 0;
-  double ankle_height = 0.10, toe_height = 0.05;  // below: in contact
-  double speed = 0.5;      // m/s; a foot that slides faster is taken to swing
-  double path_sigma = 1.5; // frames; smoothness of the correction of the path
-  Index blend = 4;         // frames before and after a contact in which the leg comes and goes
+  double ankle_height = smpl_ankle_contact, toe_height = smpl_toe_contact;  // below: in contact
+  double speed = 0.5;       // m/s; lock_feet takes a foot that slides faster to swing
+  double path_sigma = 1.5;  // frames; smoothness of the correction of the path
+  Index blend = 4;          // frames before and after a contact in which the leg comes and goes
 };
 
 namespace detail {
+
+/// Throws config_error 103 unless the skeleton has these legs.
+inline void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
+  for (const Leg& leg : legs) {
+    require_limb(function, skeleton, leg.limb);
+    if (leg.toe < 0 || leg.toe >= skeleton.size())
+      raise<config_error>(103, function, ": toe ", leg.toe, " of a skeleton of ", skeleton.size());
+  }
+}
 
 /// Horizontal way of a joint from each frame to the next while it is below `height` in both; otherwise not `low`.
 struct Slide {
@@ -46,8 +58,10 @@ inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index 
 
 /// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
 /// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
+/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
 inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                              const FootFixOptions& options = {}) {
+  detail::require_legs("path_from_feet", motion.skeleton, legs);
   const Index joints = motion.skeleton.size(), steps = motion.frames() - 1;
   if (steps < 1) return motion;
   const auto positions = motion.positions();
@@ -55,7 +69,8 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
   for (Index f = 0; f < steps; ++f) {
     std::optional<detail::Slide> slowest;
     for (const Leg& leg : legs) {
-      for (const auto& [joint, height] : {std::pair{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}) {
+      for (const auto& [joint, height] :
+           {std::pair{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}) {
         const auto s = detail::slide(positions, joints, f, joint, options.floor + height);
         if (s.low && (!slowest || s.length() < slowest->length())) slowest = s;
       }
@@ -78,8 +93,11 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
   return out;
 }
 
-/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out and in.
-inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {}) {
+/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
+/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
+inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                        const FootFixOptions& options = {}) {
+  detail::require_legs("lock_feet", motion.skeleton, legs);
   const Index joints = motion.skeleton.size(), frames = motion.frames();
   if (frames < 2) return motion;
   const auto positions = motion.positions();
@@ -118,17 +136,21 @@ inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_l
     }
     for (Index f = 0; f < frames; ++f) {
       if (fixed[static_cast<std::size_t>(f)] != 0) continue;
+      double share = 0;
       auto fade = [&](Index direction) {  // from the nearest contact on one side
         for (Index d = 1; d <= options.blend; ++d) {
           const Index from = f + direction * d;
           if (from < 0 || from >= frames) break;
           if (fixed[static_cast<std::size_t>(from)] == 0) continue;
           const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
-          return t * t * (3 - 2 * t) * offset[static_cast<std::size_t>(from)];
+          const double weight = t * t * (3 - 2 * t);
+          share += weight;
+          return weight * offset[static_cast<std::size_t>(from)];
         }
         return Vec3<double>{};
       };
-      offset[static_cast<std::size_t>(f)] = fade(-1) + fade(1);
+      const Vec3<double> both = fade(-1) + fade(1);
+      offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
     }
     JointTransforms<double> world;
     for (Index f = 0; f < frames; ++f) {
@@ -143,8 +165,9 @@ inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_l
   return out;
 }
 
-/// path_from_feet, then lock_feet.
-inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {}) {
+/// path_from_feet, then lock_feet. Throws what they throw.
+inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                       const FootFixOptions& options = {}) {
   return lock_feet(path_from_feet(motion, legs, options), legs, options);
 }
 

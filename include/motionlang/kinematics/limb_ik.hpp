@@ -2,8 +2,10 @@
 /// Inverse kinematics of a limb of two bones: hip, knee and ankle, or shoulder, elbow and wrist.
 #pragma once
 
-#include <algorithm>  // clamp
-#include <cmath>      // acos
+#include <algorithm>    // clamp
+#include <cmath>        // acos
+#include <span>         // pose
+#include <string_view>  // who complains
 
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -15,24 +17,41 @@ struct Limb {
   int upper = 0, middle = 0, end = 0;
 };
 
+namespace detail {
+
+/// Throws config_error 103 unless each joint of the limb is the parent of the next.
+inline void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb) {
+  auto hangs_on = [&](int joint, int parent) {
+    return parent >= 0 && joint >= 0 && joint < skeleton.size() && skeleton.parent(joint) == parent;
+  };
+  if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
+    raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
+                        " are no limb of a skeleton of ", skeleton.size());
+  }
+}
+
+}  // namespace detail
+
 /// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in its
 /// plane, and the rotation of the end in the world is kept.
 ///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
 /// pose        (joints) local rotations of one frame, changed in place
 /// world       the same frame by forward kinematics, as it was before; not changed
 /// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
-/// Throws      config_error 103 if the joints do not hang together
+/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for each
+///             joint, numeric_error 302 for a bone that is shorter than 0.1 mm
 inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
                   const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards) {
+  detail::require_limb("reach", skeleton, limb);
+  if (std::ssize(pose) != skeleton.size())
+    raise<shape_error>(205, "reach: ", pose.size(), " rotations for ", skeleton.size(), " joints");
   const auto upper = static_cast<std::size_t>(limb.upper), middle = static_cast<std::size_t>(limb.middle),
              end = static_cast<std::size_t>(limb.end);
-  if (end >= pose.size() || skeleton.parents[end] != limb.middle || skeleton.parents[middle] != limb.upper)
-    raise<config_error>(103, "reach: joints ", limb.upper, ", ", limb.middle, ", ", limb.end, " are no limb");
-
   const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
   const double l1 = norm(b - a), l2 = norm(c - b);
   constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
-  const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, std::max(l1 + l2 - slack, slack));
+  if (std::min(l1, l2) < slack) raise<numeric_error>(302, "reach: bones of ", l1, " m and ", l2, " m");
+  const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, l1 + l2 - slack);
   auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {
     return std::acos(std::clamp(dot(normalized(u), normalized(v)), -1.0, 1.0));
   };
@@ -46,7 +65,8 @@ inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, 
   const auto aim = rotation_between(normalized(c - a), normalized(target - a));
 
   const std::size_t above = skeleton.parents[upper] < 0 ? upper : static_cast<std::size_t>(skeleton.parents[upper]);
-  const auto parent = skeleton.parents[upper] < 0 ? Quaternion<double>::identity() : to_quaternion(world.rotation[above]);
+  const auto parent =
+      skeleton.parents[upper] < 0 ? Quaternion<double>::identity() : to_quaternion(world.rotation[above]);
   const auto upper_now = aim * at_upper * to_quaternion(world.rotation[upper]);
   const auto middle_now = aim * at_upper * at_middle * to_quaternion(world.rotation[middle]);
   pose[upper] = normalized(inverse(parent) * upper_now);

@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/standard.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
+#include "../../support/check_error.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
@@ -70,6 +72,42 @@ TEST_CASE("a straight leg bends as it is told; three joints that are no limb are
   CHECK(after.position[4].x == Approx(before.position[4].x));
   CHECK_THROWS_WITH_AS(ml::reach(rest.skeleton, rest.rotations(0), before, {1, 5, 7}, target, {0, 0, 1}),
                        Contains("[motionlang.config.103] reach: joints 1, 5, 7 are no limb"), ml::config_error);
+  for (const ml::Limb& wrong : {ml::Limb{-1, 0, 3}, {0, -1, 0}, {1, 4, 24}, {4, 7, -1}})
+    CHECK_ERROR(ml::reach(rest.skeleton, rest.rotations(0), before, wrong, target, {0, 0, 1}),
+                "are no limb of a skeleton of 24");
+  CHECK_ERROR(ml::reach(rest.skeleton, rest.rotations(0).first(20), before, {1, 4, 7}, target, {0, 0, 1}),
+              "[motionlang.shape.205] reach: 20 rotations for 24 joints");
+  before.position[7] = before.position[4];
+  CHECK_ERROR(ml::reach(rest.skeleton, rest.rotations(0), before, {1, 4, 7}, target, {0, 0, 1}),
+              "[motionlang.numeric.302] reach: bones of ");
+}
+
+TEST_CASE("feet of a skeleton that has no such legs are refused, whatever the clip") {
+  const ml::Motion kit{ml::kit21_skeleton(), 20, {}, {}, {}};
+  CHECK_ERROR(ml::path_from_feet(kit), "[motionlang.config.103] path_from_feet: joints 1, 4, 7 are no limb");
+  CHECK_ERROR(ml::lock_feet(kit), "[motionlang.config.103] lock_feet: joints 1, 4, 7 are no limb of a skeleton of 21");
+  const ml::Leg without_toe[] = {{{1, 4, 7}, 24}};
+  CHECK_ERROR(ml::fix_feet(synthetic::walk({.frames = 1}), without_toe),
+              "[motionlang.config.103] path_from_feet: toe 24 of a skeleton of 24");
+}
+
+TEST_CASE("between contacts that are near each other the leg is corrected no more than in them") {
+  // It stands and drifts ahead, is carried 10 cm within two steps, and drifts back: both contacts pull the same way.
+  auto clip = synthetic::walk({.frames = 1});
+  const auto start = clip.root[0];
+  const std::vector<double> x{0, 1, 2, 3, 4, 9, 14, 13, 12, 11, 10};  // cm
+  clip.root.clear();
+  const auto pose = clip.local;
+  clip.local.clear();
+  for (const double cm : x) {
+    clip.root.push_back(start + ml::Vec3{0.01 * cm, 0.0, 0.0});
+    clip.local.insert(clip.local.end(), pose.begin(), pose.end());
+  }
+  const auto fixed = ml::lock_feet(clip);
+  auto pulled = [&](ml::Index f) { return place(fixed, f, 8).x - place(clip, f, 8).x; };
+  CHECK(pulled(4) == Approx(-0.02).epsilon(1e-3));
+  CHECK(pulled(6) == Approx(-0.02).epsilon(1e-3));
+  CHECK(pulled(5) == Approx(-0.02).epsilon(1e-3));
 }
 
 TEST_CASE("contacts: low and slow") {
@@ -116,7 +154,8 @@ TEST_CASE("a clip whose feet do not slide hardly changes; one in the air and one
   auto high = drifting(walk, 0.3);
   for (auto& root : high.root) root.y += 1;
   CHECK(synthetic::largest_distance(ml::fix_feet(high), high) < 1e-9);
-  CHECK(synthetic::largest_distance(ml::fix_feet(walk), walk) < 0.06);  // the heel that comes off the floor slides a little
+  CHECK(synthetic::largest_distance(ml::fix_feet(walk), walk) <
+        0.06);  // the heel that comes off the floor slides a little
   const auto one = synthetic::walk({.frames = 1});
   CHECK(synthetic::largest_distance(ml::fix_feet(one), one) == 0);
 }
