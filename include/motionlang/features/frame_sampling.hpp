@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>  // min, max
+#include <cmath>      // isfinite
 #include <span>       // frames
 #include <vector>     // indices
 
@@ -15,7 +16,8 @@ namespace motionlang::inline MOTIONLANG_ABI {
 namespace detail {
 
 inline void require_rates(const char* function, double from, double to) {
-  if (!(from > 0 && to > 0)) raise<config_error>(101, function, ": ", from, " to ", to, " frames per second");
+  if (!(from > 0 && to > 0 && std::isfinite(from / to) && std::isfinite(to / from)))
+    raise<config_error>(101, function, ": ", from, " to ", to, " frames per second");
 }
 
 }  // namespace detail
@@ -76,7 +78,7 @@ struct FrameSlice {
 /// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
 /// Throws config_error 101 for a negative time or a rate that is none.
 inline FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
-  if (!(start >= 0 && end >= 0 && fps > 0)) {
+  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
     raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
   }
   const auto first = static_cast<Index>(start * fps), last = std::min(static_cast<Index>(end * fps), frames);

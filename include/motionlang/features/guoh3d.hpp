@@ -7,6 +7,10 @@
 /// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
 #pragma once
 
+#include <span>         // features
+#include <string_view>  // who complains
+#include <vector>       // joints
+
 #include <motionlang/features/layout.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
@@ -106,7 +110,7 @@ std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 2
 
 /// The same from the rotations of the rows, on bones of other lengths.
 /// offsets  (joints), see chain_offsets
-/// Throws   shape_error 204, 205, config_error 106
+/// Throws   shape_error 204, 205, config_error 101, 106
 template <Scalar S>
 std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton, std::span<const S> features,
                                                   std::span<const Vec3<S>> offsets) {

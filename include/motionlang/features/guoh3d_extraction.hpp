@@ -11,6 +11,12 @@
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
 #pragma once
 
+#include <algorithm>  // min, clamp
+#include <array>      // feet
+#include <cmath>      // asin
+#include <span>       // joints
+#include <vector>     // result
+
 #include <motionlang/core/lane.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
@@ -42,8 +48,9 @@ struct GroundedJoints {
   Quaternion<S> turn{};         // that all joints have been turned by, last
 };
 
-/// first   how the facing direction of frame 0 is found; as published, from this frame alone
-/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma)
+/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+///         turned by 180 degrees; published: NaN
+/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
 template <Scalar S>
 GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                 const FacingOptions& first = {.legacy_forward = false}) {
@@ -53,7 +60,7 @@ GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const V
   out.floor = joints[0].y;
   for (const Vec3<S>& p : joints) out.floor = std::min(out.floor, p.y);
   const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
-  out.turn = guo::between(facing[0], Vec3<S>{S(0), S(0), S(1)});
+  out.turn = detail::turn_ahead(facing[0]);
   const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
   out.joints.resize(joints.size());
   for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = rotate(out.turn, joints[i] - origin);
@@ -66,11 +73,16 @@ T guoh3d_contact(const Vec3<T>& now, const Vec3<T>& next, double threshold) {
   const Vec3<T> moved = next - now;
   return where_less(dot(moved, moved), T(threshold), T(1), T(0));
 }
-/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205.
+/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205, 203 for a joint that
+/// does not exist.
 template <Scalar S>
 std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                const std::array<int, 2>& foot) {
   const std::size_t frames = detail::chain_frames("guoh3d_contacts", skeleton, joints);
+  for (const int j : foot) {
+    if (j < 0 || static_cast<std::size_t>(j) >= skeleton.size())
+      raise<shape_error>(203, "guoh3d_contacts: joint ", j, " of ", skeleton.size());
+  }
   std::vector<S> out;
   for (std::size_t t = 0; t + 1 < frames; ++t) {
     const Vec3<S>*now = &joints[t * skeleton.size()], *next = now + skeleton.size();

@@ -12,6 +12,14 @@
 ///         joints2jfeats/rifke.py, SINC, TMR src/rifke.py; specs temos.md 4.1, sinc.md 9, tmr.md 4.1
 #pragma once
 
+#include <algorithm>    // min, max, copy_n
+#include <array>        // pairs of joints
+#include <cmath>        // log, atan2
+#include <limits>       // infinity
+#include <span>         // joints
+#include <string_view>  // who complains
+#include <vector>       // features
+
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 
@@ -76,6 +84,14 @@ inline std::size_t rifke_frames(std::string_view function, std::size_t values, I
   }
   return values / static_cast<std::size_t>(per_frame);
 }
+/// Throws shape_error 203 for a joint that the variant names but does not have.
+inline void require_joints(const RifkeVariant& variant) {
+  auto require = [&](int joint) {
+    if (joint < 0 || joint >= variant.joints) raise<shape_error>(203, "rifke: joint ", joint, " of ", variant.joints);
+  };
+  for (const auto& [right, left] : variant.across) require(right), require(left);
+  for (const int joint : variant.floor) require(joint);
+}
 /// Smoothing with sigma 2 and zeros beyond the ends.
 template <Scalar S>
 void filter_forward(std::vector<std::array<S, 2>>& forward) {
@@ -94,11 +110,12 @@ void filter_forward(std::vector<std::array<S, 2>>& forward) {
 /// joints          (frames, J)
 /// forward_filter  smooths the heading, as an option of TEMOS does
 /// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) of the lowest joint's heights.
-/// Throws          shape_error 205
+/// Throws          shape_error 205, 203 if the variant names a joint that it does not have
 template <Scalar S>
 RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec3<S>> joints,
                                 bool forward_filter = false) {
   const std::size_t frames = detail::rifke_frames("rifke_features", joints.size(), variant.joints);
+  detail::require_joints(variant);
   const auto n = static_cast<std::size_t>(variant.joints);
   auto at = [&](std::size_t t, std::size_t j) { return detail::leveled(joints[t * n + j], variant.z_up); };
   RifkeFeatures<S> out;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <numbers>  // pi
+#include <span>     // rotations
 #include <vector>   // continuous
 
 #include <motionlang/geometry/axis_angle.hpp>

@@ -10,8 +10,12 @@
 /// Shapes  joints (frames, joints), joint fastest, any unit of length
 #pragma once
 
-#include <limits>  // infinity
-#include <span>    // joints
+#include <algorithm>    // max
+#include <cmath>        // atan2
+#include <limits>       // infinity
+#include <span>         // joints
+#include <string_view>  // who complains
+#include <vector>       // results
 
 #include <motionlang/geometry/guo.hpp>
 #include <motionlang/geometry/so3.hpp>
@@ -27,7 +31,8 @@ struct FacingOptions {
 struct ChainRotationOptions {
   FacingOptions facing{};
   bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
-  bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction
+  bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction, and
+                                    // for a body that faces -Z
 };
 
 namespace detail {
@@ -97,7 +102,8 @@ std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<cons
   return out;
 }
 
-/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders are not level).
+/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders
+/// are not level).
 ///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
 /// legacy: the hips are taken the other way round, as the published inverse kinematics does.
 template <Scalar S>
@@ -114,6 +120,7 @@ template <Scalar S>
 std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
                                        const FacingOptions& options = {}) {
   const std::size_t frames = detail::chain_frames("facing_directions", skeleton, joints);
+  skeleton.validate();
   std::vector<S> level;  // (frames, 2): x and z
   for (std::size_t t = 0; t < frames; ++t) {
     const Vec3<S> f = facing(skeleton, &joints[t * skeleton.size()], options.legacy_forward);
@@ -127,6 +134,13 @@ std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<
 
 namespace detail {
 
+/// The turn about Y that takes a level direction onto +Z, half a turn for -Z.
+template <Scalar S>
+Quaternion<S> turn_ahead(const Vec3<S>& level) {
+  const S half = std::atan2(level.x, level.z) / 2;
+  return {std::cos(half), S(0), -std::sin(half), S(0)};
+}
+
 /// Rotations of the root in all frames.
 template <Scalar S>
 std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
@@ -136,7 +150,7 @@ std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<
     const Vec3<S> ahead{S(0), S(0), S(1)};
     const bool replaced = out.empty() && !options.fix_first_frame;
     out.push_back(replaced                     ? Quaternion<S>::identity()
-                  : options.fix_opposite_bones ? rotation_between(forward, ahead)
+                  : options.fix_opposite_bones ? turn_ahead(forward)
                                                : guo::between(forward, ahead));
   }
   return out;

@@ -73,6 +73,8 @@ struct ChainSkeleton {
     }
     return out;
   }
+  /// Throws as bones().
+  void validate() const { bones(); }
   /// Parent of each joint, -1 for the root.
   std::vector<int> parents() const {
     std::vector<int> out(size(), -1);

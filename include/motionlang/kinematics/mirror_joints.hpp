@@ -5,6 +5,7 @@
 /// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right; spec humanml3d-features.md 8
 #pragma once
 
+#include <array>   // fingers
 #include <span>    // joints
 #include <vector>  // result
 

@@ -10,6 +10,9 @@
 ///         direction is not reproduced here.
 #pragma once
 
+#include <span>    // joints
+#include <vector>  // result
+
 #include <motionlang/kinematics/chain_kinematics.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {

@@ -1,6 +1,8 @@
 // Which frames and joints the published systems take: corner cases and what is refused. Their numbers are golden cases.
 #include <doctest/doctest.h>
 
+#include <cmath>  // INFINITY
+
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/joint_sets.hpp>
 
@@ -28,6 +30,7 @@ TEST_CASE("frames at other rates") {
   CHECK_ERROR(ml::every_nth_frame(5, 10, 20), "[motionlang.config.101] every_nth_frame: from 10 up to 20");
   CHECK_ERROR(ml::every_nth_frame(5, 10, 0), "[motionlang.config.101] every_nth_frame: 10 to 0");
   CHECK_ERROR(ml::spread_frames(5, -1, 30), "[motionlang.config.101]");
+  CHECK_ERROR(ml::spread_frames(5, 30, INFINITY), "[motionlang.config.101] spread_frames: 30 to inf");
 }
 
 TEST_CASE("values between frames") {
@@ -49,6 +52,7 @@ TEST_CASE("slices of seconds") {
   CHECK(ml::slice_of_seconds(6, 9, 20, 100) == ml::FrameSlice{});
   CHECK(ml::slice_of_seconds(1, 1, 20, 100).length == 0);
   CHECK_ERROR(ml::slice_of_seconds(-1, 1, 20, 100), "[motionlang.config.101] slice_of_seconds: -1 to 1 seconds at 20");
+  CHECK_ERROR(ml::slice_of_seconds(0, INFINITY, 20, 100), "[motionlang.config.101] slice_of_seconds: 0 to inf");
 }
 
 TEST_CASE("actor: frames of a training item") {

@@ -99,6 +99,15 @@ TEST_CASE("guoh3d: whoever it is, wherever it starts") {
   CHECK(largest_difference(features(joints), features(moved)) < 1e-9);
 }
 
+TEST_CASE("guoh3d: a body that faces -Z") {
+  const auto joints = walk(10, 0.5);
+  for (const auto& options : {ml::Guoh3dOptions{}, ml::guoh3d_corrected()}) {
+    auto away = grounded(joints, options.rotations.fix_first_frame);
+    for (auto& p : away) p = {-p.x, p.y, -p.z};
+    CHECK(largest_difference(features(away, options), features(joints, options)) < 1e-9);
+  }
+}
+
 TEST_CASE("guoh3d: joints to features to joints") {
   for (const bool corrected : {false, true}) {
     const auto options = corrected ? ml::guoh3d_corrected() : ml::Guoh3dOptions{};
@@ -260,4 +269,6 @@ TEST_CASE("guoh3d: what is refused") {
   CHECK_ERROR(ml::guoh3d_joints(view(rows), 0), "[motionlang.config.101] guoh3d_root: 0 joints");
   CHECK_ERROR(ml::guoh3d_joints_from_rotations(skeleton, view(rows).first(263), view(Joints<double>(21))),
               "[motionlang.shape.204] chain_forward_kinematics: 1 frames of 22 joints, 1 root positions, 21 offsets");
+  CHECK_ERROR(ml::guoh3d_contacts(skeleton, view(joints), {7, 22}),
+              "[motionlang.shape.203] guoh3d_contacts: joint 22 of 22");
 }

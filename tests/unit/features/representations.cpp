@@ -190,4 +190,6 @@ TEST_CASE("rifke: what is refused") {
   CHECK_ERROR(ml::rifke_joints(ml::sinc_rifke(), view(rows)),
               "[motionlang.shape.205] rifke_joints: 66 values are no frames of 67");
   CHECK_ERROR(ml::rifke_features(ml::RifkeVariant{}, view(joints)), "[motionlang.shape.205]");
+  CHECK_ERROR(ml::rifke_features(ml::tmr_rifke(17), view(joints).first(34)),
+              "[motionlang.shape.203] rifke: joint 17 of 17");
 }

@@ -155,6 +155,8 @@ TEST_CASE("chains that are none") {
   CHECK_ERROR(ml::chain_offsets<double>(skeleton, view(lengths)),
               "[motionlang.shape.204] chain_offsets: 21 lengths for 22");
   CHECK_ERROR(ml::facing_directions(skeleton, view(joints)), "[motionlang.shape.205]");
+  const auto faceless = broken([](Skeleton& s) { s.face[3] = 22; });
+  CHECK_ERROR(ml::facing_directions(faceless, view(joints).first(22)), "[motionlang.config.106]");
   const std::vector<ml::Quaternion<double>> q(22);
   CHECK_ERROR(ml::guo::continuous(view(q), 4),
               "[motionlang.shape.205] continuous: 22 rotations for frames of 4 joints");
