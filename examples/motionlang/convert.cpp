@@ -1,5 +1,7 @@
 // motionlang convert, strip, view: a file of motion in, another file, a picture or a page out.
+#include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -20,10 +22,14 @@ struct Options {
 
 ml::Motion edited(ml::Motion m, const Options& o) {
   if (o.from > 0 || o.to > 0) {
-    const auto frame = [&](double seconds) { return static_cast<ml::Index>(seconds * m.fps + 0.5); };
-    const ml::Index last = o.to > 0 ? std::min(frame(o.to), m.frames()) : m.frames();
+    const auto frame = [&](double seconds) {
+      return static_cast<ml::Index>(std::min(static_cast<double>(m.frames()), seconds * m.fps + 0.5));
+    };
+    const double end = o.to > 0 ? o.to : m.seconds();
+    const ml::Index last = frame(end);
     if (frame(o.from) >= last)
-      ml::raise<ml::config_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ", o.to, " s");
+      ml::raise<ml::config_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ", end,
+                                  " s");
     m = ml::crop(m, frame(o.from), last);
   }
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
@@ -34,19 +40,25 @@ ml::Motion edited(ml::Motion m, const Options& o) {
   return m;
 }
 
-/// One file for each motion: out.bvh, or out_walk.bvh, out_run.bvh if there are several.
-std::filesystem::path name_of(const std::filesystem::path& out, const ml::Motion& m, bool several) {
-  if (!several) return out;
-  std::string name = m.name;
-  for (char& c : name) c = c == '/' || c == '\\' || c == ':' ? '_' : c;
-  return out.parent_path() / (out.stem().string() + "_" + name + out.extension().string());
+/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". Characters that some system
+/// does not allow in names of files become "_".
+std::filesystem::path name_of(const std::filesystem::path& out, std::string name, std::set<std::string>& taken) {
+  for (char& c : name) {
+    const bool odd =
+        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
+    if (odd) c = '_';
+  }
+  std::string unique = name;
+  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
+  return out.parent_path() / (out.stem().string() + "_" + unique + out.extension().string());
 }
 
 void run(const Options& o) {
   const auto motions = read_motions(o.in, o.read);
+  std::set<std::string> taken;
   for (const ml::Motion& m : motions) {
     const ml::Motion made = edited(m, o);
-    const auto path = name_of(o.out, made, motions.size() > 1);
+    const auto path = motions.size() == 1 ? std::filesystem::path(o.out) : name_of(o.out, made.name, taken);
     write_motion(path, made, o.scale);
     std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), made.frames(), made.fps,
                 made.seconds(), made.skeleton.size());
@@ -84,7 +96,8 @@ void add_convert(CLI::App& app) {
   c->add_option("output", o->out,
                 "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg (film strip)")
       ->required();
-  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given")->check(CLI::PositiveNumber);
+  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")
+      ->check(CLI::PositiveNumber);
   c->add_option("--from", o->from, "Begin, seconds")->check(CLI::NonNegativeNumber);
   c->add_option("--to", o->to, "End, seconds")->check(CLI::PositiveNumber);
   c->add_option("--speed", o->speed, "How much faster")->check(CLI::PositiveNumber)->capture_default_str();

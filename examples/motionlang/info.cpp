@@ -1,4 +1,5 @@
 // motionlang info: what is in a file of weights, a motion, or a timeline.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -48,7 +49,8 @@ void motion(const std::string& path, const ml::Motion& m) {
               low.z, high.z);
   if (m.skeleton.names == ml::smpl24_skeleton().names) {
     const auto q = ml::motion_quality(m);
-    std::printf("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; %.1f cm below the floor\n",
+    std::printf("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; "
+                "%.1f cm below the floor\n",
                 100 * q.feet.contact, q.feet.speed, q.jitter, 100 * q.below_floor.mean);
   }
   for (int j = 0; j < m.skeleton.size(); ++j) {
@@ -63,7 +65,7 @@ void joints(const std::string& path) {
 }
 
 void run(const std::string& path) {
-  const std::string kind = std::filesystem::path(path).extension().string();
+  const std::string kind = kind_of(path);
   if (kind == ".safetensors") return weights(path);
   if (kind == ".npy") return joints(path);
   if (kind == ".bvh" || kind == ".npz" || kind == ".glb" || kind == ".amc") {

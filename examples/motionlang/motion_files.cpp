@@ -10,13 +10,13 @@
 
 namespace program {
 
-namespace {
-
 std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
   for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   return kind;
 }
+
+namespace {
 
 /// CMU keeps one skeleton for each subject: 01.asf beside 01_02.amc.
 std::filesystem::path asf_of(const std::filesystem::path& amc) {
@@ -28,7 +28,7 @@ std::vector<ml::Motion> every_animation(const std::filesystem::path& path, doubl
   const auto file = ml::GlbFile::open(path);
   std::vector<ml::Motion> motions;
   for (ml::Index i = 0; i < std::ssize(file.animation_names()); ++i) motions.push_back(file.motion(i, fps));
-  if (motions.empty()) ml::raise<ml::io_error>(406, path.string(), ": no animation");
+  if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no animation");
   return motions;
 }
 
@@ -40,13 +40,15 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   if (kind == ".bvh")
     motions.push_back(ml::read_bvh_motion(path, {.scale = options.scale}));
   else if (kind == ".amc")
-    motions.push_back(ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_of(path) : std::filesystem::path(options.asf))));
+    motions.push_back(
+        ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_of(path) : std::filesystem::path(options.asf))));
   else if (kind == ".npz")
     motions.push_back(ml::read_amass(path).motion);
   else if (kind == ".glb")
     motions = every_animation(path, options.fps);
   else
-    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz and .glb, not '", kind, "'");
+    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz and .glb, not '", kind,
+                                "'");
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
   }
@@ -68,8 +70,8 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
   else if (kind == ".svg")
     ml::write_film_strip(path, motion);
   else
-    ml::raise<ml::config_error>(103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html and .svg, not '",
-                                kind, "'");
+    ml::raise<ml::config_error>(103, path.string(),
+                                ": motions are written to .bvh, .glb, .npz, .npy, .html and .svg, not '", kind, "'");
 }
 
 ml::Motion on_smpl(const ml::Motion& motion) {

@@ -17,8 +17,11 @@ struct MotionReadOptions {
   std::string asf{};    // skeleton of an AMC file; "": the file of its subject beside it, 01.asf for 01_02.amc
 };
 
+/// Extension of a file, in lower case: ".bvh".
+std::string kind_of(const std::filesystem::path& path);
+
 /// The motions of a file: .bvh, .amc, .npz (AMASS), .glb (every animation). Each has a name.
-/// Throws config_error 103 for another extension, and what the reader throws.
+/// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg (film strip).
