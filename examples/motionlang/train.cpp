@@ -165,7 +165,8 @@ void add_train(CLI::App& app) {
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
   c->add_option("--save-minutes", o->save_minutes, "Minutes between checkpoints")->capture_default_str();
   c->add_flag("--other-settings", o->other_settings,
-              "Go on with a checkpoint of other weights of losses or samples; the result is then no longer that of one command");
+              "Go on with a checkpoint of other weights of losses or samples; the result is then no longer that of one "
+              "command");
   c->add_option("--noise-focus", o->config.noise_focus, "Share of the samples that come from the noisiest fifth")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

@@ -23,7 +23,8 @@ std::vector<Sample> draw_batch(const TrainingSet& data, const TrainingConfig& co
   return batch;
 }
 
-/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation 1.
+/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
+/// 1.
 template <ml::Backend B>
 ml::Normalizer<B> measure(const TrainingSet& data, const TrainingConfig& config) {
   ml::FeatureStatistics statistics;
@@ -39,8 +40,8 @@ ml::Normalizer<B> measure(const TrainingSet& data, const TrainingConfig& config)
 
 constexpr Index summary_parts = 4, summary_size = (summary_parts + 1) * ml::smplrifke_size;
 
-/// What a caption should tell about rows (frames, 205) of normalised features: the mean of every feature over each quarter of the
-/// time ("sit down" is not "sit"), and its deviation over all of it.
+/// What a caption should tell about rows (frames, 205) of normalised features: the mean of every feature over each
+/// quarter of the time ("sit down" is not "sit"), and its deviation over all of it.
 void append_summary(std::vector<float>& out, std::span<const float> rows) {
   const Index frames = std::ssize(rows) / ml::smplrifke_size;
   ml::FeatureStatistics all;
@@ -57,7 +58,8 @@ void append_summary(std::vector<float>& out, std::span<const float> rows) {
   for (double unbiased : all.standard_deviation()) out.push_back(static_cast<float>(unbiased * std::sqrt((n - 1) / n)));
 }
 
-/// Four numbers say where the figure goes, 201 how it holds itself: the four count more. (205), mean of the squares about 1.
+/// Four numbers say where the figure goes, 201 how it holds itself: the four count more. (205), mean of the squares
+/// about 1.
 template <ml::Backend B>
 ml::Tensor<B, 1> feature_weights(double root_weight) {
   std::vector<typename B::scalar> weights(ml::smplrifke_size, 1);
@@ -65,10 +67,10 @@ ml::Tensor<B, 1> feature_weights(double root_weight) {
   return ml::Tensor<B, 1>::from(weights, {ml::smplrifke_size});
 }
 
-/// The diffusion step of a sample. Over all frames together, what a motion will be (where it goes, when it sits down) shows through
-/// much more noise than any single frame: with 60 frames and features that move together, the signal of such a whole is as strong
-/// as the noise when alpha_bar is still about 1e-3. It is decided in the first few of a hundred steps, so `focus` of the samples
-/// come from the noisiest fifth, the noisier the more.
+/// The diffusion step of a sample. Over all frames together, what a motion will be (where it goes, when it sits down)
+/// shows through much more noise than any single frame: with 60 frames and features that move together, the signal of
+/// such a whole is as strong as the noise when alpha_bar is still about 1e-3. It is decided in the first few of a
+/// hundred steps, so `focus` of the samples come from the noisiest fifth, the noisier the more.
 Index draw_t(ml::Philox& rng, Index steps, double focus) {
   if (rng.uniform() >= focus) return static_cast<Index>(rng.below(static_cast<std::uint32_t>(steps)));
   const double from_the_end = 0.2 * static_cast<double>(steps) * std::pow(rng.uniform(), 1.5);
@@ -235,8 +237,8 @@ double Trainer::step() {
   return value;
 }
 
-/// Everything that decides what a step computes, except the number of steps: a run may be made longer, and its learning rate then
-/// follows the new number.
+/// Everything that decides what a step computes, except the number of steps: a run may be made longer, and its learning
+/// rate then follows the new number.
 std::map<std::string, std::string> Trainer::settings() const {
   auto out = ml::stmc_metadata(config_.model, average_.text_encoder.tokenizer);
   out["model"] = "stmc training";

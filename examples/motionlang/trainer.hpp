@@ -36,8 +36,8 @@ struct TrainingConfig {
   SampleOptions samples{};
 };
 
-/// All state of a training run. Every step depends on the state and the step's number only, so that a run which is stopped and
-/// resumed gives the numbers of one that was not.
+/// All state of a training run. Every step depends on the state and the step's number only, so that a run which is
+/// stopped and resumed gives the numbers of one that was not.
 class Trainer {
  public:
   using B = ml::EigenBackend<float>;
@@ -47,8 +47,9 @@ class Trainer {
   Trainer(TrainingConfig config, const TrainingSet& data);
 
   ml::Index steps_done() const { return steps_; }
-  /// Teaches the text encoder alone what captions mean: mean and deviation of every feature of their motions. Without it the
-  /// denoiser learns to move long before it learns to listen. For a fresh run, before the first step. Returns the last loss.
+  /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
+  /// the time, and its deviation. Without it the denoiser learns to move long before it learns to listen. For a fresh
+  /// run, before the first step. Returns the last loss.
   double learn_texts(ml::Progress progress = {});
   /// Takes denoiser and normaliser of a trained model, so that only texts are learnt anew. For a fresh run.
   void take_denoiser(const std::filesystem::path& model);

@@ -66,7 +66,8 @@ std::vector<Line> read_captions(const std::filesystem::path& path) {
   return lines;
 }
 
-/// A clip of the free tier on our skeleton, at its own frame rate. `name` has no extension: .bvh, or .amc with its .asf.
+/// A clip of the free tier on our skeleton, at its own frame rate. `name` has no extension: .bvh, or .amc with its
+/// .asf.
 ml::Motion read_clip(const std::filesystem::path& data, const std::string& name) {
   const auto bvh = data / (name + ".bvh"), amc = data / (name + ".amc");
   if (std::filesystem::exists(bvh)) return ml::retarget(ml::read_bvh_motion(bvh));
@@ -149,7 +150,8 @@ std::string mirrored_caption(const std::string& caption) {
 
 std::optional<std::string> reversed_caption(const std::string& caption) {
   if (!has_word(caption, {"forward", "ahead"}) || !has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll"}) ||
-      has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb", "lean", "without"}))
+      has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb", "lean",
+                         "without"}))
     return std::nullopt;
   return word_by_word(caption, [](const std::string& word) -> std::string {
     return word.starts_with("forward") || word == "ahead" ? "backwards" : word;
@@ -256,7 +258,8 @@ Sample TrainingSet::draw(ml::Philox rng, const SampleOptions& options) const {
     const Segment& s = pick(all_, rng);
     sample.caption = caption_of(s);
     double tempo = 1;
-    if (s.grounded && rng.uniform() < options.tempo && !has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
+    if (s.grounded && rng.uniform() < options.tempo &&
+        !has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
       const bool slow = rng.uniform() < 0.5;
       tempo = slow ? 0.6 : 1.6;
       sample.caption += slow ? " slowly" : " quickly";

@@ -59,8 +59,8 @@ class TrainingSet {
   /// A sample that depends on the generator only:
   ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
   ///   - slower or faster, or backwards in time, where the caption can say so;
-  ///   - or, as SINC composes its training data, a segment about the legs with the arms of a segment about the arms, under the
-  ///     caption of either or of both;
+  ///   - or, as SINC composes its training data, a segment about the legs with the arms of a segment about the arms, under
+  ///     the caption of either or of both;
   ///   - with the caption "" instead, now and then.
   Sample draw(ml::Philox rng, const SampleOptions& options) const;
 
@@ -75,8 +75,8 @@ class TrainingSet {
   std::vector<std::size_t> all_, bases_, overlays_;  // bases: nothing about the arms; overlays: only arms, head, spine
 };
 
-/// What a caption becomes when steady walking is played backwards in time: "forward" and "ahead" are "backwards". Nothing for
-/// captions that do not say where the walking goes, and for those that say more than that.
+/// What a caption becomes when steady walking is played backwards in time: "forward" and "ahead" are "backwards".
+/// Nothing for captions that do not say where the walking goes, and for those that say more than that.
 std::optional<std::string> reversed_caption(const std::string& caption);
 
 /// "left" and "right", "clockwise" and "counterclockwise" exchanged, word by word.

@@ -57,10 +57,10 @@
 
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
-#include <motionlang/kinematics/foot_contact.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
 #include <motionlang/kinematics/chains.hpp>
+#include <motionlang/kinematics/foot_contact.hpp>
+#include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>
 #include <motionlang/kinematics/lanes.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>

@@ -180,13 +180,14 @@ std::vector<Row<B>> rows() {
                    /*grows=*/false});
       if (causal) continue;
       const ml::Offsets keys{4, 1, 33};
-      r.push_back({"attention" + suffix,
-                   {{25, 12}, {38, 12}, {38, 12}},
-                   [=](In x) {
-                     return ml::attention(as<B, 2>(x[0]), as<B, 2>(x[1]), as<B, 2>(x[2]), offsets, keys, options).data();
-                   },
-                   Domain::real,
-                   /*grows=*/false});
+      r.push_back(
+          {"attention" + suffix,
+           {{25, 12}, {38, 12}, {38, 12}},
+           [=](In x) {
+             return ml::attention(as<B, 2>(x[0]), as<B, 2>(x[1]), as<B, 2>(x[2]), offsets, keys, options).data();
+           },
+           Domain::real,
+           /*grows=*/false});
     }
   }
   return r;

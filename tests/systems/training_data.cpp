@@ -95,6 +95,7 @@ TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path
   CHECK(loss(sliding) > 1.0 / 3);  // one of three coordinates, standing feet count five times
   CHECK(loss(sliding) < 5.0 / 3);
   auto rising = truth;
-  for (ml::Index f = 0; f < sample.frames; ++f) rising[static_cast<std::size_t>(f * 205)] += 0.05 * static_cast<double>(f);
+  for (ml::Index f = 0; f < sample.frames; ++f)
+    rising[static_cast<std::size_t>(f * 205)] += 0.05 * static_cast<double>(f);
   CHECK(loss(rising) == doctest::Approx(loss(sliding)));
 }
