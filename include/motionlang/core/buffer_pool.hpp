@@ -5,17 +5,17 @@
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
 #pragma once
 
-#include <array>    // free lists
-#include <atomic>   // reference counts
-#include <bit>      // bit_width
-#include <cstddef>  // byte
-#include <cstdint>  // sizes
-#include <cstdlib>  // aligned_alloc
-#include <cstring>  // memcpy
-#include <memory>   // owner of foreign memory
-#include <new>      // bad_alloc
+#include <array>        // free lists
+#include <atomic>       // reference counts
+#include <bit>          // bit_width
+#include <cstddef>      // byte
+#include <cstdint>      // sizes
+#include <cstdlib>      // aligned_alloc
+#include <cstring>      // memcpy
+#include <memory>       // owner of foreign memory
+#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
-#include <utility>  // exchange
+#include <utility>      // exchange
 
 #include <motionlang/version.hpp>
 
@@ -182,7 +182,9 @@ class PoolVector {
     for (; size_ < size; ++size_) data_[size_] = value;
   }
   PoolVector(PoolVector&& o) noexcept
-      : memory_(std::move(o.memory_)), data_(std::exchange(o.data_, nullptr)), size_(std::exchange(o.size_, 0)),
+      : memory_(std::move(o.memory_)),
+        data_(std::exchange(o.data_, nullptr)),
+        size_(std::exchange(o.size_, 0)),
         capacity_(std::exchange(o.capacity_, 0)) {}
 
   std::size_t size() const { return size_; }

@@ -6,14 +6,14 @@
 /// the module path. The list of ids is `error_ids` below; every one has a test.
 #pragma once
 
-#include <charconv>     // to_chars: messages without streams and without the locale
-#include <concepts>     // integral, floating_point
-#include <cstdlib>      // abort
+#include <charconv>          // to_chars: messages without streams and without the locale
+#include <concepts>          // integral, floating_point
+#include <cstdlib>           // abort
 #include <initializer_list>  // parts of a message
-#include <stdexcept>    // runtime_error
-#include <string>       // string
-#include <string_view>  // string_view
-#include <vector>       // diagnostics path
+#include <stdexcept>         // runtime_error
+#include <string>            // string
+#include <string_view>       // string_view
+#include <vector>            // diagnostics path
 
 #include <motionlang/version.hpp>
 

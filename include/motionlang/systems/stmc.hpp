@@ -30,11 +30,11 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
   BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
-                                                    .extend = !hard_cuts,
-                                                    .transition_crops = !hard_cuts,
-                                                    .gaps = options.gaps,
-                                                    .hidden = options.hidden,
-                                                    .longest_crop = traits.longest()});
+                                              .extend = !hard_cuts,
+                                              .transition_crops = !hard_cuts,
+                                              .gaps = options.gaps,
+                                              .hidden = options.hidden,
+                                              .longest_crop = traits.longest()});
   const auto text = encode(texts_of(plan)), null = encode({std::string()});
   BatchPlan together;  // what is stitched at the end where every text is sampled alone
   if (hard_cuts) {

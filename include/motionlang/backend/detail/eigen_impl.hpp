@@ -56,7 +56,8 @@ Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
   const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
   a = DenseOps<S>::broadcast(a, s), b = DenseOps<S>::broadcast(b, s);
   tensor out(s);
-  for (Index i = 0, n = s.count(); i < n; ++i) out.data()[i] = std::atan2(std::as_const(a).data()[i], std::as_const(b).data()[i]);
+  for (Index i = 0, n = s.count(); i < n; ++i)
+    out.data()[i] = std::atan2(std::as_const(a).data()[i], std::as_const(b).data()[i]);
   return out;
 }
 template <Scalar S>
