@@ -59,8 +59,8 @@ class TrainingSet {
   /// A sample that depends on the generator only:
   ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
   ///   - slower or faster, or backwards in time, where the caption can say so;
-  ///   - or, as SINC composes its training data, a segment about the legs with the arms of a segment about the arms, under
-  ///     the caption of either or of both;
+  ///   - or, as SINC composes its training data, a segment about the legs with the arms of a segment about the arms,
+  ///     under the caption of either or of both;
   ///   - with the caption "" instead, now and then.
   Sample draw(ml::Philox rng, const SampleOptions& options) const;
 

@@ -31,7 +31,8 @@ struct MdmSmplConfig {
 /// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py,
 ///          whose state-dict keys (behind "denoiser.") are the field names
 /// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
+///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
+///          does.
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {

@@ -32,14 +32,14 @@ inline void require_limb(std::string_view function, const Skeleton& skeleton, co
 
 }  // namespace detail
 
-/// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in its
-/// plane, and the rotation of the end in the world is kept.
+/// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in
+/// its plane, and the rotation of the end in the world is kept.
 ///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
 /// pose        (joints) local rotations of one frame, changed in place
 /// world       the same frame by forward kinematics, as it was before; not changed
 /// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
-/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for each
-///             joint, numeric_error 302 for a bone that is shorter than 0.1 mm
+/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
+///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
 inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
                   const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards) {
   detail::require_limb("reach", skeleton, limb);
