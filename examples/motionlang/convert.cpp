@@ -5,6 +5,7 @@
 
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/retarget.hpp>
 
 #include "commands.hpp"
 #include "motion_files.hpp"
@@ -36,7 +37,10 @@ ml::Motion edited(ml::Motion m, const Options& o) {
   if (o.fps > 0) m = ml::resample(m, o.fps);
   if (o.smpl || o.fix_feet) m = on_smpl(m);
   if (o.mirror) m = ml::mirror(m);
-  if (o.fix_feet) m = ml::fix_feet(m);
+  if (o.fix_feet) {
+    ml::place_on_floor(m);
+    m = ml::fix_feet(m);
+  }
   return m;
 }
 

@@ -149,8 +149,10 @@ void add_train(CLI::App& app) {
   c->add_option("--velocity-weight", o->config.velocity_weight, "Weight of the loss on frame differences")
       ->capture_default_str();
   c->add_option("--root-weight", o->config.root_weight, "Weight of the features that move the root")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   c->add_option("--foot-weight", o->config.foot_weight, "Weight of the loss on the velocity of the feet")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   c->add_option("--text-weight", o->config.text_weight,
                 "Weight of the loss that asks captions for a summary of their motion")
@@ -165,7 +167,8 @@ void add_train(CLI::App& app) {
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
   c->add_option("--save-minutes", o->save_minutes, "Minutes between checkpoints")->capture_default_str();
   c->add_flag("--other-settings", o->other_settings,
-              "Go on with a checkpoint of other weights of losses or samples; the result is then no longer that of one "
+              "Go on with a checkpoint that began with other numbers (batch, rates, weights of losses, samples); the "
+              "result is then no longer that of one "
               "command");
   c->add_option("--noise-focus", o->config.noise_focus, "Share of the samples that come from the noisiest fifth")
       ->check(CLI::Range(0.0, 1.0))

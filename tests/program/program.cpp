@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../support/captioned_clips.hpp"
 #include "../support/small_model.hpp"
@@ -49,19 +51,26 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const TemporaryFolder folder;
   const auto all = run({"--help"}, folder.path);
   CHECK(all.code == 0);
-  for (const char* word : {"generate", "check", "info", "train", "judge", "Exit codes: 0 ", "1 ", "2 ", "3 ", "130 "})
+  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "strip", "view",
+                           "Exit codes: 0 ", "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
-        "--backend", "--threads"}},
+        "--fix-feet", "--backend", "--threads"}},
       {"check", {"timeline", "--fps", "--overlap", "--model"}},
       {"info", {"file"}},
-      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details"}},
+      {"convert", {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl",
+                   "--mirror", "--fix-feet"}},
+      {"strip", {"input", "output"}},
+      {"view", {"input", "output"}},
+      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details",
+                 "--fix-feet"}},
       {"train", {"--data",        "--captions",     "--out",      "--steps",      "--batch",   "--lr",
                  "--width",       "--feed-forward", "--layers",   "--vocabulary", "--dropout", "--velocity-weight",
                  "--text-weight", "--text-steps",   "--denoiser", "--seed",       "--license", "--provenance",
-                 "--commit",      "--save-minutes", "--fresh",    "--threads"}}};
+                 "--commit",      "--save-minutes", "--fresh",    "--threads",    "--noise-focus", "--root-weight",
+                 "--foot-weight", "--other-settings"}}};
   for (const auto& [command, names] : options) {
     const auto help = run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
@@ -160,6 +169,45 @@ TEST_CASE("noise from outside gives the motion of the seed that it was drawn wit
   const auto wrong = w.generate("wrong", {"--noise", "noise.safetensors"}, "longer.txt");
   CHECK(wrong.code == 1);
   CHECK_MESSAGE(contains(wrong.text, "noise/000 is (1, 20, 205), this timeline needs (1, 40, 205)"), wrong.text);
+}
+
+TEST_CASE("feet are put right unless that is switched off") {
+  const Workplace w;
+  CHECK(w.generate("on", {"--seed", "4"}).code == 0);
+  CHECK(w.generate("off", {"--seed", "4", "--no-fix-feet"}).code == 0);
+  const auto on = ml::read_bvh_motion(w / "on/two.bvh"), off = ml::read_bvh_motion(w / "off/two.bvh");
+  CHECK(synthetic::largest_distance(on, ml::fix_feet(off)) < 1e-3);
+}
+
+TEST_CASE("convert: from one format to the others and back, cut, resampled, mirrored; strip and view") {
+  const Workplace w;
+  const auto walk = synthetic::walk({.frames = 40});
+  ml::write_bvh(w / "walk.bvh", walk);
+  for (const std::string there : {"walk.glb", "walk.npz"}) {
+    const auto first = w.run({"convert", "walk.bvh", there, "--fps", "20"});
+    REQUIRE_MESSAGE(first.code == 0, first.text);
+    const auto second = w.run({"convert", there, "back.bvh", "--fps", "20"});
+    REQUIRE_MESSAGE(second.code == 0, second.text);
+    CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "back.bvh"), walk) < 1e-3);
+  }
+  const auto part = w.run({"convert", "walk.bvh", "part.bvh", "--from", "0.5", "--to", "1.5", "--fps", "40", "--mirror"});
+  CHECK_MESSAGE(contains(part.text, "part.bvh: 39 frames at 40 per second, 0.97 s, 24 joints"), part.text);
+  const auto expected = ml::mirror(ml::resample(ml::crop(walk, 10, 30), 40));
+  CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "part.bvh"), expected) < 1e-3);
+
+  CHECK(w.run({"strip", "walk.bvh"}).code == 0);
+  CHECK(w.run({"view", "walk.bvh", "page.html"}).code == 0);
+  CHECK(ml::read_file(w / "walk.svg").starts_with("<svg"));
+  CHECK(contains(ml::read_file(w / "page.html"), "<html"));
+  CHECK(contains(w.run({"info", "walk.glb"}).text, "sliding at"));
+
+  const auto unknown = w.run({"convert", "walk.bvh", "walk.fbx"});
+  CHECK(unknown.code == 1);
+  CHECK_MESSAGE(contains(unknown.text, "written to .bvh, .glb, .npz, .npy, .html and .svg, not '.fbx'"), unknown.text);
+  const auto empty = w.run({"convert", "walk.bvh", "none.bvh", "--from", "5"});
+  CHECK(empty.code == 1);
+  CHECK_MESSAGE(contains(empty.text, "nothing of the 2 s is between 5 and"), empty.text);
+  CHECK(!std::filesystem::exists(w / "none.bvh"));
 }
 
 TEST_CASE("Ctrl-C while generating: 130, and no file") {

@@ -27,6 +27,7 @@ struct FootFixOptions {
   double floor = 0;
   double ankle_height = smpl_ankle_contact, toe_height = smpl_toe_contact;  // below: in contact
   double speed = 0.5;       // m/s; lock_feet takes a foot that slides faster to swing
+  double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
 };
@@ -72,7 +73,8 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
       for (const auto& [joint, height] :
            {std::pair{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}) {
         const auto s = detail::slide(positions, joints, f, joint, options.floor + height);
-        if (s.low && (!slowest || s.length() < slowest->length())) slowest = s;
+        const bool stands = s.low && s.length() * motion.fps < options.path_speed;
+        if (stands && (!slowest || s.length() < slowest->length())) slowest = s;
       }
     }
     if (slowest)

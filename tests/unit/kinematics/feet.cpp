@@ -137,6 +137,11 @@ TEST_CASE("a path that drifts over standing feet is put right") {
   for (ml::Index f = 0; f < 40; ++f) CHECK(ml::norm(fixed.root_at(f) - still.root_at(f)) < 1e-9);
 }
 
+TEST_CASE("a figure that flies low over the floor, faster than feet slide, is not stopped") {
+  const auto fast = drifting(synthetic::walk({.frames = 30}), 6);
+  CHECK(synthetic::largest_distance(ml::path_from_feet(fast), fast) < 1e-9);
+}
+
 TEST_CASE("a walk that slides slides no more, and goes where it went") {
   const auto walk = synthetic::walk({.frames = 80});
   const auto sliding = drifting(walk, 0.3);
