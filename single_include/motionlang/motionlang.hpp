@@ -98,10 +98,10 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
 /// the module path. The list of ids is `error_ids` below; every one has a test.
 
-#include <charconv>     // to_chars: messages without streams and without the locale
-#include <cstdlib>      // abort
-#include <stdexcept>    // runtime_error
-#include <vector>       // diagnostics path
+#include <charconv>          // to_chars: messages without streams and without the locale
+#include <cstdlib>           // abort
+#include <stdexcept>         // runtime_error
+#include <vector>            // diagnostics path
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -211,6 +211,25 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
+/// all lengths, because messages are many and each would be compiled for its own list of types.
+struct TextPart {
+  const void* value;
+  void (*append)(std::string& out, const void* value);
+};
+inline TextPart text_part(const char* literal) {
+  return {literal, [](std::string& out, const void* value) { out += static_cast<const char*>(value); }};
+}
+template <class T>
+TextPart text_part(const T& value) {
+  return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
+}
+inline std::string concat_parts(std::initializer_list<TextPart> parts) {
+  std::string out;
+  for (const TextPart& p : parts) p.append(out, p.value);
+  return out;
+}
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
   static std::vector<std::string>& names() {
@@ -224,9 +243,7 @@ struct ModulePath {
 /// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
 template <class... T>
 std::string concat_text(const T&... parts) {
-  std::string out;
-  (detail::append(out, parts), ...);
-  return out;
+  return detail::concat_parts({detail::text_part(parts)...});
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -246,12 +263,14 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
+namespace detail {
+
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
-template <class E, class... T>
-[[noreturn]] void raise(int id, const T&... parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
+template <class E>
+[[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = detail::ModulePath::names();
+  const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
 #ifdef MOTIONLANG_THROW
@@ -260,6 +279,14 @@ template <class E, class... T>
 #else
   throw E(id, text);
 #endif
+}
+
+}  // namespace detail
+
+/// Throws E with this id and the text of all parts.
+template <class E, class... T>
+[[noreturn]] void raise(int id, const T&... parts) {
+  detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -593,11 +620,13 @@ constexpr std::string_view to_string(Activation a) {
 /// Fresh pages cost more than the arithmetic that fills them (64 MiB: 26 ms). A loop that repeats the same computation
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
 
-#include <atomic>   // reference counts
-#include <bit>      // bit_width
-#include <memory>   // owner of foreign memory
-#include <new>      // bad_alloc
-#include <utility>  // exchange
+#include <atomic>       // reference counts
+#include <bit>          // bit_width
+#include <cstring>      // memcpy
+#include <memory>       // owner of foreign memory
+#include <new>          // bad_alloc
+#include <type_traits>  // is_trivially_copyable
+#include <utility>      // exchange
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -747,27 +776,55 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// Standard allocator over the pool: lists that are made anew in every round of a loop cost nothing after the first.
+/// A list of plain values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
+/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
-struct PoolAllocator {
+class PoolVector {
+  static_assert(std::is_trivially_copyable_v<T>, "motionlang::PoolVector: plain values only");
+
+ public:
   using value_type = T;
-  PoolAllocator() = default;
-  template <class U>
-  PoolAllocator(const PoolAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::take(n * sizeof(T))->data); }
-  void deallocate(T* p, std::size_t) {  // the header lies right before the data
-    BufferPool::give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+  PoolVector() = default;
+  explicit PoolVector(std::size_t size, T value = T{}) {
+    reserve(size);
+    for (; size_ < size; ++size_) data_[size_] = value;
   }
-  template <class U>
-  bool operator==(const PoolAllocator<U>&) const {
-    return true;
+  PoolVector(PoolVector&& o) noexcept
+      : memory_(std::move(o.memory_)),
+        data_(std::exchange(o.data_, nullptr)),
+        size_(std::exchange(o.size_, 0)),
+        capacity_(std::exchange(o.capacity_, 0)) {}
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T* begin() { return data_; }
+  const T* begin() const { return data_; }
+  T* end() { return data_ + size_; }
+  const T* end() const { return data_ + size_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+
+  void reserve(std::size_t capacity) {
+    if (capacity <= capacity_) return;
+    detail::BufferHandle larger(capacity * sizeof(T));
+    if (size_ > 0) std::memcpy(larger.data(), data_, size_ * sizeof(T));
+    memory_ = std::move(larger);
+    data_ = static_cast<T*>(memory_.data());
+    capacity_ = capacity;
   }
+  void push_back(T value) {
+    if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
+    data_[size_++] = value;
+  }
+
+ private:
+  detail::BufferHandle memory_;
+  T* data_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
 };
-
-/// A list that is cheap to make again and again.
-template <class T>
-using PoolVector = std::vector<T, PoolAllocator<T>>;
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -1076,10 +1133,16 @@ void each_field(F& f, const First& first, const Walks&... others) {
   }
 }
 
+template <class F, class First, class... Walks>
+void visit_walks(const std::string& prefix, F& f, const First& first, const Walks&... others) {
+  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
+    visit_member(join_path(prefix, first.list.first.name), f, first.member(), others.member()...);
+    visit_walks(prefix, f, first.rest(), others.rest()...);
+  }
+}
 template <class F, class... Objects>
 void visit_fields(const std::string& prefix, F& f, Objects&... objects) {
-  auto member = [&](const char* name, auto&... members) { visit_member(join_path(prefix, name), f, members...); };
-  each_field(member, walk(objects)...);
+  visit_walks(prefix, f, walk(objects)...);
 }
 
 }  // namespace detail
@@ -1156,8 +1219,6 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
 /// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one. The compiler's vector
 /// types are used, so the code is the same on every processor. Square roots are refined from an estimate (error below 2
 /// ulp).
-
-#include <type_traits>  // is_arithmetic
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -1403,17 +1464,17 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
 class Offsets {
  public:
-  Offsets() : Offsets(std::vector<Index>{}) {}
+  Offsets() : Offsets(std::span<const Index>()) {}
   /// From the lengths of the sequences. Throws shape_error 207 on a negative one.
-  explicit Offsets(std::span<const Index> lengths) {
-    auto list = std::allocate_shared<List>(PoolAllocator<List>{});
-    list->reserve(lengths.size() + 1);
-    list->push_back(0);
+  explicit Offsets(std::span<const Index> lengths)
+      : memory_((lengths.size() + 1) * sizeof(Index)), count_(static_cast<Index>(lengths.size())) {
+    Index* last = static_cast<Index*>(memory_.data());
+    *last = 0;
     for (Index n : lengths) {
       if (n < 0) raise<shape_error>(207, "Offsets: negative length ", n);
-      list->push_back(list->back() + n);
+      last[1] = *last + n;
+      ++last;
     }
-    list_ = std::move(list);
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
@@ -1422,22 +1483,26 @@ class Offsets {
     return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 
-  Index count() const { return static_cast<Index>(list_->size()) - 1; }
-  Index rows() const { return list_->back(); }
-  Index begin(Index i) const { return (*list_)[static_cast<std::size_t>(i)]; }
-  Index end(Index i) const { return (*list_)[static_cast<std::size_t>(i) + 1]; }
+  Index count() const { return count_; }
+  Index rows() const { return first()[count_]; }
+  Index begin(Index i) const { return first()[i]; }
+  Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
   Index longest() const {
     Index n = 0;
     for (Index i = 0; i < count(); ++i) n = length(i) > n ? length(i) : n;
     return n;
   }
-  std::span<const Index> list() const { return *list_; }
-  bool operator==(const Offsets& o) const { return list_ == o.list_ || *list_ == *o.list_; }
+  std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
+  bool operator==(const Offsets& o) const {
+    return count_ == o.count_ &&
+           std::memcmp(first(), o.first(), (static_cast<std::size_t>(count_) + 1) * sizeof(Index)) == 0;
+  }
 
  private:
-  using List = PoolVector<Index>;
-  std::shared_ptr<const List> list_;
+  const Index* first() const { return static_cast<const Index*>(memory_.data()); }
+  detail::BufferHandle memory_;
+  Index count_;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -1469,25 +1534,26 @@ class ThreadPool {
     return pool;
   }
 
-  int size() const { return static_cast<int>(workers_.size()) + 1; }
+  int size() const { return workers_ + 1; }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
 
   void resize(int threads) {
     stop();
-    workers_.reserve(static_cast<std::size_t>(threads - 1));
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
-      workers_.emplace_back([this, i, seen = round_.load()] {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
         number_ = i;
         work(seen);
       });
+      ++workers_;
     }
   }
 
   /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
   void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_.empty() || inside_) {
+    if (count == 1 || workers_ == 0 || inside_) {
       for (Index i = 0; i < count; ++i) task(context, i);
       return;
     }
@@ -1496,7 +1562,7 @@ class ThreadPool {
     context_ = context;
     count_ = count;
     next_.store(0, std::memory_order_relaxed);
-    pending_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
+    pending_.store(workers_, std::memory_order_relaxed);
     {
       std::scoped_lock lock(sleep_);
       round_.fetch_add(1, std::memory_order_release);
@@ -1530,8 +1596,7 @@ class ThreadPool {
       round_.fetch_add(1);
     }
     wake_.notify_all();
-    for (auto& w : workers_) w.join();
-    workers_.clear();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
   void work(unsigned seen) {
@@ -1568,7 +1633,8 @@ class ThreadPool {
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::vector<std::thread> workers_;
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
   std::condition_variable wake_;
   std::atomic<unsigned> round_{0};
@@ -1774,6 +1840,33 @@ class PythonRandom {
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
+#define MOTIONLANG_HAS_CORE_SORT_HPP
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
+/// the list. `List` is a vector.
+template <class List, class Less>
+void sort(List& list, Less less) {
+  const auto sift_down = [&](std::size_t i, std::size_t size) {
+    for (std::size_t child; (child = 2 * i + 1) < size; i = child) {
+      if (child + 1 < size && less(list[child], list[child + 1])) ++child;
+      if (!less(list[i], list[child])) return;
+      std::swap(list[i], list[child]);
+    }
+  };
+  for (std::size_t i = list.size() / 2; i-- > 0;) sift_down(i, list.size());
+  for (std::size_t size = list.size(); size-- > 1;) {
+    std::swap(list[0], list[size]);
+    sift_down(0, size);
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_TORCH_RANDOM_HPP  // <motionlang/core/torch_random.hpp>
@@ -2334,7 +2427,9 @@ struct Sequences {
 inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   PoolVector<Index> owner;
   owner.reserve(static_cast<std::size_t>(offsets.rows()));
-  for (Index s = 0; s < offsets.count(); ++s) owner.insert(owner.end(), static_cast<std::size_t>(offsets.length(s)), s);
+  for (Index s = 0; s < offsets.count(); ++s) {
+    for (Index i = 0; i < offsets.length(s); ++i) owner.push_back(s);
+  }
   return owner;
 }
 /// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
@@ -2790,12 +2885,25 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+namespace detail {
+
+/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for every
+/// module, and all that lies below would be compiled again.
+template <class F>
+struct TensorsOnly {
+  F& f;
+  template <class T>
+  void operator()(const std::string& path, T& leaf) const {
+    if constexpr (is_tensor<std::remove_const_t<T>>) f(path, leaf);
+  }
+};
+
+}  // namespace detail
+
 /// Calls f(path, tensor) for all tensors of a module; other fields (sizes, options) are passed over.
 template <class M, class F>
 void visit_tensors(M& module, F f) {
-  visit(module, [&](const std::string& path, auto& leaf) {
-    if constexpr (is_tensor<std::remove_cvref_t<decltype(leaf)>>) f(path, leaf);
-  });
+  visit(module, detail::TensorsOnly<F>{f});
 }
 
 /// Numbers in all tensors of a module.
@@ -2855,14 +2963,22 @@ M<typename A::inner> to_inner(const M<A>& model) {
   return convert<typename A::inner>(model);
 }
 
+namespace detail {
+
+struct PrepareWeights {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (R == 2 && requires { B::prepare(t.data()); }) B::prepare(t.data());
+  }
+};
+
+}  // namespace detail
+
 /// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
-  visit_tensors(model, [](const std::string&, auto& t) {
-    using T = std::remove_cvref_t<decltype(t)>;
-    if constexpr (T::rank == 2 && requires { T::backend::prepare(t.data()); }) T::backend::prepare(t.data());
-  });
+  visit_tensors(model, detail::PrepareWeights{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -3229,6 +3345,77 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
 static_assert(Rotation<EulerAngles<double>>);
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_GEOMETRY_GUO_HPP  // <motionlang/geometry/guo.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_GUO_HPP
+/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. What is not here is the same as
+/// in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
+///
+/// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
+/// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
+/// Source  Guo et al. (CVPR 2022), common/quaternion.py; spec humanml3d-features.md 11b
+
+namespace motionlang::inline MOTIONLANG_ABI::guo {
+
+/// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
+/// lengths = |a||b|, where it is known.
+template <class S>
+Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b, const S& lengths) {
+  const Vec3<S> c = cross(a, b);
+  return normalized(Quaternion<S>{lengths + dot(a, b), c.x, c.y, c.z});
+}
+template <class S>
+Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b) {
+  return between(a, b, sqrt(dot(a, a) * dot(b, b)));
+}
+
+/// Signs such that each quaternion and the same joint's in the frame before are no more than a half turn apart.
+/// rotations (frames, joints). Throws shape_error 205.
+template <Scalar S>
+std::vector<Quaternion<S>> continuous(std::span<const Quaternion<S>> rotations, Index joints) {
+  if (joints <= 0 || std::ssize(rotations) % joints != 0) {
+    raise<shape_error>(205, "continuous: ", rotations.size(), " rotations for frames of ", joints, " joints");
+  }
+  std::vector<Quaternion<S>> out(rotations.begin(), rotations.end());
+  const auto n = static_cast<std::size_t>(joints);
+  for (std::size_t i = n; i < out.size(); ++i) {
+    if (dot(out[i - n], out[i]) < 0) out[i] = -out[i];
+  }
+  return out;
+}
+
+/// a at t = 0, b at t = 1; both are normalised first, and no sign is changed.
+///     d = b a^-1 = (cos h, sin h u);   slerp = (cos(t h), sin(t h) u) a
+template <class S>
+Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& b, const S& t) {
+  const Quaternion<S> from = normalized(a), d = normalized(normalized(b) * inverse(from));
+  const S h = atan2(norm(d.vec()), d.w);
+  const Vec3<S> u = sin(t * h) * normalized(d.vec(), 1e-9);
+  return Quaternion<S>{cos(t * h), u.x, u.y, u.z} * from;
+}
+
+/// The quaternion whose component that the published code divides by is positive; w may be negative.
+template <Scalar S>
+Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
+  const Quaternion<S> q = to_quaternion(m);
+  const S x = m(0, 0), y = m(1, 1), divisor = m(2, 2) < 0 ? (x > y ? q.x : q.y) : (x < -y ? q.z : q.w);
+  return divisor < 0 ? -q : q;
+}
+
+/// From angles about x, y and z in degrees, whatever the order. For the cyclic orders xyz, yzx and zxy the sign of the
+/// quaternion is the other one.
+template <Scalar S>
+Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
+  Quaternion<S> q = Quaternion<S>::identity();
+  for (const int axis : order.axis) {
+    const Vec3<S> about{S(axis == 0), S(axis == 1), S(axis == 2)};
+    q = q * from_axis_angle(about, dot(about, angles) * S(std::numbers::pi / 180));
+  }
+  return (order.axis[1] - order.axis[0] + 3) % 3 == 1 ? -q : q;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::guo
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
@@ -3958,8 +4145,6 @@ struct Autodiff {
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
 /// What all backends over Dense storage share: making tensors, and moving numbers without calculating.
 
-#include <cstring>  // memcpy, memset
-
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_HPP  // <motionlang/backend/dense.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_HPP
 /// Dense row-major storage: the tensor type of the reference, Eigen and xtensor backends.
@@ -4679,6 +4864,760 @@ inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP  // <motionlang/kinematics/chain_kinematics.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP
+/// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
+///
+/// The rotation of a joint is that of the bone that ENDS at it; it has no twist; the first rotation of a chain is
+/// relative to the root even where the chain begins at another joint. These are not SMPL's rotations.
+///
+///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
+///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
+/// Source  Guo et al. (CVPR 2022), common/skeleton.py; spec humanml3d-features.md 2, 3, 5
+/// Shapes  joints (frames, joints), joint fastest, any unit of length
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_CHAINS_HPP  // <motionlang/kinematics/chains.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_CHAINS_HPP
+/// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
+/// skeleton.
+///
+/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), paramUtil.py;
+///         spec humanml3d-features.md 1
+/// World   Y up, a body faces +Z with its left side at +X (KIT's coordinates are mirrored, see below)
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The bone that ends at `joint`. `before` is the joint whose rotation goes ahead of it: the one before in its chain,
+/// but the root for the first bone of a chain, also where the chain branches off elsewhere.
+struct ChainBone {
+  std::size_t joint = 0, parent = 0, before = 0;
+};
+
+/// Chains are walked one after the other; each begins at the root (joint 0) or at a joint of an earlier chain.
+struct ChainSkeleton {
+  std::string name;
+  std::vector<std::vector<int>> chains;
+  std::vector<Vec3<double>> directions;  // unit vector of the bone that ends at each joint; nothing for the root
+  std::array<int, 4> face{};             // right hip, left hip, right shoulder, left shoulder: where it looks
+  std::array<int, 2> leg{};              // joints at which thigh and shank end: how tall it is
+  std::array<int, 2> left_foot{}, right_foot{};  // ankle and toes: where it touches the floor
+  double foot_threshold = 0;                     // a foot stands if its squared displacement per frame is smaller
+  double fps = 20;
+  std::vector<double> lengths{};  // of the bones of the reference skeleton; empty if not published
+
+  std::size_t size() const { return directions.size(); }
+
+  /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint but the root ends
+  /// one bone, chains begin where earlier ones have been, and all joints and directions are there.
+  std::vector<ChainBone> bones() const {
+    std::vector<ChainBone> out;
+    std::vector<bool> placed(size(), false);
+    auto known = [&](int joint) { return joint >= 0 && static_cast<std::size_t>(joint) < size(); };
+    if (size() == 0) raise<config_error>(106, "ChainSkeleton '", name, "': no joints");
+    placed[0] = true;
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      for (std::size_t k = 0; k < chains[c].size(); ++k) {
+        const int joint = chains[c][k];
+        const bool expected = k == 0;
+        if (!known(joint) || placed[static_cast<std::size_t>(joint)] != expected) {
+          raise<config_error>(106, "ChainSkeleton '", name, "': joint ", joint, " of chain ", c,
+                              !known(joint) ? " does not exist"
+                              : expected    ? " begins it, but no chain before contains it"
+                                            : " has a bone already");
+        }
+        if (k == 0) continue;
+        const auto j = static_cast<std::size_t>(joint), parent = static_cast<std::size_t>(chains[c][k - 1]);
+        const double length = norm(directions[j]);
+        if (std::abs(length - 1) > 1e-6) {
+          raise<config_error>(106, "ChainSkeleton '", name, "': the direction of joint ", j, " has length ", length);
+        }
+        placed[j] = true;
+        out.push_back({j, parent, k == 1 ? 0 : parent});
+      }
+    }
+    if (out.size() + 1 != size()) {
+      raise<config_error>(106, "ChainSkeleton '", name, "': bones end at ", out.size(), " of ", size() - 1, " joints");
+    }
+    for (const int j : {face[0], face[1], face[2], face[3], leg[0], leg[1], left_foot[0], left_foot[1], right_foot[0],
+                        right_foot[1]}) {
+      if (!known(j)) raise<config_error>(106, "ChainSkeleton '", name, "': no joint ", j, " among ", size());
+    }
+    return out;
+  }
+  /// Throws as bones().
+  void validate() const { bones(); }
+  /// Parent of each joint, -1 for the root.
+  std::vector<int> parents() const {
+    std::vector<int> out(size(), -1);
+    for (const ChainBone& b : bones()) out[b.joint] = static_cast<int>(b.parent);
+    return out;
+  }
+};
+
+/// HumanML3D: the first 22 joints of SMPL, metres, 20 frames per second. Lengths: first frame of its clip 000021.
+inline const ChainSkeleton& humanml3d_chains() {
+  static const ChainSkeleton skeleton{
+      .name = "HumanML3D",
+      .chains = {{0, 2, 5, 8, 11}, {0, 1, 4, 7, 10}, {0, 3, 6, 9, 12, 15}, {9, 14, 17, 19, 21}, {9, 13, 16, 18, 20}},
+      .directions = {{0, 0, 0},  {1, 0, 0},  {-1, 0, 0}, {0, 1, 0},  {0, -1, 0}, {0, -1, 0}, {0, 1, 0},  {0, -1, 0},
+                     {0, -1, 0}, {0, 1, 0},  {0, 0, 1},  {0, 0, 1},  {0, 1, 0},  {1, 0, 0},  {-1, 0, 0}, {0, 0, 1},
+                     {0, -1, 0}, {0, -1, 0}, {0, -1, 0}, {0, -1, 0}, {0, -1, 0}, {0, -1, 0}},
+      .face = {2, 1, 17, 16},
+      .leg = {5, 8},
+      .left_foot = {7, 10},
+      .right_foot = {8, 11},
+      .foot_threshold = 0.002,
+      .fps = 20,
+      .lengths = {0,          0.10307397, 0.10988337, 0.13156824, 0.3936232,  0.39018822, 0.14319022, 0.43243307,
+                  0.42564335, 0.05736474, 0.14338182, 0.14941907, 0.21936005, 0.13748677, 0.14338283, 0.10303922,
+                  0.13161404, 0.12298438, 0.25684,    0.26309174, 0.26601171, 0.2698764}};
+  return skeleton;
+}
+
+/// KIT Motion-Language: 21 joints of the Master Motor Map, about 640 units per metre, 12.5 frames per second. The names
+/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and so they are
+/// taken. The threshold is published in metres although the data are not, hence contacts are hardly ever on. The
+/// lengths of the reference clip 03950 are not published.
+inline const ChainSkeleton& kit_chains() {
+  static const ChainSkeleton skeleton{
+      .name = "KIT",
+      .chains = {{0, 11, 12, 13, 14, 15}, {0, 16, 17, 18, 19, 20}, {0, 1, 2, 3, 4}, {3, 5, 6, 7}, {3, 8, 9, 10}},
+      .directions = {{0, 0, 0},  {0, 1, 0},  {0, 1, 0},  {0, 1, 0},  {0, 1, 0},  {1, 0, 0},  {0, -1, 0},
+                     {0, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, -1, 0}, {1, 0, 0},  {0, -1, 0}, {0, -1, 0},
+                     {0, 0, 1},  {0, 0, 1},  {-1, 0, 0}, {0, -1, 0}, {0, -1, 0}, {0, 0, 1},  {0, 0, 1}},
+      .face = {11, 16, 5, 8},
+      .leg = {17, 18},
+      .left_foot = {19, 20},
+      .right_foot = {14, 15},
+      .foot_threshold = 0.05,
+      .fps = 12.5};
+  return skeleton;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP  // <motionlang/kinematics/smoothing.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP
+/// Smoothing of curves over time.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Gaussian filter along time.
+///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
+/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
+/// Shapes  values (frames, width) -> the same
+/// Throws  config_error 101 (sigma), shape_error 205 (size)
+template <Scalar S>
+std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma)) raise<config_error>(101, "gaussian_smooth: sigma ", sigma);
+  if (width <= 0 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
+  }
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  std::vector<double> kernel;
+  double sum = 0;
+  for (Index k = -radius; k <= radius; ++k) {
+    kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
+    sum += kernel.back();
+  }
+  for (double& w : kernel) w /= sum;
+  const Index frames = std::ssize(values) / width, size = frames * width;
+  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  for (Index t = -radius; frames > 0 && t < frames + radius; ++t) {
+    const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
+    for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
+  }
+  const double* from = longer.data();
+  for (const double w : kernel) {
+    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * from[i];
+    from += width;
+  }
+  return std::vector<S>(sums.begin(), sums.end());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct FacingOptions {
+  double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
+  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, as shoulders do
+};
+struct ChainRotationOptions {
+  FacingOptions facing{};
+  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
+  bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction, and
+                                    // for a body that faces -Z
+};
+
+namespace detail {
+
+/// Number of frames. Throws shape_error 205 if the joints are not whole frames.
+template <class T>
+std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleton, std::span<const T> values) {
+  const std::size_t frames = values.size() / std::max<std::size_t>(skeleton.size(), 1);
+  if (values.size() != frames * skeleton.size()) {
+    raise<shape_error>(205, function, ": ", values.size(), " values are no frames of ", skeleton.size(), " joints");
+  }
+  return frames;
+}
+
+/// Throws numeric_error 302 for a bone of length 0, 301 for one that is not finite.
+template <Scalar S>
+[[noreturn]] void refuse_bone(const ChainSkeleton& skeleton, const ChainBone& bone, std::size_t frame, S length) {
+  raise<numeric_error>(length == 0 ? 302 : 301, "'", skeleton.name, "' frame ", frame, ": the bone from joint ",
+                       bone.parent, " to ", bone.joint, " has length ", length);
+}
+/// The vector from a bone's parent to its joint, and its length, which is positive.
+template <Scalar S>
+struct MeasuredBone {
+  Vec3<S> vector;
+  S length;
+};
+template <Scalar S>
+MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bone, const Vec3<S>* joints,
+                             std::size_t frame) {
+  const Vec3<S> v = joints[bone.joint] - joints[bone.parent];
+  const S length = norm(v);
+  if (!(length > 0 && length < std::numeric_limits<S>::infinity())) refuse_bone(skeleton, bone, frame, length);
+  return {v, length};
+}
+
+/// The joint that a skeleton names by number.
+template <class T>
+const T& joint_of(const T* frame, int joint) {
+  return frame[static_cast<std::size_t>(joint)];
+}
+
+}  // namespace detail
+
+/// Lengths of the bones in one frame, 0 for the root. Throws shape_error 205, numeric_error 301, 302.
+template <Scalar S>
+std::vector<S> bone_lengths(const ChainSkeleton& skeleton, std::span<const Vec3<S>> frame) {
+  if (frame.size() != skeleton.size()) {
+    raise<shape_error>(205, "bone_lengths: ", frame.size(), " joints for a skeleton of ", skeleton.size());
+  }
+  std::vector<S> out(skeleton.size());
+  for (const ChainBone& b : skeleton.bones()) {
+    out[b.joint] = detail::measure_bone(skeleton, b, frame.data(), 0).length;
+  }
+  return out;
+}
+
+/// Zero direction times length for every joint. Throws shape_error 204 unless there is one length for each joint.
+template <Scalar S, Scalar L>
+std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<const L> lengths) {
+  if (lengths.size() != skeleton.size()) {
+    raise<shape_error>(204, "chain_offsets: ", lengths.size(), " lengths for ", skeleton.size(), " joints");
+  }
+  std::vector<Vec3<S>> out;
+  for (std::size_t j = 0; j < lengths.size(); ++j) {
+    out.push_back(static_cast<S>(lengths[j]) * vec_cast<S>(skeleton.directions[j]));
+  }
+  return out;
+}
+
+/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders
+/// are not level).
+///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
+/// legacy: the hips are taken the other way round, as the published inverse kinematics does.
+template <Scalar S>
+Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy) {
+  auto across = [&](std::size_t right, std::size_t left) {
+    return detail::joint_of(frame, skeleton.face[right]) - detail::joint_of(frame, skeleton.face[left]);
+  };
+  const Vec3<S> hips = across(0, 1), a = normalized((legacy ? -hips : hips) + across(2, 3));
+  return {a.z, S(0), -a.x};
+}
+
+/// Where it faces in every frame, unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
+template <Scalar S>
+std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                       const FacingOptions& options = {}) {
+  const std::size_t frames = detail::chain_frames("facing_directions", skeleton, joints);
+  skeleton.validate();
+  std::vector<S> level;  // (frames, 2): x and z
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> f = facing(skeleton, &joints[t * skeleton.size()], options.legacy_forward);
+    level.insert(level.end(), {f.x, f.z});
+  }
+  if (options.sigma != 0) level = gaussian_smooth(std::span<const S>(level), 2, options.sigma);
+  std::vector<Vec3<S>> out;
+  for (std::size_t t = 0; t < frames; ++t) out.push_back(normalized(Vec3<S>{level[2 * t], S(0), level[2 * t + 1]}));
+  return out;
+}
+
+namespace detail {
+
+/// The turn about Y that takes a level direction onto +Z, half a turn for -Z.
+template <Scalar S>
+Quaternion<S> turn_ahead(const Vec3<S>& level) {
+  const S half = std::atan2(level.x, level.z) / 2;
+  return {std::cos(half), S(0), -std::sin(half), S(0)};
+}
+
+/// Rotations of the root in all frames.
+template <Scalar S>
+std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                       const ChainRotationOptions& options) {
+  std::vector<Quaternion<S>> out;
+  for (const Vec3<S>& forward : facing_directions(skeleton, joints, options.facing)) {
+    const Vec3<S> ahead{S(0), S(0), S(1)};
+    const bool replaced = out.empty() && !options.fix_first_frame;
+    out.push_back(replaced                     ? Quaternion<S>::identity()
+                  : options.fix_opposite_bones ? turn_ahead(forward)
+                                               : guo::between(forward, ahead));
+  }
+  return out;
+}
+
+/// Rotations of all joints of one frame, or of one frame in each lane.
+/// zero    directions of the bones
+/// world   workspace (joints)
+/// local   result (joints)
+/// Returns 0 where all bones have a length.
+template <ScalarLike T>
+T chain_rotations(std::span<const ChainBone> bones, std::span<const Vec3<T>> zero, const Vec3<T>* joints,
+                  const Quaternion<T>& root, bool fix_opposite, Quaternion<T>* world, Quaternion<T>* local) {
+  const T none = T(0), one = T(1), infinite = T(std::numeric_limits<float>::max());
+  T bad = none;
+  world[0] = local[0] = root;
+  for (const ChainBone& b : bones) {
+    const Vec3<T> v = joints[b.joint] - joints[b.parent];
+    const T squared = dot(v, v);
+    bad = bad + where_less(none, squared, where_less(squared, infinite, none, one), one);
+    world[b.joint] = fix_opposite ? rotation_between(zero[b.joint], v) : guo::between(zero[b.joint], v, sqrt(squared));
+    local[b.joint] = inverse(world[b.before]) * world[b.joint];
+  }
+  return bad;
+}
+
+/// Throws numeric_error 301 or 302 for the first bone of a frame that has no direction.
+template <Scalar S>
+void require_bones(const ChainSkeleton& skeleton, std::span<const ChainBone> bones, const Vec3<S>* joints,
+                   std::size_t frame) {
+  for (const ChainBone& b : bones) measure_bone(skeleton, b, joints, frame);
+}
+
+}  // namespace detail
+
+/// result  (frames, joints); joint 0: the rotation that turns the facing direction onto +Z
+/// Throws  shape_error 205, config_error 101 (sigma) and 106, numeric_error 301 and 302 for a bone without direction
+template <Scalar S>
+std::vector<Quaternion<S>> chain_inverse_kinematics(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                                    const ChainRotationOptions& options = {}) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_inverse_kinematics", skeleton, joints);
+  const auto bones = skeleton.bones();
+  const auto roots = detail::chain_roots(skeleton, joints, options);
+  const auto zero = chain_offsets<S>(skeleton, std::span<const S>(std::vector<S>(n, S(1))));
+  std::vector<Quaternion<S>> out(frames * n), world(n);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const S bad = detail::chain_rotations<S>(bones, zero, &joints[t * n], roots[t], options.fix_opposite_bones,
+                                             world.data(), &out[t * n]);
+    if (bad > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
+  }
+  return out;
+}
+
+/// local    (frames, joints), quaternions or matrices
+/// root     (frames)
+/// offsets  (joints), or (frames, joints) if bones change over time; see chain_offsets
+/// result   (frames, joints)
+/// Throws   shape_error 204, 205, config_error 106
+template <Rotation R, Scalar S>
+std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std::span<const R> local,
+                                              std::span<const Vec3<S>> root, std::span<const Vec3<S>> offsets,
+                                              bool root_rotation = true) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_forward_kinematics", skeleton, local);
+  if (root.size() != frames || (offsets.size() != n && offsets.size() != local.size())) {
+    raise<shape_error>(204, "chain_forward_kinematics: ", frames, " frames of ", n, " joints, ", root.size(),
+                       " root positions, ", offsets.size(), " offsets");
+  }
+  const auto bones = skeleton.bones();
+  std::vector<Vec3<S>> out(local.size());
+  std::vector<R> world(n);
+  for (std::size_t t = 0; t < frames; ++t) {
+    Vec3<S>* position = &out[t * n];
+    const Vec3<S>* offset = &offsets[offsets.size() == n ? 0 : t * n];
+    position[0] = root[t];
+    world[0] = root_rotation ? local[t * n] : R::identity();
+    for (const ChainBone& b : bones) {
+      world[b.joint] = world[b.before] * local[t * n + b.joint];
+      position[b.joint] = position[b.parent] + rotate(world[b.joint], offset[b.joint]);
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
+/// When feet touch the floor. Y up, metres.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
+/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
+///
+/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
+/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
+/// to the last printed digit.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct Motion {
+  Skeleton skeleton;
+  double fps = 20;
+  std::vector<Vec3<double>> root;         // (frames)
+  std::vector<Quaternion<double>> local;  // (frames, joints), joint fastest
+  std::string name{};                     // of the clip, for messages and files
+
+  Index frames() const { return static_cast<Index>(root.size()); }
+  double seconds() const { return static_cast<double>(frames()) / fps; }
+
+  std::span<const Quaternion<double>> rotations(Index frame) const {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
+  }
+  std::span<Quaternion<double>> rotations(Index frame) {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
+  }
+  const Vec3<double>& root_at(Index frame) const { return root[static_cast<std::size_t>(frame)]; }
+
+  /// Joint positions and rotations of one frame in the world.
+  void world(Index frame, JointTransforms<double>& result) const {
+    forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
+  }
+  /// Joint positions of all frames, (frames, joints).
+  std::vector<Vec3<double>> positions() const {
+    std::vector<Vec3<double>> out;
+    out.reserve(local.size());
+    JointTransforms<double> t;
+    for (Index f = 0; f < frames(); ++f) {
+      world(f, t);
+      out.insert(out.end(), t.position.begin(), t.position.end());
+    }
+    return out;
+  }
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// on a value that is not finite and on a rotation of length 0.
+  void validate() const {
+    skeleton.validate();
+    if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
+      raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
+                         skeleton.size(), " joints");
+    }
+    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    for (std::size_t f = 0; f < root.size(); ++f) {
+      const auto& r = root[f];
+      if (!std::isfinite(r.x + r.y + r.z))
+        raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
+    }
+    for (std::size_t i = 0; i < local.size(); ++i) {
+      const auto& q = local[i];
+      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
+      if (!finite || dot(q, q) < 1e-12) {
+        const std::size_t joints = skeleton.parents.size();
+        raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
+                             i / joints, finite ? " has length 0" : " is not finite");
+      }
+    }
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A joint that may touch the floor, and the height below which it does.
+struct ContactJoint {
+  int joint = 0;
+  double height = 0.05;  // metres above the floor
+};
+/// Of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
+/// Ankles and toes of SMPL (and HumanML3D).
+inline constexpr ContactJoint smpl_contact_joints[] = {
+    {7, smpl_ankle_contact}, {8, smpl_ankle_contact}, {10, smpl_toe_contact}, {11, smpl_toe_contact}};
+
+struct ContactOptions {
+  double floor = 0;
+  double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing
+};
+
+/// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
+/// last frame: the one before). Throws shape_error 203 for a joint out of range.
+inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
+                                               std::span<const ContactJoint> feet = smpl_contact_joints,
+                                               const ContactOptions& options = {}) {
+  const Index joints = motion.skeleton.size(), frames = motion.frames();
+  for (const ContactJoint& foot : feet) {
+    if (foot.joint < 0 || foot.joint >= joints)
+      raise<shape_error>(203, "foot_contacts: joint ", foot.joint, " of ", joints);
+  }
+  const auto positions = motion.positions();
+  std::vector<std::uint8_t> flags;
+  for (Index f = 0; f < frames; ++f) {
+    const Index from = std::max<Index>(0, std::min(f, frames - 2)), to = std::min(from + 1, frames - 1);
+    for (const ContactJoint& foot : feet) {
+      auto at = [&](Index frame) { return positions[static_cast<std::size_t>(frame * joints + foot.joint)]; };
+      const Vec3<double> step = at(to) - at(from);
+      const double speed = norm(Vec3<double>{step.x, 0, step.z}) * motion.fps;
+      flags.push_back(at(f).y - options.floor < foot.height && speed < options.speed ? 1 : 0);
+    }
+  }
+  return flags;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
+/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
+/// are predicted side by side and agree only nearly.
+///
+///     Motion steady = fix_feet(motion);      // path_from_feet, then lock_feet
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP  // <motionlang/kinematics/limb_ik.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP
+/// Inverse kinematics of a limb of two bones: hip, knee and ankle, or shoulder, elbow and wrist.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Joints of a limb, each the parent of the next.
+struct Limb {
+  int upper = 0, middle = 0, end = 0;
+};
+
+namespace detail {
+
+/// Throws config_error 103 unless each joint of the limb is the parent of the next.
+inline void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb) {
+  auto hangs_on = [&](int joint, int parent) {
+    return parent >= 0 && joint >= 0 && joint < skeleton.size() && skeleton.parent(joint) == parent;
+  };
+  if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
+    raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
+                        " are no limb of a skeleton of ", skeleton.size());
+  }
+}
+
+}  // namespace detail
+
+/// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in
+/// its plane, and the rotation of the end in the world is kept.
+///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
+/// pose        (joints) local rotations of one frame, changed in place
+/// world       the same frame by forward kinematics, as it was before; not changed
+/// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
+/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
+///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
+inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
+                  const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards) {
+  detail::require_limb("reach", skeleton, limb);
+  if (std::ssize(pose) != skeleton.size())
+    raise<shape_error>(205, "reach: ", pose.size(), " rotations for ", skeleton.size(), " joints");
+  const auto upper = static_cast<std::size_t>(limb.upper), middle = static_cast<std::size_t>(limb.middle),
+             end = static_cast<std::size_t>(limb.end);
+  const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
+  const double l1 = norm(b - a), l2 = norm(c - b);
+  constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
+  if (std::min(l1, l2) < slack) raise<numeric_error>(302, "reach: bones of ", l1, " m and ", l2, " m");
+  const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, l1 + l2 - slack);
+  auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {
+    return std::acos(std::clamp(dot(normalized(u), normalized(v)), -1.0, 1.0));
+  };
+  auto corner = [](double left, double right, double opposite) {
+    return std::acos(std::clamp((left * left + right * right - opposite * opposite) / (2 * left * right), -1.0, 1.0));
+  };
+  const Vec3<double> plane = cross(c - a, b - a);
+  const Vec3<double> axis = norm(plane) > 1e-6 ? normalized(plane) : normalized(cross(c - a, towards));
+  const auto at_upper = from_axis_angle(axis, corner(l1, r, l2) - angle(c - a, b - a));
+  const auto at_middle = from_axis_angle(axis, corner(l1, l2, r) - angle(a - b, c - b));
+  const auto aim = rotation_between(normalized(c - a), normalized(target - a));
+
+  const std::size_t above = skeleton.parents[upper] < 0 ? upper : static_cast<std::size_t>(skeleton.parents[upper]);
+  const auto parent =
+      skeleton.parents[upper] < 0 ? Quaternion<double>::identity() : to_quaternion(world.rotation[above]);
+  const auto upper_now = aim * at_upper * to_quaternion(world.rotation[upper]);
+  const auto middle_now = aim * at_upper * at_middle * to_quaternion(world.rotation[middle]);
+  pose[upper] = normalized(inverse(parent) * upper_now);
+  pose[middle] = normalized(inverse(upper_now) * middle_now);
+  pose[end] = normalized(inverse(middle_now) * to_quaternion(world.rotation[end]));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A leg and its toe.
+struct Leg {
+  Limb limb;
+  int toe = 0;
+};
+inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
+
+struct FootFixOptions {
+  double floor = 0;
+  double ankle_height = smpl_ankle_contact, toe_height = smpl_toe_contact;  // below: in contact
+  double speed = 0.5;       // m/s; lock_feet takes a foot that slides faster to swing
+  double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
+  double path_sigma = 1.5;  // frames; smoothness of the correction of the path
+  Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+};
+
+namespace detail {
+
+/// Throws config_error 103 unless the skeleton has these legs.
+inline void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
+  for (const Leg& leg : legs) {
+    require_limb(function, skeleton, leg.limb);
+    if (leg.toe < 0 || leg.toe >= skeleton.size())
+      raise<config_error>(103, function, ": toe ", leg.toe, " of a skeleton of ", skeleton.size());
+  }
+}
+
+/// Horizontal way of a joint from each frame to the next while it is below `height` in both; otherwise not `low`.
+struct Slide {
+  bool low = false;
+  Vec3<double> step{};
+  double length() const { return norm(step); }
+};
+inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, int joint, double height) {
+  const auto a = positions[static_cast<std::size_t>(frame * joints + joint)],
+             b = positions[static_cast<std::size_t>((frame + 1) * joints + joint)];
+  return {std::max(a.y, b.y) < height, {b.x - a.x, 0, b.z - a.z}};
+}
+
+}  // namespace detail
+
+/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
+/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
+/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
+inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                             const FootFixOptions& options = {}) {
+  detail::require_legs("path_from_feet", motion.skeleton, legs);
+  const Index joints = motion.skeleton.size(), steps = motion.frames() - 1;
+  if (steps < 1) return motion;
+  const auto positions = motion.positions();
+  std::vector<double> wanted;  // (steps, 3): x, z, weight
+  for (Index f = 0; f < steps; ++f) {
+    std::optional<detail::Slide> slowest;
+    for (const Leg& leg : legs) {
+      for (const auto& [joint, height] :
+           {std::pair{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}) {
+        const auto s = detail::slide(positions, joints, f, joint, options.floor + height);
+        const bool stands = s.low && s.length() * motion.fps < options.path_speed;
+        if (stands && (!slowest || s.length() < slowest->length())) slowest = s;
+      }
+    }
+    if (slowest)
+      wanted.insert(wanted.end(), {slowest->step.x, slowest->step.z, 1.0});
+    else
+      wanted.insert(wanted.end(), {0.0, 0.0, 0.0});
+  }
+  const auto smooth = gaussian_smooth(std::span<const double>(wanted), 3, options.path_sigma);
+  Motion out = motion;
+  Vec3<double> moved{};
+  for (Index f = 0; f < steps; ++f) {
+    const double* s = smooth.data() + 3 * f;
+    const double weight = std::max(s[2], 0.25);  // few contacts near: less
+    moved = moved - Vec3<double>{s[0] / weight, 0, s[1] / weight};
+    auto& root = out.root[static_cast<std::size_t>(f) + 1];
+    root = root + moved;
+  }
+  return out;
+}
+
+/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
+/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
+inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                        const FootFixOptions& options = {}) {
+  detail::require_legs("lock_feet", motion.skeleton, legs);
+  const Index joints = motion.skeleton.size(), frames = motion.frames();
+  if (frames < 2) return motion;
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) {
+    // held[f]: the foot stands from frame f to f + 1; step: how far it slides meanwhile
+    std::vector<std::uint8_t> held(static_cast<std::size_t>(frames), 0);
+    std::vector<Vec3<double>> step(held.size()), offset(held.size());
+    for (Index f = 0; f + 1 < frames; ++f) {
+      const auto ankle = detail::slide(positions, joints, f, leg.limb.end, options.floor + options.ankle_height),
+                 toe = detail::slide(positions, joints, f, leg.toe, options.floor + options.toe_height);
+      const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
+      const auto at = static_cast<std::size_t>(f);
+      if (pivot.low && pivot.length() * motion.fps < options.speed) held[at] = 1, step[at] = pivot.step;
+    }
+    // During a contact the offset undoes the slide; its mean is zero, so that the foot stands where it was on average.
+    std::vector<std::uint8_t> fixed(held.size(), 0);
+    for (Index f = 0; f < frames;) {
+      if (held[static_cast<std::size_t>(f)] == 0) {
+        ++f;
+        continue;
+      }
+      Index last = f;
+      Vec3<double> sum{};
+      for (; held[static_cast<std::size_t>(last)] != 0; ++last) {
+        const auto at = static_cast<std::size_t>(last);
+        offset[at + 1] = offset[at] - step[at];
+        sum = sum + offset[at + 1];
+      }
+      const Vec3<double> mean = (1.0 / static_cast<double>(last - f + 1)) * sum;
+      for (Index i = f; i <= last; ++i) {
+        offset[static_cast<std::size_t>(i)] = offset[static_cast<std::size_t>(i)] - mean;
+        fixed[static_cast<std::size_t>(i)] = 1;
+      }
+      f = last + 1;
+    }
+    for (Index f = 0; f < frames; ++f) {
+      if (fixed[static_cast<std::size_t>(f)] != 0) continue;
+      double share = 0;
+      auto fade = [&](Index direction) {  // from the nearest contact on one side
+        for (Index d = 1; d <= options.blend; ++d) {
+          const Index from = f + direction * d;
+          if (from < 0 || from >= frames) break;
+          if (fixed[static_cast<std::size_t>(from)] == 0) continue;
+          const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
+          const double weight = t * t * (3 - 2 * t);
+          share += weight;
+          return weight * offset[static_cast<std::size_t>(from)];
+        }
+        return Vec3<double>{};
+      };
+      const Vec3<double> both = fade(-1) + fade(1);
+      offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
+    }
+    JointTransforms<double> world;
+    for (Index f = 0; f < frames; ++f) {
+      const Vec3<double> by = offset[static_cast<std::size_t>(f)];
+      if (norm(by) < 1e-6) continue;
+      out.world(f, world);
+      const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
+      const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
+      reach(out.skeleton, out.rotations(f), world, leg.limb, target, forward);
+    }
+  }
+  return out;
+}
+
+/// path_from_feet, then lock_feet. Throws what they throw.
+inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                       const FootFixOptions& options = {}) {
+  return lock_feet(path_from_feet(motion, legs, options), legs, options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_LANES_HPP  // <motionlang/kinematics/lanes.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_LANES_HPP
 /// Forward kinematics of a whole batch: the function of forward.hpp over many poses at once.
@@ -4794,80 +5733,6 @@ Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& po
 #define MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP
 /// Cycles in a clip (steps, waving, breathing) and clips made longer by going round them.
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
-/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
-///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-struct Motion {
-  Skeleton skeleton;
-  double fps = 20;
-  std::vector<Vec3<double>> root;         // (frames)
-  std::vector<Quaternion<double>> local;  // (frames, joints), joint fastest
-  std::string name{};                     // of the clip, for messages and files
-
-  Index frames() const { return static_cast<Index>(root.size()); }
-  double seconds() const { return static_cast<double>(frames()) / fps; }
-
-  std::span<const Quaternion<double>> rotations(Index frame) const {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
-  }
-  std::span<Quaternion<double>> rotations(Index frame) {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
-  }
-  const Vec3<double>& root_at(Index frame) const { return root[static_cast<std::size_t>(frame)]; }
-
-  /// Joint positions and rotations of one frame in the world.
-  void world(Index frame, JointTransforms<double>& result) const {
-    forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
-  }
-  /// Joint positions of all frames, (frames, joints).
-  std::vector<Vec3<double>> positions() const {
-    std::vector<Vec3<double>> out;
-    out.reserve(local.size());
-    JointTransforms<double> t;
-    for (Index f = 0; f < frames(); ++f) {
-      world(f, t);
-      out.insert(out.end(), t.position.begin(), t.position.end());
-    }
-    return out;
-  }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
-  /// on a value that is not finite and on a rotation of length 0.
-  void validate() const {
-    skeleton.validate();
-    if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
-      raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
-                         skeleton.size(), " joints");
-    }
-    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
-    for (std::size_t f = 0; f < root.size(); ++f) {
-      const auto& r = root[f];
-      if (!std::isfinite(r.x + r.y + r.z))
-        raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
-    }
-    for (std::size_t i = 0; i < local.size(); ++i) {
-      const auto& q = local[i];
-      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
-      if (!finite || dot(q, q) < 1e-12) {
-        const std::size_t joints = skeleton.parents.size();
-        raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
-                             i / joints, finite ? " has length 0" : " is not finite");
-      }
-    }
-  }
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Frames first and last look alike, so that after `last - 1` the clip may go on at `first`.
@@ -4958,6 +5823,61 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
       const auto faded = slerp(Quaternion<double>::identity(), difference[j], left) * pose[j];
       out.local.push_back(j == 0 ? turned * faded : faded);
     }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP  // <motionlang/kinematics/mirror_joints.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP
+/// Joint positions in a mirror that stands in the plane x = 0: how HumanML3D doubles its clips. Of whole motions, with
+/// rotations: motion_tools.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right; spec humanml3d-features.md 8
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list of the fingers pairs wrong ones (the
+/// left index finger with the right little one, ...); `fix_fingers` pairs the right ones.
+/// Throws config_error 101 for another number of joints.
+inline std::vector<int> humanml3d_mirror_partners(int joints, bool fix_fingers = false) {
+  if (joints != 22 && joints != 52) raise<config_error>(101, "humanml3d_mirror_partners: ", joints, " joints");
+  std::vector<int> out(smpl_mirror_joint.begin(), smpl_mirror_joint.begin() + 22);
+  if (joints == 22) return out;
+  // First joints of the fingers of three joints: left index, thumb, middle, ring, little finger, and their partners.
+  constexpr std::array<int, 5> left{22, 34, 25, 31, 28}, published{43, 46, 40, 37, 49}, right{37, 49, 40, 46, 43};
+  out.resize(52);
+  for (std::size_t finger = 0; finger < 5; ++finger) {
+    for (int k = 0; k < 3; ++k) {
+      const int l = left[finger] + k, r = (fix_fingers ? right : published)[finger] + k;
+      out[static_cast<std::size_t>(l)] = r;
+      out[static_cast<std::size_t>(r)] = l;
+    }
+  }
+  return out;
+}
+
+/// joints (frames, joints) -> the same, p'_partner(j) = (-x, y, z)_j. Throws shape_error 205, config_error 102 if the
+/// partners do not pair up.
+template <Scalar S>
+std::vector<Vec3<S>> mirror_joints(std::span<const Vec3<S>> joints, std::span<const int> partners) {
+  const std::size_t n = partners.size();
+  if (n == 0 || joints.size() % n != 0) {
+    raise<shape_error>(205, "mirror_joints: ", joints.size(), " positions for frames of ", n, " joints");
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    const auto p = static_cast<std::size_t>(partners[j]);
+    if (p >= n || partners[p] != static_cast<int>(j)) {
+      raise<config_error>(102, "mirror_joints: the partner of joint ", j, " is ", partners[j],
+                          ", which has another partner");
+    }
+  }
+  std::vector<Vec3<S>> out(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Vec3<S>& p = joints[i];
+    out[i - i % n + static_cast<std::size_t>(partners[i % n])] = {-p.x, p.y, p.z};
   }
   return out;
 }
@@ -5680,42 +6600,52 @@ inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_ske
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP  // <motionlang/kinematics/smoothing.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP
-/// Smoothing of curves over time.
+#ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP
+/// Joint positions of anybody on a skeleton of given bone lengths: every bone keeps its direction, the path of the root
+/// is scaled with the length of the leg.
+///
+///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
+///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb uniform_skeleton; spec humanml3d-features.md 3. The
+///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
+///         direction is not reproduced here.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Gaussian filter along time.
-///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
-/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
-/// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
-/// Shapes  values (frames, width) -> the same
-/// Throws  config_error 101 (sigma), shape_error 205 (size)
 template <Scalar S>
-std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double sigma) {
-  if (!(sigma > 0) || !std::isfinite(sigma)) raise<config_error>(101, "gaussian_smooth: sigma ", sigma);
-  if (width <= 0 || std::ssize(values) % width != 0) {
-    raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
+struct UniformJoints {
+  std::vector<Vec3<S>> joints;  // (frames, joints)
+  S scale{};                    // of the root's path
+};
+
+/// joints   (frames, joints)
+/// lengths  (joints), of the target's bones
+/// The result stands at its own height; no floor is looked for. Of no frames: nothing, scale 0.
+/// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
+///          length 0
+template <Scalar S>
+UniformJoints<S> uniform_skeleton(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                  std::span<const S> lengths) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("uniform_skeleton", skeleton, joints);
+  if (lengths.size() != n) {
+    raise<shape_error>(204, "uniform_skeleton: ", lengths.size(), " lengths for ", n, " joints");
   }
-  const auto radius = static_cast<Index>(4 * sigma + 0.5);
-  std::vector<double> kernel;
-  double sum = 0;
-  for (Index k = -radius; k <= radius; ++k) {
-    kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
-    sum += kernel.back();
-  }
-  const Index frames = std::ssize(values) / width;
-  std::vector<S> out(values.size());
-  for (Index t = 0; t < frames; ++t) {
-    for (Index c = 0; c < width; ++c) {
-      double y = 0;
-      for (Index k = -radius; k <= radius; ++k) {
-        const Index from = std::clamp<Index>(t + k, 0, frames - 1) * width + c;
-        y += kernel[static_cast<std::size_t>(k + radius)] / sum *
-             static_cast<double>(values[static_cast<std::size_t>(from)]);
-      }
-      out[static_cast<std::size_t>(t * width + c)] = static_cast<S>(y);
+  UniformJoints<S> out{std::vector<Vec3<S>>(joints.size()), S(0)};
+  if (frames == 0) return out;
+  const auto source = bone_lengths(skeleton, joints.first(n));
+  auto leg = [&](const auto& of) {
+    return detail::joint_of(of.data(), skeleton.leg[0]) + detail::joint_of(of.data(), skeleton.leg[1]);
+  };
+  out.scale = leg(lengths) / leg(source);
+  const auto bones = skeleton.bones();
+  for (std::size_t t = 0; t < frames; ++t) {
+    Vec3<S>* to = &out.joints[t * n];
+    to[0] = out.scale * joints[t * n];
+    for (const ChainBone& b : bones) {
+      const auto [v, length] = detail::measure_bone(skeleton, b, &joints[t * n], t);
+      to[b.joint] = to[b.parent] + (lengths[b.joint] / length) * v;
     }
   }
   return out;
@@ -6745,49 +7675,127 @@ AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
-#define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
-/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"); KIT's 251 alike. Only this direction so
-/// far.
-///
-/// Source  Guo et al. (CVPR 2022), appendix; HumanML3D `recover_from_ric`; spec humanml3d-features.md 7
-/// Layout  0 yaw velocity (half angle, rad per frame), 1:3 root velocity x, z, 3 root height, 4:3J+1 positions of
-///         joints 1 ... J-1 in the root's frame, then rotations, velocities, contacts, which are not needed here
+#ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
+#define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
+/// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
+/// resample clips of one's own use kinematics/motion_tools.hpp.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// features (frames, width), not normalised -> joints (frames, joints), Y up, metres as the features have them.
-///     a_t = sum_{s<t} f[s, 0];   p_t += Ry(-2 a_t) (f[t-1, 1], 0, f[t-1, 2]), p_t.y = f[t, 3]
-///     X_{t,j} = Ry(-2 a_t) ric_{t,j} + (p_t.x, 0, p_t.z),   X_{t,0} = p_t
-/// Throws shape_error 205 if the width does not divide the values or is too small.
-template <Scalar S>
-std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index width = 263, Index joints = 22) {
-  if (width < 4 + 3 * (joints - 1) || static_cast<Index>(features.size()) % width != 0) {
-    raise<shape_error>(205, "guoh3d_joints: ", features.size(), " values for frames of ", width);
+namespace detail {
+
+inline void require_rates(const char* function, double from, double to) {
+  if (!(from > 0 && to > 0 && std::isfinite(from / to) && std::isfinite(to / from)))
+    raise<config_error>(101, function, ": ", from, " to ", to, " frames per second");
+}
+
+}  // namespace detail
+
+/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
+/// Source  TEMOS, spec temos.md 9. Throws config_error 101 unless 0 < new <= old.
+inline std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("every_nth_frame", old_fps, new_fps);
+  const auto step = static_cast<Index>(old_fps / new_fps);
+  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
+  std::vector<Index> out;
+  for (Index f = 0; f < frames; f += step) out.push_back(f);
+  return out;
+}
+
+/// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
+/// Source  TEACH, spec teach.md 4.1. Throws config_error 101 unless both rates are positive.
+inline std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("spread_frames", old_fps, new_fps);
+  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
+  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
+  std::vector<Index> out;
+  for (Index i = 0; i < count; ++i) {
+    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
   }
-  const auto frames = features.size() / static_cast<std::size_t>(width);
-  std::vector<Vec3<S>> out;
-  S angle{};
-  Vec3<S> root{};
-  for (std::size_t t = 0; t < frames; ++t) {
-    const S* f = &features[t * static_cast<std::size_t>(width)];
-    if (t > 0) angle += f[-width];
-    const S c = std::cos(2 * angle), s = std::sin(2 * angle);
-    auto turned = [&](S x, S z) { return Vec3<S>{x * c - z * s, S(0), x * s + z * c}; };
-    if (t > 0) root = root + turned(f[1 - width], f[2 - width]);
-    root.y = f[3];
-    out.push_back(root);
-    for (Index j = 1; j < joints; ++j) {
-      const S* p = f + 4 + 3 * (j - 1);
-      const Vec3<S> v = turned(p[0], p[2]);
-      out.push_back({v.x + root.x, p[1], v.z + root.z});
+  return out;
+}
+
+/// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
+/// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
+template <Scalar S>
+std::vector<double> upsample_linearly(std::span<const S> values, Index width, double old_fps, double new_fps) {
+  detail::require_rates("upsample_linearly", old_fps, new_fps);
+  const auto factor = static_cast<Index>(new_fps / old_fps);
+  if (factor < 1) raise<config_error>(101, "upsample_linearly: from ", old_fps, " down to ", new_fps);
+  if (width < 1 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are no rows of ", width);
+  }
+  const auto n = static_cast<std::size_t>(width);
+  std::vector<double> out;
+  for (std::size_t at = 0; at + n < values.size(); at += n) {
+    for (Index j = 0; j < factor; ++j) {
+      const double t = static_cast<double>(j) / static_cast<double>(factor);
+      for (std::size_t i = at; i < at + n; ++i) {
+        out.push_back((1 - t) * static_cast<double>(values[i]) + t * static_cast<double>(values[i + n]));
+      }
     }
   }
+  out.insert(out.end(), values.end() - std::min<Index>(width, std::ssize(values)), values.end());
+  return out;
+}
+
+/// Consecutive frames. Of none, `first` is -1.
+struct FrameSlice {
+  Index first = -1, length = 0;
+  bool operator==(const FrameSlice&) const = default;
+};
+/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
+/// Throws config_error 101 for a negative time or a rate that is none.
+inline FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
+  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
+    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
+  }
+  const auto first = static_cast<Index>(start * fps), last = std::min(static_cast<Index>(end * fps), frames);
+  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
+}
+
+struct ActorFrameOptions {
+  Index frames = 60;         // to take
+  bool random_step = false;  // "random_conseq": the step is drawn, too
+  Index step = 1;            // -1: the largest that fits
+};
+
+/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
+/// others, every step-th frame from a random start on. The last possible start is never drawn, as published.
+/// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
+/// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
+inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {
+  const Index k = options.frames, n = available;
+  if (k < 2 || n < 1 || options.step == 0 || options.step < -1) {
+    raise<config_error>(101, "actor_frames: ", k, " of ", n, " frames, step ", options.step);
+  }
+  std::vector<Index> out;
+  if (k > n) {
+    for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
+    return out;
+  }
+  const Index longest = (n - 1) / (k - 1);
+  const bool fits = options.step > 0 && options.step * (k - 1) < n;
+  const Index step = options.random_step ? static_cast<Index>(random.randint(1, longest))
+                     : fits              ? options.step
+                                         : longest;
+  const Index last = step * (k - 1);
+  const auto shift = static_cast<Index>(random.randint(0, std::max<Index>(0, n - last - 2)));
+  for (Index i = 0; i < k; ++i) out.push_back(shift + i * step);
   return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
+#define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
+/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
+/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
+///         recover_from_rot; spec humanml3d-features.md 7
+/// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
 
 #ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
 #define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
@@ -6873,21 +7881,417 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
   });
 }
 
-/// The vector of HumanML3D (and, with 21 joints, of KIT): 4 root numbers, positions of joints 1 ... J-1, their 6D
-/// rotations, velocities of all joints, 4 foot contacts: 12 J - 1 = 263 for J = 22.
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  std::vector<IndexRange> groups() const {
+    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
 inline FeatureLayout guoh3dfeats_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  const Index positions = 4, rotations = positions + 3 * (joints - 1), velocities = rotations + 6 * (joints - 1),
-              contacts = velocities + 3 * joints;
-  return FeatureLayout::from_owner("guoh3dfeats", contacts + 4, [=](Index i) {
-    if (i < positions || i >= contacts) return BodyPart::legs;
-    const Index joint = i < rotations    ? 1 + (i - positions) / 3
-                        : i < velocities ? 1 + (i - rotations) / 6
-                                         : (i - velocities) / 3;
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
     return part_of_joint[static_cast<std::size_t>(joint)];
   });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The path of the root. `turn` takes directions of the world to those seen from the body.
+template <Scalar S>
+struct Guoh3dRoot {
+  std::vector<Quaternion<S>> turn;  // (frames)
+  std::vector<Vec3<S>> position;    // (frames)
+};
+
+struct Guoh3dRecovery {
+  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
+  /// positions are those of the last row moved by the last row's velocities.
+  bool last_frame = false;
+};
+
+namespace detail {
+
+template <Scalar S>
+Vec3<S> vector_at(std::span<const S> values, Index at) {
+  const auto i = static_cast<std::size_t>(at);
+  return {values[i], values[i + 1], values[i + 2]};
+}
+/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
+template <Scalar S>
+std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
+  const Index width = Guoh3dSlots{joints}.size();
+  if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
+  if (std::ssize(features) % width != 0) {
+    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
+                       " joints)");
+  }
+  return features.size() / static_cast<std::size_t>(width);
+}
+
+}  // namespace detail
+
+/// features (frames, 12 J - 1)
+///     a_t = sum_{s<t} f[s, 0],   r_t = (cos a_t, 0, sin a_t, 0)
+///     p_t = p_{t-1} + r_t^-1 (f[t-1, 1], 0, f[t-1, 2]),   p_t.y = f[t, 3]
+/// Throws shape_error 205, config_error 101
+template <Scalar S>
+Guoh3dRoot<S> guoh3d_root(std::span<const S> features, Index joints = 22) {
+  const std::size_t frames = detail::guoh3d_rows("guoh3d_root", features, joints);
+  const auto width = static_cast<std::size_t>(Guoh3dSlots{joints}.size());
+  Guoh3dRoot<S> out;
+  S angle{};
+  Vec3<S> p{};
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * width, width);
+    const Quaternion<S> turn{cos(angle), S(0), sin(angle), S(0)};
+    if (t > 0) {
+      const S* before = row.data() - width;
+      p = p + rotate(inverse(turn), Vec3<S>{before[1], S(0), before[2]});
+    }
+    p.y = row[3];
+    out.turn.push_back(turn);
+    out.position.push_back(p);
+    angle += row[0];
+  }
+  return out;
+}
+
+/// features (frames, 12 J - 1) -> (frames, J), or (frames + 1, J) with `last_frame`, from the positions of the rows.
+///     X_{t,j} = r_t^-1 ric_{t,j} + (p_t.x, 0, p_t.z),   X_{t,0} = p_t
+/// Throws shape_error 205, config_error 101
+template <Scalar S>
+std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 22, const Guoh3dRecovery& options = {}) {
+  const auto root = guoh3d_root(features, joints);
+  const Guoh3dSlots slots{joints};
+  const std::size_t frames = root.turn.size();
+  std::vector<Vec3<S>> out;
+  out.reserve((frames + 1) * static_cast<std::size_t>(joints));
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
+    const auto back = inverse(root.turn[t]);
+    const Vec3<S>& p = root.position[t];
+    out.push_back(p);
+    for (Index j = 1; j < joints; ++j) {
+      out.push_back(rotate(back, detail::vector_at(row, slots.positions().begin + 3 * (j - 1))) +
+                    Vec3<S>{p.x, S(0), p.z});
+    }
+  }
+  if (options.last_frame && frames > 0) {
+    const auto row = features.last(static_cast<std::size_t>(slots.size()));
+    const auto back = inverse(root.turn.back());
+    for (Index j = 0; j < joints; ++j) {
+      const Vec3<S> before = out[out.size() - static_cast<std::size_t>(joints)];
+      out.push_back(before + rotate(back, detail::vector_at(row, slots.velocities().begin + 3 * j)));
+    }
+  }
+  return out;
+}
+
+/// The same from the rotations of the rows, on bones of other lengths.
+/// offsets  (joints), see chain_offsets
+/// Throws   shape_error 204, 205, config_error 101, 106
+template <Scalar S>
+std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton, std::span<const S> features,
+                                                  std::span<const Vec3<S>> offsets) {
+  const Guoh3dSlots slots{static_cast<Index>(skeleton.size())};
+  const auto root = guoh3d_root(features, slots.joints);
+  std::vector<Matrix3<S>> local;
+  local.reserve(root.turn.size() * skeleton.size());
+  for (std::size_t t = 0; t < root.turn.size(); ++t) {
+    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
+    local.push_back(to_matrix(root.turn[t]));
+    for (Index at = slots.rotations().begin; at < slots.rotations().end; at += 6) {
+      local.push_back(to_matrix(Rotation6dColumns<S>{detail::vector_at(row, at), detail::vector_at(row, at + 3)}));
+    }
+  }
+  return chain_forward_kinematics(skeleton, std::span<const Matrix3<S>>(local), std::span<const Vec3<S>>(root.position),
+                                  offsets);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
+#define MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP
+/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
+/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
+///
+///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
+///
+/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features;
+///         spec humanml3d-features.md 3 to 6
+/// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// As published, unless something is said.
+struct Guoh3dOptions {
+  ChainRotationOptions rotations{.facing = {.sigma = 20}};
+  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
+  bool fix_yaw_sign = false;
+};
+
+/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
+/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
+inline Guoh3dOptions guoh3d_corrected() {
+  return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
+                        .fix_first_frame = true,
+                        .fix_opposite_bones = true},
+          .fix_yaw_sign = true};
+}
+
+/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
+template <Scalar S>
+struct GroundedJoints {
+  std::vector<Vec3<S>> joints;  // (frames, joints)
+  S floor{};                    // height of the lowest joint of the clip, before
+  Quaternion<S> turn{};         // that all joints have been turned by, last
+};
+
+/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+///         turned by 180 degrees; published: NaN
+/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
+template <Scalar S>
+GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                const FacingOptions& first = {.legacy_forward = false}) {
+  detail::chain_frames("ground_joints", skeleton, joints);
+  GroundedJoints<S> out{{}, S(0), Quaternion<S>::identity()};
+  if (joints.empty()) return out;
+  out.floor = joints[0].y;
+  for (const Vec3<S>& p : joints) out.floor = std::min(out.floor, p.y);
+  const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
+  out.turn = detail::turn_ahead(facing[0]);
+  const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
+  out.joints.resize(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = rotate(out.turn, joints[i] - origin);
+  return out;
+}
+
+/// 1 while the squared displacement to the next frame is below the threshold, else 0.
+template <ScalarLike T>
+T guoh3d_contact(const Vec3<T>& now, const Vec3<T>& next, double threshold) {
+  const Vec3<T> moved = next - now;
+  return where_less(dot(moved, moved), T(threshold), T(1), T(0));
+}
+/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205, 203 for a joint that
+/// does not exist.
+template <Scalar S>
+std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const std::array<int, 2>& foot) {
+  const std::size_t frames = detail::chain_frames("guoh3d_contacts", skeleton, joints);
+  for (const int j : foot) {
+    if (j < 0 || static_cast<std::size_t>(j) >= skeleton.size())
+      raise<shape_error>(203, "guoh3d_contacts: joint ", j, " of ", skeleton.size());
+  }
+  std::vector<S> out;
+  for (std::size_t t = 0; t + 1 < frames; ++t) {
+    const Vec3<S>*now = &joints[t * skeleton.size()], *next = now + skeleton.size();
+    for (const int j : foot) {
+      out.push_back(guoh3d_contact(detail::joint_of(now, j), detail::joint_of(next, j), skeleton.foot_threshold));
+    }
+  }
+  return out;
+}
+
+/// The rotation from one root rotation to the next; its y is the sine of half the turn.
+/// fix_sign: the shorter way round.
+template <ScalarLike T>
+Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
+  const Quaternion<T> q = next * inverse(root);
+  return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
+}
+/// The way of the root to the next frame, seen from the body there.
+template <ScalarLike T>
+Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
+  return rotate(next, next_position - now_position);
+}
+/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
+template <ScalarLike T>
+Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
+  return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
+}
+
+namespace detail {
+
+/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
+/// the sine of half the turn.
+template <ScalarLike T>
+void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
+                const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
+  auto put = [&](const Vec3<T>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
+  const Quaternion<T>& root = local[0];
+  const Vec3<T> speed = guoh3d_root_velocity(next_root, now[0], next[0]);
+  *to++ = guoh3d_turn(root, next_root, fix_yaw_sign).y;
+  *to++ = speed.x;
+  *to++ = speed.z;
+  *to++ = now[0].y;
+  for (std::size_t j = 1; j < now.size(); ++j) put(guoh3d_position(root, now[0], now[j]));
+  for (std::size_t j = 1; j < now.size(); ++j) {
+    const auto columns = to_rotation6d_columns(local[j]);
+    put(columns.a);
+    put(columns.b);
+  }
+  for (std::size_t j = 0; j < now.size(); ++j) put(rotate(root, next[j] - now[j]));
+  for (const auto& foot : {skeleton.left_foot, skeleton.right_foot}) {
+    for (const int j : foot) {
+      *to++ = guoh3d_contact(joint_of(now.data(), j), joint_of(next.data(), j), skeleton.foot_threshold);
+    }
+  }
+}
+
+}  // namespace detail
+
+/// joints  (frames, joints), grounded
+/// result  (frames - 1, 12 J - 1)
+/// Throws  shape_error 205 for fewer than two frames or joints that are not whole frames, config_error 101 (sigma) and
+///         106, numeric_error 301, 302
+template <Scalar S>
+std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                    const Guoh3dOptions& options = {}) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("guoh3d_from_grounded", skeleton, joints);
+  if (frames < 2) raise<shape_error>(205, "guoh3d_from_grounded: ", frames, " frames; a row is made of two");
+  const auto bones = skeleton.bones();
+  const auto roots = detail::chain_roots(skeleton, joints, options.rotations);
+  const std::size_t rows = frames - 1, width = static_cast<std::size_t>(Guoh3dSlots{static_cast<Index>(n)}.size());
+  std::vector<S> out(width * rows);
+
+  using L = Lane<S>;  // eight frames at once
+  const auto zero = [&] {
+    std::vector<Vec3<L>> directions;
+    for (const auto& d : skeleton.directions) directions.push_back({L(d.x), L(d.y), L(d.z)});
+    return directions;
+  }();
+  std::vector<Vec3<L>> now(n), next(n);
+  std::vector<Quaternion<L>> world(n), local(n);
+  std::vector<L> row(width);
+  for (std::size_t first = 0; first < rows; first += L::size) {
+    Quaternion<L> root, next_root;
+    for (int i = 0; i < L::size; ++i) {
+      const std::size_t t = std::min(first + static_cast<std::size_t>(i), rows - 1);
+      auto lane = [i](Vec3<L>& to, const Vec3<S>& v) { to.x[i] = v.x, to.y[i] = v.y, to.z[i] = v.z; };
+      auto turn = [i](Quaternion<L>& to, const Quaternion<S>& q) {
+        to.w[i] = q.w, to.x[i] = q.x, to.y[i] = q.y, to.z[i] = q.z;
+      };
+      for (std::size_t j = 0; j < n; ++j) lane(now[j], joints[t * n + j]), lane(next[j], joints[(t + 1) * n + j]);
+      turn(root, roots[t]), turn(next_root, roots[t + 1]);
+    }
+    const L bad = detail::chain_rotations<L>(bones, zero, now.data(), root, options.rotations.fix_opposite_bones,
+                                             world.data(), local.data());
+    detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
+    for (int i = 0; i < L::size && first + static_cast<std::size_t>(i) < rows; ++i) {
+      const std::size_t t = first + static_cast<std::size_t>(i);
+      if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
+      S* to = &out[t * width];
+      for (std::size_t k = 0; k < width; ++k) to[k] = row[k][i];
+      to[0] = std::asin(std::clamp(to[0], S(-1), S(1)));
+    }
+  }
+  detail::require_bones(skeleton, bones, &joints[rows * n], rows);
+  return out;
+}
+
+/// The whole way.
+/// joints   (frames, joints), of anybody, anywhere
+/// lengths  (joints), bones of the reference skeleton
+/// result   (frames - 1, 12 J - 1)
+/// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
+/// Throws   as above; shape_error 204 unless there is one length for each joint
+template <Scalar S>
+std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               std::span<const S> lengths, const Guoh3dOptions& options = {}) {
+  const auto uniform = uniform_skeleton(skeleton, joints, lengths);
+  const FacingOptions published{.legacy_forward = false}, &smooth = options.rotations.facing;
+  const auto grounded = ground_joints(skeleton, std::span<const Vec3<S>>(uniform.joints),
+                                      options.rotations.fix_first_frame ? smooth : published);
+  return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
+}
+/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
+template <Scalar S>
+std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const Guoh3dOptions& options = {}) {
+  if (skeleton.lengths.empty()) {
+    raise<config_error>(101, "guoh3d_features: '", skeleton.name, "' has 0 bone lengths for ", skeleton.size(),
+                        " joints; take those of its reference clip");
+  }
+  const std::vector<S> lengths(skeleton.lengths.begin(), skeleton.lengths.end());
+  return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP  // <motionlang/features/joint_sets.hpp>
+#define MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP
+/// The joints that TEMOS, TEACH and SINC compare, out of the 73 points of an SMPL-H body (52 joints, then vertices of
+/// the face, feet and hands).
+///
+///     mmm      21 joints of MMM, 640 units per metre, Y up          smplmmm  21 joints of MMM, metres, Z up
+///     mmmns    21 joints of MMM, metres, Y up                       smplnh   22 joints without the hands
+///     smplh    all 73
+/// Source  TEMOS, rots2joints/smplh.py; spec temos.md 4.3
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// MMM's joints among the 73 points; 59 and 62 are the heels.
+inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 18, 20, 17, 19, 21,
+                                                          1, 4, 7, 59, 10, 2,  5,  8,  62, 11};
+
+/// points  (frames, 73), metres, Z up
+/// trans   (frames), where the first root of the result is put, whatever its units and axes: so it is published
+/// result  (frames, 21, 22 or 73)
+/// Throws  config_error 103 for an unknown name, shape_error 205
+template <Scalar S>
+std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S>> points,
+                                   std::span<const Vec3<S>> trans) {
+  const bool scaled = name == "mmm", y_up = scaled || name == "mmmns", mmm = y_up || name == "smplmmm";
+  if (!mmm && name != "smplnh" && name != "smplh") {
+    raise<config_error>(103, "select_joints: '", name, "' is not mmm, mmmns, smplmmm, smplnh or smplh");
+  }
+  if (points.size() != 73 * trans.size()) {
+    raise<shape_error>(205, "select_joints: ", points.size(), " points for ", trans.size(), " frames of 73");
+  }
+  const std::size_t joints = mmm ? mmm_of_smplh.size() : name == "smplnh" ? 22 : 73;
+  std::vector<Vec3<S>> out;
+  out.reserve(trans.size() * joints);
+  for (std::size_t t = 0; t < trans.size(); ++t) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Vec3<S> p = (scaled ? S(640) : S(1)) * points[73 * t + (mmm ? mmm_of_smplh[j] : j)];
+      out.push_back(y_up ? Vec3<S>{p.y, p.z, -p.x} : p);
+    }
+  }
+  if (out.empty()) return out;
+  const Vec3<S> shift = trans[0] - out[0];
+  for (Vec3<S>& p : out) p = p + shift;
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -6927,6 +8331,155 @@ struct Normalizer {
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
+/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
+/// of them.
+///
+///     rotvec   3   rotation vector, radians
+///     rotquat  4   quaternion, w first
+///     rotmat   9   matrix, row by row
+///     rot6d    6   first two rows of the matrix; what all published models use
+///
+/// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
+///         spec actor.md 4.1, 4.2
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
+inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
+
+/// Numbers of one rotation.
+constexpr Index size(PoseRepresentation r) {
+  constexpr Index sizes[] = {3, 4, 9, 6};
+  return sizes[static_cast<int>(r)];
+}
+/// Throws config_error 103.
+inline PoseRepresentation parse_pose_representation(std::string_view name) {
+  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
+    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
+  }
+  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
+}
+
+namespace detail {
+
+template <Scalar S>
+void append_vector(std::vector<S>& out, const Vec3<S>& v) {
+  out.insert(out.end(), {v.x, v.y, v.z});
+}
+template <Scalar S>
+void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
+  out.insert(out.end(), {q.w, q.x, q.y, q.z});
+}
+
+}  // namespace detail
+
+/// Appends the numbers of a matrix.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return detail::append_vector(out, pytorch3d::matrix_to_axis_angle(m));
+    case PoseRepresentation::rotquat:
+      return detail::append_quaternion(out, pytorch3d::matrix_to_quaternion(m));
+    default:
+      out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
+  }
+}
+/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
+  if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
+  if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
+  append_rotation(out, r, to_matrix(v));
+}
+/// The matrix of the numbers. Throws shape_error 205.
+template <Scalar S>
+Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
+  if (std::ssize(n) != size(r)) {
+    raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",
+                       pose_representation_names[static_cast<std::size_t>(r)], "' of ", size(r));
+  }
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return to_matrix(AxisAngle<S>{{n[0], n[1], n[2]}});
+    case PoseRepresentation::rotquat:
+      return to_matrix(Quaternion<S>{n[0], n[1], n[2], n[3]});
+    case PoseRepresentation::rotmat:
+      return {{n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]}};
+    default:
+      return to_matrix(Rotation6dRows<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+  }
+}
+
+struct ActorFeatureOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool global = true;       // false: without joint 0
+};
+
+/// What ACTOR's networks read.
+/// poses    (frames, joints)
+/// root     (frames), the pelvis; read if `translation` is on
+/// result   (rows, numbers, frames): a row for each joint, then the root's
+/// Throws   shape_error 205 if the sizes do not fit
+template <Scalar S>
+std::vector<S> actor_features(std::span<const AxisAngle<S>> poses, std::span<const Vec3<S>> root, Index joints,
+                              const ActorFeatureOptions& options = {}) {
+  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0, numbers = size(options.rotations);
+  if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
+    raise<shape_error>(205, "actor_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
+                       " root positions");
+  }
+  const Index first = options.global ? 0 : 1, rows = joints - first + (options.translation ? 1 : 0);
+  std::vector<S> out(static_cast<std::size_t>(rows * numbers * frames)), row;
+  for (Index t = 0; t < frames; ++t) {
+    row.clear();
+    for (Index j = first; j < joints; ++j) {
+      append_rotation(row, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
+    }
+    if (options.translation) detail::append_vector(row, root[static_cast<std::size_t>(t)] - root[0]);
+    for (std::size_t i = 0; i < row.size(); ++i)
+      out[i * static_cast<std::size_t>(frames) + static_cast<std::size_t>(t)] = row[i];
+  }
+  return out;
+}
+
+/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
+/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+template <Scalar S>
+std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
+  if (joints < 1 || std::ssize(positions) % joints != 0) {
+    raise<shape_error>(205, "actor_joint_features: ", positions.size(), " positions for frames of ", joints);
+  }
+  const std::size_t n = static_cast<std::size_t>(joints), frames = positions.size() / n;
+  std::vector<S> out(3 * positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3<S> p = positions[i] - positions[0];
+    S* to = &out[3 * (i % n) * frames + i / n];
+    to[0] = p.x, to[frames] = p.y, to[2 * frames] = p.z;
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
+#define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
+/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
+/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
+///
+///     0             height of the root above the floor
+///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
+///     3J-2          turn of the heading, radians per frame
+///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
+/// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
+///
+/// Source  Holden et al., "A deep learning framework for character motion synthesis and editing" (SIGGRAPH 2016); TEMOS
+///         joints2jfeats/rifke.py, SINC, TMR src/rifke.py; specs temos.md 4.1, sinc.md 9, tmr.md 4.1
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP
@@ -7146,6 +8699,276 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// One of the published variants, or one of one's own.
+struct RifkeVariant {
+  Index joints = 0;
+  bool z_up = false;
+  std::array<std::array<int, 2>, 2> across{};  // pairs (right, left) whose difference points across the body
+  std::vector<int> floor{};                    // the lowest of these gives the floor; none: height 0
+  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump where the heading passes pi
+  bool swapped_forward = false;      // sine and cosine are (-x, y) of the vector across; false: (-y, x), straight ahead
+  bool forward_differences = false;  // turns and velocities to the next frame; false: from the one before
+  Index size() const { return 3 * joints + 1; }
+};
+
+/// TEMOS and TEACH's metrics. The heading is that of knees and elbows, as published (an index is off by one).
+inline RifkeVariant temos_rifke() {
+  return {.joints = 21, .across = {{{17, 12}, {9, 6}}}, .floor = {14, 15, 19, 20}, .wrapped_turns = false};
+}
+/// SINC's metrics, whose heading is swapped as published.
+inline RifkeVariant sinc_rifke() {
+  return {.joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}, .swapped_forward = true};
+}
+/// TMR's canonical view; 22 or 24 joints of SMPL.
+inline RifkeVariant tmr_rifke(Index joints = 22) {
+  return {.joints = joints, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .forward_differences = true};
+}
+
+template <Scalar S>
+struct RifkeFeatures {
+  std::vector<S> features;                // (frames, 3 J + 1)
+  S floor{};                              // height of the floor
+  std::vector<std::array<S, 2>> forward;  // (frames): sine and cosine of the heading
+  std::vector<S> angles;                  // (frames): the heading
+};
+
+namespace detail {
+
+/// Level coordinates and height of a vector.
+template <Scalar S>
+struct LevelVector {
+  S a{}, b{}, height{};
+};
+template <Scalar S>
+LevelVector<S> leveled(const Vec3<S>& v, bool z_up) {
+  return z_up ? LevelVector<S>{v.x, v.y, v.z} : LevelVector<S>{v.x, v.z, v.y};
+}
+template <Scalar S>
+Vec3<S> unleveled(const LevelVector<S>& v, bool z_up) {
+  return z_up ? Vec3<S>{v.a, v.b, v.height} : Vec3<S>{v.a, v.height, v.b};
+}
+/// Into the body's view: a' = a cos - b sin, b' = a sin + b cos. With -sine: back.
+template <Scalar S>
+LevelVector<S> turned(const LevelVector<S>& v, S sine, S cosine) {
+  return {v.a * cosine - v.b * sine, v.a * sine + v.b * cosine, v.height};
+}
+inline std::size_t rifke_frames(std::string_view function, std::size_t values, Index per_frame) {
+  if (per_frame < 2 || static_cast<Index>(values) % per_frame != 0) {
+    raise<shape_error>(205, function, ": ", values, " values are no frames of ", per_frame);
+  }
+  return values / static_cast<std::size_t>(per_frame);
+}
+/// Throws shape_error 203 for a joint that the variant names but does not have.
+inline void require_joints(const RifkeVariant& variant) {
+  auto require = [&](int joint) {
+    if (joint < 0 || joint >= variant.joints) raise<shape_error>(203, "rifke: joint ", joint, " of ", variant.joints);
+  };
+  for (const auto& [right, left] : variant.across) require(right), require(left);
+  for (const int joint : variant.floor) require(joint);
+}
+/// Smoothing with sigma 2 and zeros beyond the ends.
+template <Scalar S>
+void filter_forward(std::vector<std::array<S, 2>>& forward) {
+  constexpr std::size_t radius = 8;
+  std::vector<S> padded((forward.size() + 2 * radius) * 2);
+  for (std::size_t t = 0; t < forward.size(); ++t) std::copy_n(forward[t].begin(), 2, &padded[2 * (t + radius)]);
+  const auto smooth = gaussian_smooth(std::span<const S>(padded), 2, 2);
+  for (std::size_t t = 0; t < forward.size(); ++t) {
+    const Vec3<S> f = normalized(Vec3<S>{smooth[2 * (t + radius)], smooth[2 * (t + radius) + 1], S(0)});
+    forward[t] = {f.x, f.y};
+  }
+}
+
+}  // namespace detail
+
+/// joints          (frames, J)
+/// forward_filter  smooths the heading, as an option of TEMOS does
+/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) of the lowest joint's heights.
+/// Throws          shape_error 205, 203 if the variant names a joint that it does not have
+template <Scalar S>
+RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec3<S>> joints,
+                                bool forward_filter = false) {
+  const std::size_t frames = detail::rifke_frames("rifke_features", joints.size(), variant.joints);
+  detail::require_joints(variant);
+  const auto n = static_cast<std::size_t>(variant.joints);
+  auto at = [&](std::size_t t, std::size_t j) { return detail::leveled(joints[t * n + j], variant.z_up); };
+  RifkeFeatures<S> out;
+  if (!variant.floor.empty() && frames > 0) {
+    S lowest = std::numeric_limits<S>::infinity(), highest = -lowest;
+    for (std::size_t t = 0; t < frames; ++t) {
+      S height = std::numeric_limits<S>::infinity();
+      for (const int j : variant.floor) height = std::min(height, at(t, static_cast<std::size_t>(j)).height);
+      lowest = std::min(lowest, height), highest = std::max(highest, height);
+    }
+    out.floor = lowest - std::log(S(0.5) + std::exp(lowest - highest));
+  }
+  for (std::size_t t = 0; t < frames; ++t) {
+    S a{}, b{};
+    for (const auto& [right, left] : variant.across) {
+      const auto r = at(t, static_cast<std::size_t>(right)), l = at(t, static_cast<std::size_t>(left));
+      a += r.a - l.a, b += r.b - l.b;
+    }
+    const Vec3<S> f = normalized(variant.swapped_forward ? Vec3<S>{-a, b, S(0)} : Vec3<S>{-b, a, S(0)});
+    out.forward.push_back({f.x, f.y});
+  }
+  if (forward_filter) detail::filter_forward(out.forward);
+  for (const auto& [sine, cosine] : out.forward) out.angles.push_back(std::atan2(sine, cosine));
+
+  auto turn = [&](std::size_t t) {
+    const S d = out.angles[t + 1] - out.angles[t];
+    return variant.wrapped_turns ? detail::wrapped(d) : d;
+  };
+  auto way = [&](std::size_t t) { return joints[(t + 1) * n] - joints[t * n]; };
+  std::vector<S> turns(frames);
+  std::vector<Vec3<S>> ways(frames);
+  if (variant.forward_differences) {
+    turns = detail::to_next<S>(frames, turn);
+    ways = detail::to_next<Vec3<S>>(frames, way);
+    if (variant.wrapped_turns && frames > 0) turns.back() = detail::wrapped(turns.back());
+  } else {
+    for (std::size_t t = 0; t + 1 < frames; ++t) turns[t + 1] = turn(t), ways[t + 1] = way(t);
+  }
+  out.features.reserve(frames * static_cast<std::size_t>(variant.size()));
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto [sine, cosine] = out.forward[t];
+    const auto root = at(t, 0);
+    out.features.push_back(root.height - out.floor);
+    for (std::size_t j = 1; j < n; ++j) {
+      const auto p = at(t, j);
+      const detail::LevelVector<S> own{p.a - root.a, p.b - root.b, p.height - out.floor};
+      const auto v = detail::unleveled(detail::turned(own, sine, cosine), variant.z_up);
+      out.features.insert(out.features.end(), {v.x, v.y, v.z});
+    }
+    const auto v = detail::turned(detail::leveled(ways[t], variant.z_up), sine, cosine);
+    out.features.insert(out.features.end(), {turns[t], v.a, v.b});
+  }
+  return out;
+}
+
+/// features  (frames, 3 J + 1), not normalised
+/// result    (frames, J); frame 0 stands at the origin with heading 0, on the floor
+/// Throws    shape_error 205
+template <Scalar S>
+std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S> features) {
+  const std::size_t frames = detail::rifke_frames("rifke_joints", features.size(), variant.size());
+  const auto width = static_cast<std::size_t>(variant.size());
+  std::vector<Vec3<S>> out;
+  S angle{};
+  detail::LevelVector<S> root{};
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * width, width);
+    const S turn = row[width - 3];
+    const detail::LevelVector<S> velocity{row[width - 2], row[width - 1], S(0)};
+    auto step = [&] {
+      const auto way = detail::turned(velocity, -std::sin(angle), std::cos(angle));
+      root.a += way.a, root.b += way.b;
+    };
+    if (!variant.forward_differences && t > 0) angle += turn, step();
+    root.height = row[0];
+    out.push_back(detail::unleveled(root, variant.z_up));
+    for (std::size_t at = 1; at + 3 < width; at += 3) {
+      const auto own = detail::leveled(Vec3<S>{row[at], row[at + 1], row[at + 2]}, variant.z_up);
+      const auto p = detail::turned(own, -std::sin(angle), std::cos(angle));
+      out.push_back(detail::unleveled<S>({p.a + root.a, p.b + root.b, p.height}, variant.z_up));
+    }
+    if (variant.forward_differences) step(), angle += turn;
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP  // <motionlang/features/smplvelp.hpp>
+#define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
+/// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
+///
+///     0        height of the translation, as it is
+///     1:3      its velocity x, y; 0 in the first frame
+///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
+/// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
+///
+/// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
+///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct SmplVelpOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  bool canonicalize = true;
+  bool offset = true;
+  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
+  /// true: the heading, and clips that differ by a turn about Z become the same.
+  bool exact_yaw = false;
+};
+
+template <Scalar S>
+struct SmplVelpMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints); joint 0 in the world
+  std::vector<Vec3<S>> trans;         // (frames)
+};
+
+/// rotations  (frames, joints); joint 0 in the world
+/// trans      (frames)
+/// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...
+/// Throws     shape_error 205 if the sizes do not fit
+template <Scalar S>
+std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::span<const Vec3<S>> trans,
+                                 const SmplVelpOptions& options = {}) {
+  const std::size_t frames = trans.size(), joints = frames == 0 ? 0 : rotations.size() / frames;
+  if (rotations.size() != frames * joints || (frames > 0 && joints == 0)) {
+    raise<shape_error>(205, "smplvelp_features: ", rotations.size(), " rotations for ", frames, " frames");
+  }
+  std::vector<S> out;
+  if (frames == 0) return out;
+  S angle{};
+  if (options.canonicalize) {
+    angle =
+        options.exact_yaw ? detail::zyx_angles(rotations[0], true).z : pytorch3d::matrix_to_axis_angle(rotations[0]).z;
+    if (options.offset) angle += S(std::numbers::pi / 2);
+  }
+  const Matrix3<S> back = axis_rotation(2, -angle);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> velocity = back * (trans[t] - trans[t == 0 ? 0 : t - 1]);
+    out.insert(out.end(), {trans[t].z, velocity.x, velocity.y});
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Matrix3<S>& r = rotations[t * joints + j];
+      append_rotation(out, options.rotations, j == 0 ? back * r : r);
+    }
+  }
+  return out;
+}
+
+/// features  (frames, 3 + 6 joints), not normalised
+/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+template <Scalar S>
+SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
+                                   PoseRepresentation representation = PoseRepresentation::rot6d) {
+  const Index numbers = size(representation), width = 3 + numbers * joints;
+  if (joints < 1 || std::ssize(features) % width != 0) {
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+  }
+  SmplVelpMotion<S> out;
+  Vec3<S> position{};
+  for (std::size_t at = 0; at < features.size(); at += static_cast<std::size_t>(width)) {
+    if (at > 0) position = position + Vec3<S>{features[at + 1], features[at + 2], S(0)};
+    position.z = features[at];
+    out.trans.push_back(position);
+    for (Index j = 0; j < joints; ++j) {
+      const auto own =
+          features.subspan(at + 3 + static_cast<std::size_t>(numbers * j), static_cast<std::size_t>(numbers));
+      out.rotations.push_back(rotation_from(representation, own));
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_FEATURES_STATISTICS_HPP  // <motionlang/features/statistics.hpp>
 #define MOTIONLANG_HAS_FEATURES_STATISTICS_HPP
 /// Mean and standard deviation of every feature over many clips, one frame at a time.
@@ -7154,6 +8977,11 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
 ///
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
 ///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation: the same up to rounding.
+///         HumanML3D takes the deviation of the population, n in place of n - 1, skips clips with NaN, and replaces
+///         each deviation by the mean of its group (spec humanml3d-features.md 9):
+///
+///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
+///     auto std = group_means(statistics.population_deviation(), slots.groups());
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -7183,21 +9011,45 @@ class FeatureStatistics {
     }
   }
 
+  /// The same, but a clip with a value that is not finite is left out. Returns whether it was added.
+  template <Scalar S>
+  bool add_finite(std::span<const S> frames, Index features) {
+    const bool finite = std::all_of(frames.begin(), frames.end(), [](S x) { return std::isfinite(x); });
+    if (finite) add(frames, features);
+    return finite;
+  }
+
   /// Frames so far.
   Index count() const { return count_; }
   const std::vector<double>& mean() const { return mean_; }
   /// Unbiased (divided by n - 1). Throws numeric_error 302 below two frames.
-  std::vector<double> standard_deviation() const {
-    if (count_ < 2) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
+  std::vector<double> standard_deviation() const { return deviation(2); }
+  /// Of these frames themselves (divided by n). Throws numeric_error 302 of no frame.
+  std::vector<double> population_deviation() const { return deviation(1); }
+
+ private:
+  std::vector<double> deviation(Index least) const {
+    if (count_ < least) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
     std::vector<double> out;
-    for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ - 1)));
+    for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ + 1 - least)));
     return out;
   }
 
- private:
   Index count_ = 0;
   std::vector<double> mean_, squares_;
 };
+
+/// Every value replaced by the mean of its group. Throws shape_error 203 if a group is empty or ends behind the values.
+inline std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups) {
+  for (const IndexRange& g : groups) {
+    if (g.begin < 0 || g.size() <= 0 || g.end > std::ssize(values)) {
+      raise<shape_error>(203, "group_means: the group ", g.begin, ":", g.end, " of ", values.size(), " values");
+    }
+    const auto first = values.begin() + g.begin, last = values.begin() + g.end;
+    std::fill(first, last, std::accumulate(first, last, 0.0) / static_cast<double>(g.size()));
+  }
+  return values;
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -7779,14 +9631,18 @@ struct MdmSmplConfig {
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
+
+  /// Frames that fit behind the tokens of time and of a text of one token.
+  Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder; the
-/// frames are read off its end.
-/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py, whose
-///          state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of the
-///          batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
+/// the frames are read off its end.
+/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py,
+///          whose state-dict keys (behind "denoiser.") are the field names
+/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
+///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
+///          does.
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
@@ -7828,7 +9684,10 @@ struct MdmSmplDenoiser {
         dropout_p(c.dropout) {}
 
   /// Behind the tokens for time and text and the registers.
-  DenoiserTraits traits() const { return {.longest_crop = positions.rows().size(0) - 2 - registers.size(0)}; }
+  DenoiserTraits traits() const {
+    return {.longest_crop =
+                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop()};
+  }
 
   /// (sequences, latent)
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
@@ -8530,15 +10389,6 @@ struct JointTracks {
   }
 };
 
-/// A joint that may touch the floor, and the height below which it does.
-struct ContactJoint {
-  int joint = 0;
-  double height = 0.05;  // metres above the floor
-};
-/// Ankles and toes of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm
-/// high.
-inline constexpr ContactJoint smpl_contact_joints[] = {{7, 0.10}, {8, 0.10}, {10, 0.05}, {11, 0.05}};
-
 struct FootSkate {
   double speed = 0;    // mean horizontal speed of joints in contact, m/s; divide by fps for metres per frame
   double ratio = 0;    // share of contacts faster than the limit
@@ -8766,7 +10616,7 @@ std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
     events.emplace_back(interval.start, i);
     events.emplace_back(interval.end, i++);
   }
-  std::sort(events.begin(), events.end());
+  detail::sort(events, [](const auto& a, const auto& b) { return a < b; });
 
   std::vector<BasicPiece<T>> pieces;
   std::vector<Index> active;  // ascending
@@ -8797,7 +10647,7 @@ template <class T>
 void fill_gaps(BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, T>> covered;
   for (const auto& i : timeline.intervals) covered.emplace_back(i.start, i.end);
-  std::sort(covered.begin(), covered.end());
+  detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
   T reached{};
   for (const auto& [start, end] : covered) {
     if (start > reached) timeline.intervals.push_back({"", reached, start, BodyParts::all()});
@@ -9408,7 +11258,7 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
       }
     };
     count(plan.add, 1), count(plan.subtract, -1);
-    std::sort(steps.begin(), steps.end());
+    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
     int weight = 0;
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
       weight += steps[i].second;
@@ -9561,16 +11411,16 @@ class Collage {
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for
   /// the denoiser.
-  Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
+  Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance)
-      : denoiser_(&denoiser), plan_(std::move(plan)), layout_(std::move(layout)), guidance_(guidance) {
+      : denoiser_(&denoiser), plan_(std::move(plan)), guidance_(guidance) {
     const DenoiserTraits traits = denoiser.traits();
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
     crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
-    stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
+    stitch_ = Stitcher<B>(plan_, layout, crops_.offsets, motion_.stride);
     build_batch(text, null);
   }
 
@@ -9667,7 +11517,6 @@ class Collage {
 
   const D* denoiser_;
   BatchPlan plan_;
-  FeatureLayout layout_;
   double guidance_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
@@ -10061,16 +11910,21 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
                                                        const StmcOptions& options) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
-                                                    .extend = !hard_cuts,
-                                                    .transition_crops = !hard_cuts,
-                                                    .gaps = options.gaps,
-                                                    .hidden = options.hidden,
-                                                    .longest_crop = traits.longest()});
-  const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
-  const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                              options.guidance.value_or(guidance));
-  const auto sequences = static_cast<Index>(sampled.timelines.size());
+  BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
+                                              .extend = !hard_cuts,
+                                              .transition_crops = !hard_cuts,
+                                              .gaps = options.gaps,
+                                              .hidden = options.hidden,
+                                              .longest_crop = traits.longest()});
+  const auto text = encode(texts_of(plan)), null = encode({std::string()});
+  BatchPlan together;  // what is stitched at the end where every text is sampled alone
+  if (hard_cuts) {
+    together = std::move(plan);
+    plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
+  }
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const BatchPlan& wanted = hard_cuts ? together : collage.plan();
+  const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
     const Tensor<B, 3> z = noise(draw, shape);
@@ -10081,14 +11935,14 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
                               options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
-    x0 = stitch_independent(plan, x0, stride);
-    stride = plan.frames;
-    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(plan, layout, x0, stride);
+    x0 = stitch_independent(wanted, x0, stride);
+    stride = wanted.frames;
+    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(wanted, layout, x0, stride);
   }
   std::vector<Tensor<B, 2>> out;
-  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+  for (std::size_t m = 0; m < wanted.timelines.size(); ++m) {
     const Index first = static_cast<Index>(m) * stride;
-    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + plan.timelines[m].frames)));
+    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + wanted.timelines[m].frames)));
   }
   return out;
 }

@@ -6,9 +6,15 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_EIGEN_HPP  // <motionlang/backend/eigen.hpp>
 #define MOTIONLANG_HAS_BACKEND_EIGEN_HPP
-/// Backend over Eigen: elementwise operations and reductions are Eigen expressions over mapped memory, products and
-/// fused operations are the kernels of kernel_ops.hpp (Eigen's own product reaches 20 to 50 % of the processor at these
-/// shapes).
+/// Backend over Eigen: functions and reductions are Eigen expressions over mapped memory. Arithmetic, products and fused
+/// operations are the kernels of kernel_ops.hpp: they are for the instruction set of the machine whatever the program was
+/// built for (Eigen's own product reaches 20 to 50 % of the processor at these shapes), and a program with all the
+/// expressions of broadcasting compiles half a second longer.
+
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of arithmetic and of the kernels. Those
+/// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
@@ -137,6 +143,17 @@ struct AdamwStep {
   S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
+/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+enum class BinaryOp { add, sub, mul, div, maximum };
+template <class S>
+struct Binary {
+  BinaryOp op{};
+  const S *a = nullptr, *b = nullptr;
+  bool a_repeated = false, b_repeated = false;
+  Index count = 0;
+  S* y = nullptr;  // may be a or b
+};
+
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
@@ -156,6 +173,7 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
+  void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
@@ -177,7 +195,11 @@ struct Kernels {
 
 #define MOTIONLANG_ISA portable
 #define MOTIONLANG_VECTOR_BYTES 16
+#if defined(__OPTIMIZE__)
 #define MOTIONLANG_TILE_ROWS 6
+#else  // without the optimiser higher tiles would only take longer to compile
+#define MOTIONLANG_TILE_ROWS 2
+#endif
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
@@ -788,6 +810,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -851,6 +907,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -1484,6 +1541,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -1547,6 +1638,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -2178,6 +2270,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -2241,6 +2367,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -2647,11 +2774,9 @@ extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
 #else
 
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP  // <motionlang/backend/detail/eigen_impl.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP
-/// Bodies of eigen.hpp. The only header that includes Eigen.
-
-#include <Eigen/Core>  // arrays
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP  // <motionlang/backend/detail/eigen_arithmetic.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP
+/// Arithmetic of eigen.hpp, by the kernels: no Eigen here.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
@@ -2697,6 +2822,2414 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+template <class S>
+Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
+  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
+  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
+  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
+  const auto& [outer, inner, walk_a, walk_b] = *pattern;
+  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
+  const auto apply = kernels<S>().binary;
+  for (Index i = 0; i < outer && inner > 0; ++i) {
+    apply({.op = op,
+           .a = std::as_const(a).data() + (walk_a.outer ? i * (walk_a.inner ? inner : 1) : 0),
+           .b = std::as_const(b).data() + (walk_b.outer ? i * (walk_b.inner ? inner : 1) : 0),
+           .a_repeated = !walk_a.inner,
+           .b_repeated = !walk_b.inner,
+           .count = inner,
+           .y = out.data() + i * inner});
+  }
+  return out;
+}
+
+}  // namespace detail
+
+template <Scalar S>
+Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
+  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
+  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
+  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
+  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
+  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_INSTANTIATED
+
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP  // <motionlang/backend/detail/eigen_impl.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP
+/// Functions and reductions of eigen.hpp. The only header that includes Eigen.
+
+#include <Eigen/Core>  // arrays
+
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP
+/// The kernels behind the Eigen and xtensor backends: one text, compiled for several instruction sets, chosen at run
+/// time.
+///
+/// The files *.inc are included once per instruction set, with the compiler told to generate code for it;
+/// `kernels<S>()` is the table of the best one that this processor has. A program built without any -march therefore
+/// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
+/// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
+template <class S>
+struct Gemm {
+  Index m = 0, n = 0, k = 0;
+  const S* a = nullptr;
+  Index lda = 0;  // distance of rows of a (of its transpose, (k x m), when a_transposed)
+  bool a_transposed = false;
+  const S* panels = nullptr;
+  S* c = nullptr;
+  Index ldc = 0;
+  const S* bias = nullptr;
+  const S* residual = nullptr;
+  Index ldr = 0;
+  Activation act = Activation::none;
+};
+
+/// Attention over packed sequences: q (query rows, heads * width), k and v (key rows, ...), each a part of a wider
+/// tensor.
+template <class S>
+struct Attention {
+  const S *q = nullptr, *k = nullptr, *v = nullptr;
+  Index q_stride = 0, k_stride = 0, v_stride = 0;
+  S* o = nullptr;
+  Index o_stride = 0;
+  const Index *q_offsets = nullptr, *k_offsets = nullptr;
+  Index heads = 1, width = 0;
+  bool causal = false;
+  Dropout dropout{};
+};
+template <class S>
+struct AttentionGradients {
+  const S* d_o = nullptr;
+  S *d_q = nullptr, *d_k = nullptr, *d_v = nullptr;  // strides as q, k, v
+};
+
+template <class S>
+struct LayerNorm {
+  const S *x = nullptr, *residual = nullptr, *weight = nullptr, *bias = nullptr;
+  Index width = 0;
+  S eps = S(1e-5);
+  S* y = nullptr;
+};
+
+template <class S>
+struct AdamwStep {
+  S *p = nullptr, *m = nullptr, *v = nullptr;
+  const S* g = nullptr;
+  S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
+};
+
+/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+enum class BinaryOp { add, sub, mul, div, maximum };
+template <class S>
+struct Binary {
+  BinaryOp op{};
+  const S *a = nullptr, *b = nullptr;
+  bool a_repeated = false, b_repeated = false;
+  Index count = 0;
+  S* y = nullptr;  // may be a or b
+};
+
+/// Entry points of one instruction set.
+template <class S>
+struct Kernels {
+  const char* name;
+  Index panel_width, row_block, gemm_scratch;
+  void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
+  void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
+  Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
+  void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
+  void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
+  void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
+  void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
+  void (*layer_norm_rows_vjp)(const LayerNorm<S>&, const S* dy, S* dx, S* moments, Index first, Index last);
+  void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                                 Index first, Index last);
+  void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
+  void (*activate)(const S* x, Index n, Activation, S* y);
+  void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
+  void (*binary)(const Binary<S>&);
+  void (*error_function)(const S* x, Index n, S* y);
+  void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
+  void (*adamw)(const AdamwStep<S>&, Index first, Index last);
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+
+// GCC and clang spell "generate code for these instructions" differently.
+#if defined(__clang__)
+#define MOTIONLANG_PRAGMA(text) _Pragma(#text)
+#define MOTIONLANG_TARGET_PUSH(features) \
+  MOTIONLANG_PRAGMA(clang attribute push(__attribute__((target(features))), apply_to = function))
+#define MOTIONLANG_TARGET_POP _Pragma("clang attribute pop")
+#else
+#define MOTIONLANG_PRAGMA(text) _Pragma(#text)
+#define MOTIONLANG_TARGET_PUSH(features) _Pragma("GCC push_options") MOTIONLANG_PRAGMA(GCC target(features))
+#define MOTIONLANG_TARGET_POP _Pragma("GCC pop_options")
+#endif
+
+#define MOTIONLANG_ISA portable
+#define MOTIONLANG_VECTOR_BYTES 16
+#if defined(__OPTIMIZE__)
+#define MOTIONLANG_TILE_ROWS 6
+#else  // without the optimiser higher tiles would only take longer to compile
+#define MOTIONLANG_TILE_ROWS 2
+#endif
+// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+
+// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
+// Included once for every instruction set by kernels.hpp; no include guard on purpose.
+
+template <class S>
+struct VectorOf {
+  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
+  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
+  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+};
+template <class S>
+using Vec = typename VectorOf<S>::type;
+template <class S>
+using Mask = typename VectorOf<S>::mask;
+template <class S>
+inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
+
+// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> load(const S* p) {
+  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
+}
+template <class S>
+MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
+  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> splat(S x) {
+  return x - Vec<S>{};
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
+  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
+  return load(t);
+}
+template <class S>
+MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
+  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
+}
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
+  return a > b ? a : b;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
+  return a < b ? a : b;
+}
+// Lane sums in a fixed order: halves are added until one lane is left.
+template <class S>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
+  store(t, v);
+  for (int half = lanes<S> / 2; half > 0; half /= 2) {
+    for (int i = 0; i < half; ++i) t[i] += t[i + half];
+  }
+  return t[0];
+}
+template <class S>
+MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
+  S m = v[0];
+  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
+  return m;
+}
+
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
+  const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
+  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
+  const Vec<S> n = shifted - magic;
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
+  if constexpr (!single) {
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+  }
+  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
+}
+
+/// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
+    const Vec<S> y = c * c;
+    Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
+    p = p * y + S(0.0002880411073313664);
+    q = q * y + S(0.0012163638413281797);
+    p = p * y + S(0.00400366894176566);
+    q = q * y + S(0.01544447024716054);
+    p = p * y + S(0.053467550985535656);
+    q = q * y + S(0.11647668824647715);
+    p = p * y + S(0.19624964460970504);
+    q = q * y + S(0.5072528779928597);
+    p = p * y + S(1.128378976425542);
+    q = q * y + S(1);
+    return c * p / q;
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
+    return r;
+  }
+}
+
+/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  using Bits = typename VectorOf<S>::bits;
+  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
+  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
+  const Vec<S> r = x * y;
+  return r + S(0.5) * y * (x - r * r);
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
+  Vec<S> r{};
+  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+  return r;
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
+  switch (act) {
+    case Activation::none: return x;
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu: {
+      const Vec<S> h = x * S(0.5);
+      return h * verf<S>(x * S(0.70710678118654752)) + h;
+    }
+    case Activation::silu: return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh: return vtanh<S>(x);
+  }
+  return x;
+}
+
+/// Derivative at x.
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+template <class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
+  switch (act) {
+    case Activation::none: return splat(S(1));
+    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::gelu: {
+      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
+      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
+    }
+    case Activation::silu: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s + x * s * (S(1) - s);
+    }
+    case Activation::tanh: {
+      const Vec<S> t = vtanh<S>(x);
+      return S(1) - t * t;
+    }
+  }
+  return splat(S(1));
+}
+//
+// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
+//
+//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
+//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
+//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second.
+//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+
+template <class S>
+inline constexpr Index panel_width = 2 * lanes<S>;
+inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
+inline constexpr Index depth_block = 256;
+inline constexpr Index row_block = 8 * tile_rows;
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+template <class S>
+void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>;
+  for (Index j = first; j < last; ++j) {
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w < w ? n - j * w : w;
+    const S* in = b + j * w * stride_n;
+    if (stride_n == 1) {
+      for (Index i = 0; i < k; ++i, out += w) {
+        for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
+      }
+    } else {  // a transposed B: read along its rows, eight at a time
+      for (Index i0 = 0; i0 < k; i0 += 8) {
+        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
+        for (Index c = 0; c < w; ++c) {
+          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+        }
+      }
+    }
+  }
+}
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+template <class S>
+struct Epilogue {
+  bool accumulate = false;
+  const S* bias = nullptr;      // of the panel's first column
+  const S* residual = nullptr;  // of the tile's first element
+  Index residual_stride = 0;
+  Activation act = Activation::none;
+};
+
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 8 * w);
+    __builtin_prefetch(panel + 8 * w + l);
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  const bool whole = columns >= w;
+  const Index n0 = columns, n1 = columns - l;
+  Vec<S> z0{}, z1{};
+  if (e.bias != nullptr) {
+    z0 = whole ? load(e.bias) : load_some(e.bias, n0);
+    z1 = whole ? load(e.bias + l) : load_some(e.bias + l, n1);
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      store(out, c0[i]), store(out + l, c1[i]);
+    } else {
+      if (e.accumulate) c0[i] += load_some(out, n0), c1[i] += load_some(out + l, n1);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr) {
+        c0[i] += load_some(e.residual + i * e.residual_stride, n0);
+        c1[i] += load_some(e.residual + i * e.residual_stride + l, n1);
+      }
+      store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
+    }
+  }
+  if (e.act != Activation::none) {
+    for (int i = 0; i < R; ++i) {
+      S* out = c + i * ldc;
+      if (whole) {
+        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+      } else {
+        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
+      }
+    }
+  }
+}
+
+template <class S>
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+template <class S>
+TileFunction<S> tile_of(Index rows) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1>...};
+  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  return table[static_cast<std::size_t>(rows - 1)];
+}
+
+/// First row of part i of n nearly equal parts.
+MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
+  const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  for (Index top = r0; top < r1; top += row_block) {
+    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+    for (Index block = 0; block < blocks; ++block) {
+      const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
+      const Index pitch = depth + 16;
+      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
+        for (Index k = 0; k < depth; ++k) std::memcpy(scratch + k * rows, g.a + (k0 + k) * g.lda + top, static_cast<std::size_t>(rows) * sizeof(S));
+      } else if (copy) {
+        for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
+      }
+      Epilogue<S> e;
+      e.accumulate = block > 0;
+      for (Index j = j0; j < j1; ++j) {
+        const S* panel = g.panels + (j * g.k + k0) * w;
+        const Index columns = g.n - j * w;
+        for (Index t = 0; t < tiles; ++t) {
+          const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
+          if (block + 1 == blocks) {
+            e.bias = g.bias == nullptr ? nullptr : g.bias + j * w;
+            e.residual = g.residual == nullptr ? nullptr : g.residual + row * g.ldr + j * w;
+            e.residual_stride = g.ldr;
+            e.act = g.act;
+          }
+          const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
+          const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+        }
+      }
+    }
+  }
+}
+//
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
+// head (backward), never for a batch.
+//
+//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
+//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
+
+/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible` columns take part (causal attention), the rest are 0.
+template <class S>
+MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+  constexpr int l = lanes<S>;
+  const Index padded = (n + l - 1) / l * l;
+  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
+  for (Index c = visible; c < padded; ++c) row[c] = hidden;
+  Vec<S> largest = splat(hidden);
+  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
+  const S shift = reduce_max<S>(largest) * scale;
+  Vec<S> sum{};
+  for (Index c = 0; c < padded; c += l) {
+    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
+    store(row + c, e);
+    sum += e;
+  }
+  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
+  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+}
+
+/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
+template <class S>
+void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
+  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
+  const std::uint32_t limit = d.limit();
+  const auto key0 = static_cast<std::uint32_t>(d.key) + static_cast<std::uint32_t>(first >> 32) * 0x27D4EB2Fu;
+  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
+  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
+  Bits counter;
+  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
+  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
+    Bits h = counter * 0x9E3779B1u + key0;
+    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
+    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
+    h = h ^ (h >> 16);
+    if (sizeof(S) == 4 && i + l <= n) {
+      const Vec<S> kept = load(x + i) * keep;
+      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
+    } else {
+      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
+    }
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Index padded_panels(Index n) {
+  return (n + panel_width<S> - 1) / panel_width<S>;
+}
+
+/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+template <class S>
+MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
+                                     bool whole_panels) {
+  constexpr Index w = panel_width<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  const Epilogue<S> plain;
+  for (Index j = 0; j < padded_panels<S>(n); ++j) {
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
+      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                         whole_panels ? w : n - j * w, plain);
+    }
+  }
+}
+
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class S>
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  const Index pq = padded_panels<S>(queries) * panel_width<S>;
+  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+}
+
+/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
+template <class S>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
+  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
+  const S* q = t.q + q0 * t.q_stride + head * width;
+  const S* k = t.k + k0 * t.k_stride + head * width;
+  const S* v = t.v + k0 * t.v_stride + head * width;
+  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
+  S* kt = scratch;
+  S* vp = kt + key_panels * w * width;
+  S* scores = vp + value_panels * w * keys;
+  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
+  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
+  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+  for (Index i = 0; i < tiles; ++i) {
+    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
+    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
+    for (Index r = 0; r < rows; ++r) {
+      S* row = scores + r * pitch;
+      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
+      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
+    }
+    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+  }
+}
+
+/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
+template <class S>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
+  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
+  const S* q = t.q + q0 * t.q_stride + head * width;
+  const S* k = t.k + k0 * t.k_stride + head * width;
+  const S* v = t.v + k0 * t.v_stride + head * width;
+  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
+  S* a = scratch;                             // K^T, then V^T
+  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
+  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
+  S* ds = p + queries * pitch;                // dP, later dS
+  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
+  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
+  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
+  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  for (Index r = 0; r < queries; ++r) {
+    S *pr = p + r * pitch, *dr = ds + r * pitch;
+    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
+    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    Vec<S> sum{};
+    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
+    const S mean = reduce_add<S>(sum);
+    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
+    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+  }
+  S* dq = g.d_q + q0 * t.q_stride + head * width;
+  S* dk = g.d_k + k0 * t.k_stride + head * width;
+  S* dv = g.d_v + k0 * t.v_stride + head * width;
+  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
+  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
+  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+}
+//
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+
+/// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
+template <class S>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd) {
+  constexpr int l = lanes<S>;
+  const Index whole = n / l * l;
+  Vec<S> sum{};
+  for (Index i = 0; i < whole; i += l) sum += load(x + i);
+  S total = reduce_add<S>(sum);
+  for (Index i = whole; i < n; ++i) total += x[i];
+  mean = total / static_cast<S>(n);
+  Vec<S> square{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> d = load(x + i) - mean;
+    square += d * d;
+  }
+  S variance = reduce_add<S>(square);
+  for (Index i = whole; i < n; ++i) variance += (x[i] - mean) * (x[i] - mean);
+  rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+}
+
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+template <class S>
+void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  for (Index r = first; r < last; ++r) {
+    const S* x = t.x + r * n;
+    S* y = t.y + r * n;
+    if (t.residual != nullptr) {
+      const S* z = t.residual + r * n;
+      for (Index i = 0; i < whole; i += l) store(y + i, load(x + i) + load(z + i));
+      for (Index i = whole; i < n; ++i) y[i] = x[i] + z[i];
+      x = y;
+    }
+    S mean, rstd;
+    row_moments(x, n, t.eps, mean, rstd);
+    for (Index i = 0; i < whole; i += l) store(y + i, (load(x + i) - mean) * rstd * load(t.weight + i) + load(t.bias + i));
+    for (Index i = whole; i < n; ++i) y[i] = (x[i] - mean) * rstd * t.weight[i] + t.bias[i];
+  }
+}
+
+/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
+template <class S>
+void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  for (Index r = first; r < last; ++r) {
+    const S *x = t.x + r * n, *g = dy + r * n;
+    S mean, rstd;
+    row_moments(x, n, t.eps, mean, rstd);
+    moments[2 * r] = mean;
+    moments[2 * r + 1] = rstd;
+    Vec<S> sum_h{}, sum_hx{};
+    for (Index i = 0; i < whole; i += l) {
+      const Vec<S> h = load(g + i) * load(t.weight + i);
+      sum_h += h;
+      sum_hx += h * ((load(x + i) - mean) * rstd);
+    }
+    S h0 = reduce_add<S>(sum_h), h1 = reduce_add<S>(sum_hx);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[i] * t.weight[i];
+      h0 += h;
+      h1 += h * ((x[i] - mean) * rstd);
+    }
+    h0 /= static_cast<S>(n);
+    h1 /= static_cast<S>(n);
+    S* d = dx + r * n;
+    for (Index i = 0; i < whole; i += l) {
+      store(d + i, (load(g + i) * load(t.weight + i) - h0 - (load(x + i) - mean) * rstd * h1) * rstd);
+    }
+    for (Index i = whole; i < n; ++i) d[i] = (g[i] * t.weight[i] - h0 - (x[i] - mean) * rstd * h1) * rstd;
+  }
+}
+/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
+template <class S>
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
+    const S *x = t.x + r * t.width, *g = dy + r * t.width;
+    for (Index i = first; i < last; ++i) {
+      dweight[i] += g[i] * ((x[i] - mean) * rstd);
+      dbias[i] += g[i];
+    }
+  }
+}
+
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
+template <class S>
+void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
+  for (Index r = first; r < last; ++r) {
+    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
+    softmax_row<S>(scratch, n, n, S(1));
+    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
+  }
+}
+
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, apply_activation<S>(load(x + i), act));
+  store_some(y + i, apply_activation<S>(load_some(x + i, n - i), act), n - i);
+}
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
+  store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
+}
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
+template <class S>
+void error_function(const S* x, Index n, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
+  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
+}
+
+/// Sums of the columns first ... last-1 over all rows.
+template <class S>
+void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
+  for (Index i = first; i < last; ++i) y[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+  const Vec<S> g = gradient * t.gradient_scale;
+  m = m * t.beta1 + g * (S(1) - t.beta1);
+  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
+}
+/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
+template <class S>
+void adamw(const AdamwStep<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  Index i = first;
+  for (; i + l <= last; i += l) {
+    Vec<S> m = load(t.m + i), v = load(t.v + i);
+    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
+    store(t.m + i, m), store(t.v + i, v);
+  }
+  const Index n = last - i;
+  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
+  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
+  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
+}
+
+#define MOTIONLANG_STRING_OF(x) #x
+#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
+
+template <class S>
+const Kernels<S>& table() {
+  static constexpr Kernels<S> t{
+      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .panel_width = panel_width<S>,
+      .row_block = row_block,
+      .gemm_scratch = row_block * (depth_block + 16),
+      .pack = &pack<S>,
+      .gemm_block = &gemm_block<S>,
+      .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
+      .attention_head = &attention_head<S>,
+      .attention_head_vjp = &attention_head_vjp<S>,
+      .dropout = &dropout<S>,
+      .layer_norm_rows = &layer_norm_rows<S>,
+      .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
+      .softmax_rows = &softmax_rows<S>,
+      .activate = &activate<S>,
+      .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
+      .error_function = &error_function<S>,
+      .column_sums = &column_sums<S>,
+      .adamw = &adamw<S>,
+  };
+  return t;
+}
+
+#undef MOTIONLANG_STRING
+#undef MOTIONLANG_STRING_OF
+#undef MOTIONLANG_INLINE
+
+}  // namespace motionlang
+#undef MOTIONLANG_ISA
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+
+// Without the optimiser the wider kernels would only take longer to compile.
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
+#define MOTIONLANG_WIDE_KERNELS
+MOTIONLANG_TARGET_PUSH("avx2,fma")
+#define MOTIONLANG_ISA avx2
+#define MOTIONLANG_VECTOR_BYTES 32
+#define MOTIONLANG_TILE_ROWS 6
+// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+
+// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
+// Included once for every instruction set by kernels.hpp; no include guard on purpose.
+
+template <class S>
+struct VectorOf {
+  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
+  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
+  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+};
+template <class S>
+using Vec = typename VectorOf<S>::type;
+template <class S>
+using Mask = typename VectorOf<S>::mask;
+template <class S>
+inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
+
+// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> load(const S* p) {
+  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
+}
+template <class S>
+MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
+  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> splat(S x) {
+  return x - Vec<S>{};
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
+  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
+  return load(t);
+}
+template <class S>
+MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
+  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
+}
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
+  return a > b ? a : b;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
+  return a < b ? a : b;
+}
+// Lane sums in a fixed order: halves are added until one lane is left.
+template <class S>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
+  store(t, v);
+  for (int half = lanes<S> / 2; half > 0; half /= 2) {
+    for (int i = 0; i < half; ++i) t[i] += t[i + half];
+  }
+  return t[0];
+}
+template <class S>
+MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
+  S m = v[0];
+  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
+  return m;
+}
+
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
+  const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
+  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
+  const Vec<S> n = shifted - magic;
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
+  if constexpr (!single) {
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+  }
+  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
+}
+
+/// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
+    const Vec<S> y = c * c;
+    Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
+    p = p * y + S(0.0002880411073313664);
+    q = q * y + S(0.0012163638413281797);
+    p = p * y + S(0.00400366894176566);
+    q = q * y + S(0.01544447024716054);
+    p = p * y + S(0.053467550985535656);
+    q = q * y + S(0.11647668824647715);
+    p = p * y + S(0.19624964460970504);
+    q = q * y + S(0.5072528779928597);
+    p = p * y + S(1.128378976425542);
+    q = q * y + S(1);
+    return c * p / q;
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
+    return r;
+  }
+}
+
+/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  using Bits = typename VectorOf<S>::bits;
+  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
+  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
+  const Vec<S> r = x * y;
+  return r + S(0.5) * y * (x - r * r);
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
+  Vec<S> r{};
+  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+  return r;
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
+  switch (act) {
+    case Activation::none: return x;
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu: {
+      const Vec<S> h = x * S(0.5);
+      return h * verf<S>(x * S(0.70710678118654752)) + h;
+    }
+    case Activation::silu: return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh: return vtanh<S>(x);
+  }
+  return x;
+}
+
+/// Derivative at x.
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+template <class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
+  switch (act) {
+    case Activation::none: return splat(S(1));
+    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::gelu: {
+      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
+      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
+    }
+    case Activation::silu: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s + x * s * (S(1) - s);
+    }
+    case Activation::tanh: {
+      const Vec<S> t = vtanh<S>(x);
+      return S(1) - t * t;
+    }
+  }
+  return splat(S(1));
+}
+//
+// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
+//
+//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
+//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
+//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second.
+//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+
+template <class S>
+inline constexpr Index panel_width = 2 * lanes<S>;
+inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
+inline constexpr Index depth_block = 256;
+inline constexpr Index row_block = 8 * tile_rows;
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+template <class S>
+void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>;
+  for (Index j = first; j < last; ++j) {
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w < w ? n - j * w : w;
+    const S* in = b + j * w * stride_n;
+    if (stride_n == 1) {
+      for (Index i = 0; i < k; ++i, out += w) {
+        for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
+      }
+    } else {  // a transposed B: read along its rows, eight at a time
+      for (Index i0 = 0; i0 < k; i0 += 8) {
+        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
+        for (Index c = 0; c < w; ++c) {
+          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+        }
+      }
+    }
+  }
+}
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+template <class S>
+struct Epilogue {
+  bool accumulate = false;
+  const S* bias = nullptr;      // of the panel's first column
+  const S* residual = nullptr;  // of the tile's first element
+  Index residual_stride = 0;
+  Activation act = Activation::none;
+};
+
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 8 * w);
+    __builtin_prefetch(panel + 8 * w + l);
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  const bool whole = columns >= w;
+  const Index n0 = columns, n1 = columns - l;
+  Vec<S> z0{}, z1{};
+  if (e.bias != nullptr) {
+    z0 = whole ? load(e.bias) : load_some(e.bias, n0);
+    z1 = whole ? load(e.bias + l) : load_some(e.bias + l, n1);
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      store(out, c0[i]), store(out + l, c1[i]);
+    } else {
+      if (e.accumulate) c0[i] += load_some(out, n0), c1[i] += load_some(out + l, n1);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr) {
+        c0[i] += load_some(e.residual + i * e.residual_stride, n0);
+        c1[i] += load_some(e.residual + i * e.residual_stride + l, n1);
+      }
+      store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
+    }
+  }
+  if (e.act != Activation::none) {
+    for (int i = 0; i < R; ++i) {
+      S* out = c + i * ldc;
+      if (whole) {
+        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+      } else {
+        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
+      }
+    }
+  }
+}
+
+template <class S>
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+template <class S>
+TileFunction<S> tile_of(Index rows) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1>...};
+  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  return table[static_cast<std::size_t>(rows - 1)];
+}
+
+/// First row of part i of n nearly equal parts.
+MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
+  const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  for (Index top = r0; top < r1; top += row_block) {
+    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+    for (Index block = 0; block < blocks; ++block) {
+      const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
+      const Index pitch = depth + 16;
+      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
+        for (Index k = 0; k < depth; ++k) std::memcpy(scratch + k * rows, g.a + (k0 + k) * g.lda + top, static_cast<std::size_t>(rows) * sizeof(S));
+      } else if (copy) {
+        for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
+      }
+      Epilogue<S> e;
+      e.accumulate = block > 0;
+      for (Index j = j0; j < j1; ++j) {
+        const S* panel = g.panels + (j * g.k + k0) * w;
+        const Index columns = g.n - j * w;
+        for (Index t = 0; t < tiles; ++t) {
+          const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
+          if (block + 1 == blocks) {
+            e.bias = g.bias == nullptr ? nullptr : g.bias + j * w;
+            e.residual = g.residual == nullptr ? nullptr : g.residual + row * g.ldr + j * w;
+            e.residual_stride = g.ldr;
+            e.act = g.act;
+          }
+          const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
+          const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+        }
+      }
+    }
+  }
+}
+//
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
+// head (backward), never for a batch.
+//
+//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
+//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
+
+/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible` columns take part (causal attention), the rest are 0.
+template <class S>
+MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+  constexpr int l = lanes<S>;
+  const Index padded = (n + l - 1) / l * l;
+  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
+  for (Index c = visible; c < padded; ++c) row[c] = hidden;
+  Vec<S> largest = splat(hidden);
+  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
+  const S shift = reduce_max<S>(largest) * scale;
+  Vec<S> sum{};
+  for (Index c = 0; c < padded; c += l) {
+    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
+    store(row + c, e);
+    sum += e;
+  }
+  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
+  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+}
+
+/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
+template <class S>
+void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
+  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
+  const std::uint32_t limit = d.limit();
+  const auto key0 = static_cast<std::uint32_t>(d.key) + static_cast<std::uint32_t>(first >> 32) * 0x27D4EB2Fu;
+  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
+  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
+  Bits counter;
+  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
+  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
+    Bits h = counter * 0x9E3779B1u + key0;
+    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
+    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
+    h = h ^ (h >> 16);
+    if (sizeof(S) == 4 && i + l <= n) {
+      const Vec<S> kept = load(x + i) * keep;
+      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
+    } else {
+      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
+    }
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Index padded_panels(Index n) {
+  return (n + panel_width<S> - 1) / panel_width<S>;
+}
+
+/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+template <class S>
+MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
+                                     bool whole_panels) {
+  constexpr Index w = panel_width<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  const Epilogue<S> plain;
+  for (Index j = 0; j < padded_panels<S>(n); ++j) {
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
+      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                         whole_panels ? w : n - j * w, plain);
+    }
+  }
+}
+
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class S>
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  const Index pq = padded_panels<S>(queries) * panel_width<S>;
+  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+}
+
+/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
+template <class S>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
+  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
+  const S* q = t.q + q0 * t.q_stride + head * width;
+  const S* k = t.k + k0 * t.k_stride + head * width;
+  const S* v = t.v + k0 * t.v_stride + head * width;
+  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
+  S* kt = scratch;
+  S* vp = kt + key_panels * w * width;
+  S* scores = vp + value_panels * w * keys;
+  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
+  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
+  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+  for (Index i = 0; i < tiles; ++i) {
+    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
+    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
+    for (Index r = 0; r < rows; ++r) {
+      S* row = scores + r * pitch;
+      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
+      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
+    }
+    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+  }
+}
+
+/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
+template <class S>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
+  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
+  const S* q = t.q + q0 * t.q_stride + head * width;
+  const S* k = t.k + k0 * t.k_stride + head * width;
+  const S* v = t.v + k0 * t.v_stride + head * width;
+  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
+  S* a = scratch;                             // K^T, then V^T
+  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
+  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
+  S* ds = p + queries * pitch;                // dP, later dS
+  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
+  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
+  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
+  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  for (Index r = 0; r < queries; ++r) {
+    S *pr = p + r * pitch, *dr = ds + r * pitch;
+    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
+    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    Vec<S> sum{};
+    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
+    const S mean = reduce_add<S>(sum);
+    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
+    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+  }
+  S* dq = g.d_q + q0 * t.q_stride + head * width;
+  S* dk = g.d_k + k0 * t.k_stride + head * width;
+  S* dv = g.d_v + k0 * t.v_stride + head * width;
+  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
+  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
+  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+}
+//
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+
+/// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
+template <class S>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd) {
+  constexpr int l = lanes<S>;
+  const Index whole = n / l * l;
+  Vec<S> sum{};
+  for (Index i = 0; i < whole; i += l) sum += load(x + i);
+  S total = reduce_add<S>(sum);
+  for (Index i = whole; i < n; ++i) total += x[i];
+  mean = total / static_cast<S>(n);
+  Vec<S> square{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> d = load(x + i) - mean;
+    square += d * d;
+  }
+  S variance = reduce_add<S>(square);
+  for (Index i = whole; i < n; ++i) variance += (x[i] - mean) * (x[i] - mean);
+  rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+}
+
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+template <class S>
+void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  for (Index r = first; r < last; ++r) {
+    const S* x = t.x + r * n;
+    S* y = t.y + r * n;
+    if (t.residual != nullptr) {
+      const S* z = t.residual + r * n;
+      for (Index i = 0; i < whole; i += l) store(y + i, load(x + i) + load(z + i));
+      for (Index i = whole; i < n; ++i) y[i] = x[i] + z[i];
+      x = y;
+    }
+    S mean, rstd;
+    row_moments(x, n, t.eps, mean, rstd);
+    for (Index i = 0; i < whole; i += l) store(y + i, (load(x + i) - mean) * rstd * load(t.weight + i) + load(t.bias + i));
+    for (Index i = whole; i < n; ++i) y[i] = (x[i] - mean) * rstd * t.weight[i] + t.bias[i];
+  }
+}
+
+/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
+template <class S>
+void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  for (Index r = first; r < last; ++r) {
+    const S *x = t.x + r * n, *g = dy + r * n;
+    S mean, rstd;
+    row_moments(x, n, t.eps, mean, rstd);
+    moments[2 * r] = mean;
+    moments[2 * r + 1] = rstd;
+    Vec<S> sum_h{}, sum_hx{};
+    for (Index i = 0; i < whole; i += l) {
+      const Vec<S> h = load(g + i) * load(t.weight + i);
+      sum_h += h;
+      sum_hx += h * ((load(x + i) - mean) * rstd);
+    }
+    S h0 = reduce_add<S>(sum_h), h1 = reduce_add<S>(sum_hx);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[i] * t.weight[i];
+      h0 += h;
+      h1 += h * ((x[i] - mean) * rstd);
+    }
+    h0 /= static_cast<S>(n);
+    h1 /= static_cast<S>(n);
+    S* d = dx + r * n;
+    for (Index i = 0; i < whole; i += l) {
+      store(d + i, (load(g + i) * load(t.weight + i) - h0 - (load(x + i) - mean) * rstd * h1) * rstd);
+    }
+    for (Index i = whole; i < n; ++i) d[i] = (g[i] * t.weight[i] - h0 - (x[i] - mean) * rstd * h1) * rstd;
+  }
+}
+/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
+template <class S>
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
+    const S *x = t.x + r * t.width, *g = dy + r * t.width;
+    for (Index i = first; i < last; ++i) {
+      dweight[i] += g[i] * ((x[i] - mean) * rstd);
+      dbias[i] += g[i];
+    }
+  }
+}
+
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
+template <class S>
+void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
+  for (Index r = first; r < last; ++r) {
+    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
+    softmax_row<S>(scratch, n, n, S(1));
+    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
+  }
+}
+
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, apply_activation<S>(load(x + i), act));
+  store_some(y + i, apply_activation<S>(load_some(x + i, n - i), act), n - i);
+}
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
+  store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
+}
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
+template <class S>
+void error_function(const S* x, Index n, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
+  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
+}
+
+/// Sums of the columns first ... last-1 over all rows.
+template <class S>
+void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
+  for (Index i = first; i < last; ++i) y[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+  const Vec<S> g = gradient * t.gradient_scale;
+  m = m * t.beta1 + g * (S(1) - t.beta1);
+  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
+}
+/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
+template <class S>
+void adamw(const AdamwStep<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  Index i = first;
+  for (; i + l <= last; i += l) {
+    Vec<S> m = load(t.m + i), v = load(t.v + i);
+    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
+    store(t.m + i, m), store(t.v + i, v);
+  }
+  const Index n = last - i;
+  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
+  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
+  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
+}
+
+#define MOTIONLANG_STRING_OF(x) #x
+#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
+
+template <class S>
+const Kernels<S>& table() {
+  static constexpr Kernels<S> t{
+      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .panel_width = panel_width<S>,
+      .row_block = row_block,
+      .gemm_scratch = row_block * (depth_block + 16),
+      .pack = &pack<S>,
+      .gemm_block = &gemm_block<S>,
+      .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
+      .attention_head = &attention_head<S>,
+      .attention_head_vjp = &attention_head_vjp<S>,
+      .dropout = &dropout<S>,
+      .layer_norm_rows = &layer_norm_rows<S>,
+      .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
+      .softmax_rows = &softmax_rows<S>,
+      .activate = &activate<S>,
+      .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
+      .error_function = &error_function<S>,
+      .column_sums = &column_sums<S>,
+      .adamw = &adamw<S>,
+  };
+  return t;
+}
+
+#undef MOTIONLANG_STRING
+#undef MOTIONLANG_STRING_OF
+#undef MOTIONLANG_INLINE
+
+}  // namespace motionlang
+#undef MOTIONLANG_ISA
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+MOTIONLANG_TARGET_POP
+
+MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+#define MOTIONLANG_ISA avx512
+#define MOTIONLANG_VECTOR_BYTES 64
+#define MOTIONLANG_TILE_ROWS 14
+// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+
+// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
+// Included once for every instruction set by kernels.hpp; no include guard on purpose.
+
+template <class S>
+struct VectorOf {
+  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
+  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
+  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+};
+template <class S>
+using Vec = typename VectorOf<S>::type;
+template <class S>
+using Mask = typename VectorOf<S>::mask;
+template <class S>
+inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
+
+// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> load(const S* p) {
+  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
+}
+template <class S>
+MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
+  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> splat(S x) {
+  return x - Vec<S>{};
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
+  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
+  return load(t);
+}
+template <class S>
+MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
+  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
+}
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
+  return a > b ? a : b;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
+  return a < b ? a : b;
+}
+// Lane sums in a fixed order: halves are added until one lane is left.
+template <class S>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
+  store(t, v);
+  for (int half = lanes<S> / 2; half > 0; half /= 2) {
+    for (int i = 0; i < half; ++i) t[i] += t[i + half];
+  }
+  return t[0];
+}
+template <class S>
+MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
+  S m = v[0];
+  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
+  return m;
+}
+
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
+/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
+  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
+  const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
+  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
+  const Vec<S> n = shifted - magic;
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
+  if constexpr (!single) {
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+  }
+  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
+  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
+  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;
+}
+
+/// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
+    const Vec<S> y = c * c;
+    Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
+    p = p * y + S(0.0002880411073313664);
+    q = q * y + S(0.0012163638413281797);
+    p = p * y + S(0.00400366894176566);
+    q = q * y + S(0.01544447024716054);
+    p = p * y + S(0.053467550985535656);
+    q = q * y + S(0.11647668824647715);
+    p = p * y + S(0.19624964460970504);
+    q = q * y + S(0.5072528779928597);
+    p = p * y + S(1.128378976425542);
+    q = q * y + S(1);
+    return c * p / q;
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
+    return r;
+  }
+}
+
+/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  using Bits = typename VectorOf<S>::bits;
+  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
+  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
+  const Vec<S> r = x * y;
+  return r + S(0.5) * y * (x - r * r);
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
+  Vec<S> r{};
+  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+  return r;
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
+  switch (act) {
+    case Activation::none: return x;
+    case Activation::relu: return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu: {
+      const Vec<S> h = x * S(0.5);
+      return h * verf<S>(x * S(0.70710678118654752)) + h;
+    }
+    case Activation::silu: return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh: return vtanh<S>(x);
+  }
+  return x;
+}
+
+/// Derivative at x.
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+template <class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
+  switch (act) {
+    case Activation::none: return splat(S(1));
+    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::gelu: {
+      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
+      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
+    }
+    case Activation::silu: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s + x * s * (S(1) - s);
+    }
+    case Activation::tanh: {
+      const Vec<S> t = vtanh<S>(x);
+      return S(1) - t * t;
+    }
+  }
+  return splat(S(1));
+}
+//
+// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
+//
+//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
+//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
+//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second.
+//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+
+template <class S>
+inline constexpr Index panel_width = 2 * lanes<S>;
+inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
+inline constexpr Index depth_block = 256;
+inline constexpr Index row_block = 8 * tile_rows;
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+template <class S>
+void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>;
+  for (Index j = first; j < last; ++j) {
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w < w ? n - j * w : w;
+    const S* in = b + j * w * stride_n;
+    if (stride_n == 1) {
+      for (Index i = 0; i < k; ++i, out += w) {
+        for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
+      }
+    } else {  // a transposed B: read along its rows, eight at a time
+      for (Index i0 = 0; i0 < k; i0 += 8) {
+        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
+        for (Index c = 0; c < w; ++c) {
+          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+        }
+      }
+    }
+  }
+}
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+template <class S>
+struct Epilogue {
+  bool accumulate = false;
+  const S* bias = nullptr;      // of the panel's first column
+  const S* residual = nullptr;  // of the tile's first element
+  Index residual_stride = 0;
+  Activation act = Activation::none;
+};
+
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 8 * w);
+    __builtin_prefetch(panel + 8 * w + l);
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  const bool whole = columns >= w;
+  const Index n0 = columns, n1 = columns - l;
+  Vec<S> z0{}, z1{};
+  if (e.bias != nullptr) {
+    z0 = whole ? load(e.bias) : load_some(e.bias, n0);
+    z1 = whole ? load(e.bias + l) : load_some(e.bias + l, n1);
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      store(out, c0[i]), store(out + l, c1[i]);
+    } else {
+      if (e.accumulate) c0[i] += load_some(out, n0), c1[i] += load_some(out + l, n1);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr) {
+        c0[i] += load_some(e.residual + i * e.residual_stride, n0);
+        c1[i] += load_some(e.residual + i * e.residual_stride + l, n1);
+      }
+      store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
+    }
+  }
+  if (e.act != Activation::none) {
+    for (int i = 0; i < R; ++i) {
+      S* out = c + i * ldc;
+      if (whole) {
+        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+      } else {
+        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
+      }
+    }
+  }
+}
+
+template <class S>
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+template <class S>
+TileFunction<S> tile_of(Index rows) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1>...};
+  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  return table[static_cast<std::size_t>(rows - 1)];
+}
+
+/// First row of part i of n nearly equal parts.
+MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
+  const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  for (Index top = r0; top < r1; top += row_block) {
+    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+    for (Index block = 0; block < blocks; ++block) {
+      const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
+      const Index pitch = depth + 16;
+      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
+        for (Index k = 0; k < depth; ++k) std::memcpy(scratch + k * rows, g.a + (k0 + k) * g.lda + top, static_cast<std::size_t>(rows) * sizeof(S));
+      } else if (copy) {
+        for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
+      }
+      Epilogue<S> e;
+      e.accumulate = block > 0;
+      for (Index j = j0; j < j1; ++j) {
+        const S* panel = g.panels + (j * g.k + k0) * w;
+        const Index columns = g.n - j * w;
+        for (Index t = 0; t < tiles; ++t) {
+          const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
+          if (block + 1 == blocks) {
+            e.bias = g.bias == nullptr ? nullptr : g.bias + j * w;
+            e.residual = g.residual == nullptr ? nullptr : g.residual + row * g.ldr + j * w;
+            e.residual_stride = g.ldr;
+            e.act = g.act;
+          }
+          const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
+          const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+        }
+      }
+    }
+  }
+}
+//
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
+// head (backward), never for a batch.
+//
+//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
+//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
+
+/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible` columns take part (causal attention), the rest are 0.
+template <class S>
+MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+  constexpr int l = lanes<S>;
+  const Index padded = (n + l - 1) / l * l;
+  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
+  for (Index c = visible; c < padded; ++c) row[c] = hidden;
+  Vec<S> largest = splat(hidden);
+  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
+  const S shift = reduce_max<S>(largest) * scale;
+  Vec<S> sum{};
+  for (Index c = 0; c < padded; c += l) {
+    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
+    store(row + c, e);
+    sum += e;
+  }
+  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
+  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+}
+
+/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
+template <class S>
+void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
+  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
+  const std::uint32_t limit = d.limit();
+  const auto key0 = static_cast<std::uint32_t>(d.key) + static_cast<std::uint32_t>(first >> 32) * 0x27D4EB2Fu;
+  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
+  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
+  Bits counter;
+  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
+  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
+    Bits h = counter * 0x9E3779B1u + key0;
+    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
+    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
+    h = h ^ (h >> 16);
+    if (sizeof(S) == 4 && i + l <= n) {
+      const Vec<S> kept = load(x + i) * keep;
+      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
+    } else {
+      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
+    }
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Index padded_panels(Index n) {
+  return (n + panel_width<S> - 1) / panel_width<S>;
+}
+
+/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+template <class S>
+MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
+                                     bool whole_panels) {
+  constexpr Index w = panel_width<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  const Epilogue<S> plain;
+  for (Index j = 0; j < padded_panels<S>(n); ++j) {
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
+      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                         whole_panels ? w : n - j * w, plain);
+    }
+  }
+}
+
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class S>
+Index attention_scratch(Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  return pk * width + pw * keys + tile_rows * (pk + 16);
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class S>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
+  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
+  const Index pq = padded_panels<S>(queries) * panel_width<S>;
+  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+}
+
+/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
+template <class S>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
+  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
+  const S* q = t.q + q0 * t.q_stride + head * width;
+  const S* k = t.k + k0 * t.k_stride + head * width;
+  const S* v = t.v + k0 * t.v_stride + head * width;
+  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
+  S* kt = scratch;
+  S* vp = kt + key_panels * w * width;
+  S* scores = vp + value_panels * w * keys;
+  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
+  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
+  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+  for (Index i = 0; i < tiles; ++i) {
+    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
+    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
+    for (Index r = 0; r < rows; ++r) {
+      S* row = scores + r * pitch;
+      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
+      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
+    }
+    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+  }
+}
+
+/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
+template <class S>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
+  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
+  const S* q = t.q + q0 * t.q_stride + head * width;
+  const S* k = t.k + k0 * t.k_stride + head * width;
+  const S* v = t.v + k0 * t.v_stride + head * width;
+  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
+  S* a = scratch;                             // K^T, then V^T
+  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
+  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
+  S* ds = p + queries * pitch;                // dP, later dS
+  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
+  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
+  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
+  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  for (Index r = 0; r < queries; ++r) {
+    S *pr = p + r * pitch, *dr = ds + r * pitch;
+    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
+    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    Vec<S> sum{};
+    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
+    const S mean = reduce_add<S>(sum);
+    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
+    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+  }
+  S* dq = g.d_q + q0 * t.q_stride + head * width;
+  S* dk = g.d_k + k0 * t.k_stride + head * width;
+  S* dv = g.d_v + k0 * t.v_stride + head * width;
+  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
+  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
+  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
+  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+}
+//
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+
+/// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
+template <class S>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd) {
+  constexpr int l = lanes<S>;
+  const Index whole = n / l * l;
+  Vec<S> sum{};
+  for (Index i = 0; i < whole; i += l) sum += load(x + i);
+  S total = reduce_add<S>(sum);
+  for (Index i = whole; i < n; ++i) total += x[i];
+  mean = total / static_cast<S>(n);
+  Vec<S> square{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> d = load(x + i) - mean;
+    square += d * d;
+  }
+  S variance = reduce_add<S>(square);
+  for (Index i = whole; i < n; ++i) variance += (x[i] - mean) * (x[i] - mean);
+  rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+}
+
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+template <class S>
+void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  for (Index r = first; r < last; ++r) {
+    const S* x = t.x + r * n;
+    S* y = t.y + r * n;
+    if (t.residual != nullptr) {
+      const S* z = t.residual + r * n;
+      for (Index i = 0; i < whole; i += l) store(y + i, load(x + i) + load(z + i));
+      for (Index i = whole; i < n; ++i) y[i] = x[i] + z[i];
+      x = y;
+    }
+    S mean, rstd;
+    row_moments(x, n, t.eps, mean, rstd);
+    for (Index i = 0; i < whole; i += l) store(y + i, (load(x + i) - mean) * rstd * load(t.weight + i) + load(t.bias + i));
+    for (Index i = whole; i < n; ++i) y[i] = (x[i] - mean) * rstd * t.weight[i] + t.bias[i];
+  }
+}
+
+/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
+template <class S>
+void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  for (Index r = first; r < last; ++r) {
+    const S *x = t.x + r * n, *g = dy + r * n;
+    S mean, rstd;
+    row_moments(x, n, t.eps, mean, rstd);
+    moments[2 * r] = mean;
+    moments[2 * r + 1] = rstd;
+    Vec<S> sum_h{}, sum_hx{};
+    for (Index i = 0; i < whole; i += l) {
+      const Vec<S> h = load(g + i) * load(t.weight + i);
+      sum_h += h;
+      sum_hx += h * ((load(x + i) - mean) * rstd);
+    }
+    S h0 = reduce_add<S>(sum_h), h1 = reduce_add<S>(sum_hx);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[i] * t.weight[i];
+      h0 += h;
+      h1 += h * ((x[i] - mean) * rstd);
+    }
+    h0 /= static_cast<S>(n);
+    h1 /= static_cast<S>(n);
+    S* d = dx + r * n;
+    for (Index i = 0; i < whole; i += l) {
+      store(d + i, (load(g + i) * load(t.weight + i) - h0 - (load(x + i) - mean) * rstd * h1) * rstd);
+    }
+    for (Index i = whole; i < n; ++i) d[i] = (g[i] * t.weight[i] - h0 - (x[i] - mean) * rstd * h1) * rstd;
+  }
+}
+/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
+template <class S>
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
+    const S *x = t.x + r * t.width, *g = dy + r * t.width;
+    for (Index i = first; i < last; ++i) {
+      dweight[i] += g[i] * ((x[i] - mean) * rstd);
+      dbias[i] += g[i];
+    }
+  }
+}
+
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
+template <class S>
+void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
+  for (Index r = first; r < last; ++r) {
+    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
+    softmax_row<S>(scratch, n, n, S(1));
+    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
+  }
+}
+
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, apply_activation<S>(load(x + i), act));
+  store_some(y + i, apply_activation<S>(load_some(x + i, n - i), act), n - i);
+}
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
+  store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
+}
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
+template <class S>
+void error_function(const S* x, Index n, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
+  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
+}
+
+/// Sums of the columns first ... last-1 over all rows.
+template <class S>
+void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
+  for (Index i = first; i < last; ++i) y[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+  const Vec<S> g = gradient * t.gradient_scale;
+  m = m * t.beta1 + g * (S(1) - t.beta1);
+  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
+}
+/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
+template <class S>
+void adamw(const AdamwStep<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  Index i = first;
+  for (; i + l <= last; i += l) {
+    Vec<S> m = load(t.m + i), v = load(t.v + i);
+    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
+    store(t.m + i, m), store(t.v + i, v);
+  }
+  const Index n = last - i;
+  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
+  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
+  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
+}
+
+#define MOTIONLANG_STRING_OF(x) #x
+#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
+
+template <class S>
+const Kernels<S>& table() {
+  static constexpr Kernels<S> t{
+      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .panel_width = panel_width<S>,
+      .row_block = row_block,
+      .gemm_scratch = row_block * (depth_block + 16),
+      .pack = &pack<S>,
+      .gemm_block = &gemm_block<S>,
+      .attention_scratch = &attention_scratch<S>,
+      .attention_vjp_scratch = &attention_vjp_scratch<S>,
+      .attention_head = &attention_head<S>,
+      .attention_head_vjp = &attention_head_vjp<S>,
+      .dropout = &dropout<S>,
+      .layer_norm_rows = &layer_norm_rows<S>,
+      .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
+      .softmax_rows = &softmax_rows<S>,
+      .activate = &activate<S>,
+      .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
+      .error_function = &error_function<S>,
+      .column_sums = &column_sums<S>,
+      .adamw = &adamw<S>,
+  };
+  return t;
+}
+
+#undef MOTIONLANG_STRING
+#undef MOTIONLANG_STRING_OF
+#undef MOTIONLANG_INLINE
+
+}  // namespace motionlang
+#undef MOTIONLANG_ISA
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+MOTIONLANG_TARGET_POP
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+enum class Isa { portable, avx2, avx512, best };
+
+/// The kernels of one instruction set, or nothing if this processor or this build does not have it.
+template <class S>
+const Kernels<S>* kernels_for(Isa isa) {
+  if (isa == Isa::portable) return &portable::table<S>();
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (isa == Isa::avx2)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
+  if (isa == Isa::avx512) {
+    const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                     __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+    return has ? &avx512::table<S>() : nullptr;
+  }
+#endif
+  if (isa != Isa::best) return nullptr;
+  for (Isa better : {Isa::avx512, Isa::avx2}) {
+    if (const auto* k = kernels_for<S>(better)) return k;
+  }
+  return &portable::table<S>();
+}
+
+/// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
+template <class S>
+const Kernels<S>*& current_kernels() {
+  static const Kernels<S>* chosen = kernels_for<S>(Isa::best);
+  return chosen;
+}
+template <class S>
+const Kernels<S>& kernels() {
+  return *current_kernels<S>();
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
 template <class S>
 using EigenArray = Eigen::Array<S, Eigen::Dynamic, 1>;
 
@@ -2714,36 +5247,6 @@ template <class S, class F>
 Dense<S> eigen_unary(Dense<S> a, F f) {
   Dense<S> out = a.unique() ? a : Dense<S>(a.shape());
   eigen_map(out.data(), a.count()) = f(eigen_map(std::as_const(a).data(), a.count()));
-  return out;
-}
-
-/// out = f(a, b) with broadcasting; f maps two Eigen expressions to one.
-template <class S, class F>
-Dense<S> eigen_binary(Dense<S> a, Dense<S> b, F f) {
-  if (a.shape() == b.shape()) {
-    Dense<S> out = a.unique() ? a : b.unique() ? b : Dense<S>(a.shape());
-    eigen_map(out.data(), a.count()) =
-        f(eigen_map(std::as_const(a).data(), a.count()), eigen_map(std::as_const(b).data(), a.count()));
-    return out;
-  }
-  const Shape s = broadcast_shapes(a.shape(), b.shape(), "binary operation");
-  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
-  if (!pattern) return eigen_binary(DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s), f);
-  const auto& p = *pattern;
-  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  const S *pa = std::as_const(a).data(), *pb = std::as_const(b).data();
-  S* to = out.data();
-  for (Index i = 0; i < p.outer; ++i, to += p.inner) {
-    const S* x = pa + (p.a.outer ? i * (p.a.inner ? p.inner : 1) : 0);
-    const S* y = pb + (p.b.outer ? i * (p.b.inner ? p.inner : 1) : 0);
-    auto row = eigen_map(to, p.inner);
-    if (p.a.inner && p.b.inner)
-      row = f(eigen_map(x, p.inner), eigen_map(y, p.inner));
-    else if (p.a.inner)
-      row = f(eigen_map(x, p.inner), EigenArray<S>::Constant(p.inner, *y));
-    else
-      row = f(EigenArray<S>::Constant(p.inner, *x), eigen_map(y, p.inner));
-  }
   return out;
 }
 
@@ -2767,30 +5270,13 @@ Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fo
 }  // namespace detail
 
 template <Scalar S>
-Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x + y; });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x - y; });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x * y; });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x / y; });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x.max(y); });
-}
-template <Scalar S>
 Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) {
-    return x.binaryExpr(y, [](S p, S q) { return std::atan2(p, q); });
-  });
+  const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
+  a = DenseOps<S>::broadcast(a, s), b = DenseOps<S>::broadcast(b, s);
+  tensor out(s);
+  for (Index i = 0, n = s.count(); i < n; ++i)
+    out.data()[i] = std::atan2(std::as_const(a).data()[i], std::as_const(b).data()[i]);
+  return out;
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::exp(tensor a) {
@@ -2849,8 +5335,4 @@ Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 #endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI
 #endif

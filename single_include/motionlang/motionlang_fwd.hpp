@@ -90,10 +90,10 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
 /// the module path. The list of ids is `error_ids` below; every one has a test.
 
-#include <charconv>     // to_chars: messages without streams and without the locale
-#include <cstdlib>      // abort
-#include <stdexcept>    // runtime_error
-#include <vector>       // diagnostics path
+#include <charconv>          // to_chars: messages without streams and without the locale
+#include <cstdlib>           // abort
+#include <stdexcept>         // runtime_error
+#include <vector>            // diagnostics path
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -203,6 +203,25 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
+/// all lengths, because messages are many and each would be compiled for its own list of types.
+struct TextPart {
+  const void* value;
+  void (*append)(std::string& out, const void* value);
+};
+inline TextPart text_part(const char* literal) {
+  return {literal, [](std::string& out, const void* value) { out += static_cast<const char*>(value); }};
+}
+template <class T>
+TextPart text_part(const T& value) {
+  return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
+}
+inline std::string concat_parts(std::initializer_list<TextPart> parts) {
+  std::string out;
+  for (const TextPart& p : parts) p.append(out, p.value);
+  return out;
+}
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
   static std::vector<std::string>& names() {
@@ -216,9 +235,7 @@ struct ModulePath {
 /// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
 template <class... T>
 std::string concat_text(const T&... parts) {
-  std::string out;
-  (detail::append(out, parts), ...);
-  return out;
+  return detail::concat_parts({detail::text_part(parts)...});
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -238,12 +255,14 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
+namespace detail {
+
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
-template <class E, class... T>
-[[noreturn]] void raise(int id, const T&... parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
+template <class E>
+[[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = detail::ModulePath::names();
+  const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
 #ifdef MOTIONLANG_THROW
@@ -252,6 +271,14 @@ template <class E, class... T>
 #else
   throw E(id, text);
 #endif
+}
+
+}  // namespace detail
+
+/// Throws E with this id and the text of all parts.
+template <class E, class... T>
+[[noreturn]] void raise(int id, const T&... parts) {
+  detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

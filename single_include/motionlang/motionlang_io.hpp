@@ -4165,6 +4165,8 @@ inline void write_glb(const FilePath& path, const Motion& motion, const GlbWrite
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
 /// Parameters of modules in safetensors files: paths of fields are the names of tensors.
 
+#include <set>    // names
+
 #ifndef MOTIONLANG_HAS_IO_SAFETENSORS_HPP  // <motionlang/io/safetensors.hpp>
 #define MOTIONLANG_HAS_IO_SAFETENSORS_HPP
 /// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
@@ -4188,8 +4190,6 @@ inline void write_glb(const FilePath& path, const Motion& motion, const GlbWrite
 /// nlohmann's SAX reader does the same work but costs every translation unit that opens a weight file 1.5 s of
 /// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
 /// `max_depth`.
-
-#include <set>          // keys of an object
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
@@ -4593,7 +4593,7 @@ class SafetensorsFile {
     json.skip_space();
     if (!json.at_end()) json.fail(403, json.position(), "text behind the header's object");
     check_tiling(json, ranges, data.size());
-    std::sort(tensors_.begin(), tensors_.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+    detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
   }
 
   void read_metadata(Cursor& json) {
@@ -4679,8 +4679,8 @@ class SafetensorsFile {
 
   /// The ranges follow each other without overlap or hole and end where the data end.
   static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size) {
-    std::sort(ranges.begin(), ranges.end(),
-              [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
+    detail::sort(ranges,
+                 [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
     std::uint64_t end = 0;
     for (const Range& r : ranges) {
       if (r.begin != end) {
@@ -4758,7 +4758,7 @@ inline std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tens
   std::vector<const TensorView*> order;
   std::size_t size = 0;
   for (const TensorView& t : tensors) order.push_back(&t), size += t.bytes.size();
-  std::sort(order.begin(), order.end(), [](const TensorView* a, const TensorView* b) {
+  detail::sort(order, [](const TensorView* a, const TensorView* b) {
     const int bits_a = info(a->dtype).bits, bits_b = info(b->dtype).bits;
     return bits_a != bits_b ? bits_a > bits_b : a->name < b->name;
   });
@@ -4816,9 +4816,10 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
   const auto numbers = tensor.span();
-  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](S x) { return !std::isfinite(x); });
-  if (wrong != numbers.end())
-    raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i]))
+      raise<numeric_error>(301, where, ": number ", i, " of tensor '", view.name, "' is ", numbers[i]);
+  }
 }
 
 /// Names that a file lacks, and names that nobody asked for.
@@ -4826,24 +4827,38 @@ struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
+namespace detail {
+
+/// Fills tensors from a file by their names.
+struct TensorLoader {
+  const SafetensorsFile& file;
+  const std::string& prefix;
+  std::string (*key)(const std::string& prefix, const std::string& path);
+  KeyReport& report;
+  std::set<std::string>& known;
+
+  template <Backend B, int R>
+  void operator()(const std::string& path, Tensor<B, R>& tensor) const {
+    const std::string& name = *known.insert(key(prefix, path)).first;
+    const TensorView* view = file.find(name);
+    if (view == nullptr)
+      report.missing.push_back(name);
+    else
+      assign_tensor(tensor, *view, file.owner(), file.name());
+  }
+};
+
+}  // namespace detail
+
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match; throws io_error 407 for a tensor of another shape.
 template <Module M>
 KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
   KeyReport report;
-  std::vector<std::string> known;
-  visit_tensors(module, [&](const std::string& path, auto& tensor) {
-    known.push_back(tensor_key<M>(prefix, path));
-    const TensorView* view = file.find(known.back());
-    if (view == nullptr)
-      report.missing.push_back(known.back());
-    else
-      assign_tensor(tensor, *view, file.owner(), file.name());
-  });
-  std::sort(known.begin(), known.end());
+  std::set<std::string> known;
+  visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
   for (const TensorView& t : file.tensors()) {
-    if (t.name.starts_with(prefix) && !std::binary_search(known.begin(), known.end(), t.name))
-      report.unexpected.push_back(t.name);
+    if (t.name.starts_with(prefix) && !known.contains(t.name)) report.unexpected.push_back(t.name);
   }
   return report;
 }

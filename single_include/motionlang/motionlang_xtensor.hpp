@@ -136,6 +136,17 @@ struct AdamwStep {
   S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
+/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+enum class BinaryOp { add, sub, mul, div, maximum };
+template <class S>
+struct Binary {
+  BinaryOp op{};
+  const S *a = nullptr, *b = nullptr;
+  bool a_repeated = false, b_repeated = false;
+  Index count = 0;
+  S* y = nullptr;  // may be a or b
+};
+
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
@@ -155,6 +166,7 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
+  void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
@@ -176,7 +188,11 @@ struct Kernels {
 
 #define MOTIONLANG_ISA portable
 #define MOTIONLANG_VECTOR_BYTES 16
+#if defined(__OPTIMIZE__)
 #define MOTIONLANG_TILE_ROWS 6
+#else  // without the optimiser higher tiles would only take longer to compile
+#define MOTIONLANG_TILE_ROWS 2
+#endif
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
@@ -787,6 +803,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -850,6 +900,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -1483,6 +1534,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -1546,6 +1631,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -2177,6 +2263,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -2240,6 +2360,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,

@@ -14,16 +14,16 @@
 ///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
 ///     const ml::Motion motion = ml::stmc_motion(features);
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>.
+/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...) includes
+/// <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
 /// header only says what can be called. For other backends, and for `generate_from`, include <motionlang/io/stmc_file.hpp> as well.
 
-#ifndef MOTIONLANG_HAS_BACKEND_EIGEN_HPP  // <motionlang/backend/eigen.hpp>
-#define MOTIONLANG_HAS_BACKEND_EIGEN_HPP
-/// Backend over Eigen: elementwise operations and reductions are Eigen expressions over mapped memory, products and
-/// fused operations are the kernels of kernel_ops.hpp (Eigen's own product reaches 20 to 50 % of the processor at these
-/// shapes).
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of arithmetic and of the kernels. Those
+/// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
@@ -49,15 +49,15 @@
 /// Fresh pages cost more than the arithmetic that fills them (64 MiB: 26 ms). A loop that repeats the same computation
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
 
-#include <atomic>   // reference counts
-#include <bit>      // bit_width
-#include <cstddef>  // byte
-#include <cstdint>  // sizes
-#include <cstdlib>  // aligned_alloc
-#include <memory>   // owner of foreign memory
-#include <new>      // bad_alloc
-#include <utility>  // exchange
-#include <vector>   // PoolVector
+#include <atomic>       // reference counts
+#include <bit>          // bit_width
+#include <cstddef>      // byte
+#include <cstdint>      // sizes
+#include <cstdlib>      // aligned_alloc
+#include <memory>       // owner of foreign memory
+#include <new>          // bad_alloc
+#include <type_traits>  // is_trivially_copyable
+#include <utility>      // exchange
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
@@ -225,27 +225,55 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// Standard allocator over the pool: lists that are made anew in every round of a loop cost nothing after the first.
+/// A list of plain values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
+/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
-struct PoolAllocator {
+class PoolVector {
+  static_assert(std::is_trivially_copyable_v<T>, "motionlang::PoolVector: plain values only");
+
+ public:
   using value_type = T;
-  PoolAllocator() = default;
-  template <class U>
-  PoolAllocator(const PoolAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(BufferPool::take(n * sizeof(T))->data); }
-  void deallocate(T* p, std::size_t) {  // the header lies right before the data
-    BufferPool::give_back(reinterpret_cast<detail::Buffer*>(reinterpret_cast<std::byte*>(p) - sizeof(detail::Buffer)));
+  PoolVector() = default;
+  explicit PoolVector(std::size_t size, T value = T{}) {
+    reserve(size);
+    for (; size_ < size; ++size_) data_[size_] = value;
   }
-  template <class U>
-  bool operator==(const PoolAllocator<U>&) const {
-    return true;
+  PoolVector(PoolVector&& o) noexcept
+      : memory_(std::move(o.memory_)),
+        data_(std::exchange(o.data_, nullptr)),
+        size_(std::exchange(o.size_, 0)),
+        capacity_(std::exchange(o.capacity_, 0)) {}
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T* begin() { return data_; }
+  const T* begin() const { return data_; }
+  T* end() { return data_ + size_; }
+  const T* end() const { return data_ + size_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+
+  void reserve(std::size_t capacity) {
+    if (capacity <= capacity_) return;
+    detail::BufferHandle larger(capacity * sizeof(T));
+    if (size_ > 0) std::memcpy(larger.data(), data_, size_ * sizeof(T));
+    memory_ = std::move(larger);
+    data_ = static_cast<T*>(memory_.data());
+    capacity_ = capacity;
   }
+  void push_back(T value) {
+    if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
+    data_[size_++] = value;
+  }
+
+ private:
+  detail::BufferHandle memory_;
+  T* data_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
 };
-
-/// A list that is cheap to make again and again.
-template <class T>
-using PoolVector = std::vector<T, PoolAllocator<T>>;
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -305,8 +333,9 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
 /// the module path. The list of ids is `error_ids` below; every one has a test.
 
-#include <charconv>     // to_chars: messages without streams and without the locale
-#include <stdexcept>    // runtime_error
+#include <charconv>          // to_chars: messages without streams and without the locale
+#include <stdexcept>         // runtime_error
+#include <vector>            // diagnostics path
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -416,6 +445,25 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
+/// all lengths, because messages are many and each would be compiled for its own list of types.
+struct TextPart {
+  const void* value;
+  void (*append)(std::string& out, const void* value);
+};
+inline TextPart text_part(const char* literal) {
+  return {literal, [](std::string& out, const void* value) { out += static_cast<const char*>(value); }};
+}
+template <class T>
+TextPart text_part(const T& value) {
+  return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
+}
+inline std::string concat_parts(std::initializer_list<TextPart> parts) {
+  std::string out;
+  for (const TextPart& p : parts) p.append(out, p.value);
+  return out;
+}
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
   static std::vector<std::string>& names() {
@@ -429,9 +477,7 @@ struct ModulePath {
 /// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
 template <class... T>
 std::string concat_text(const T&... parts) {
-  std::string out;
-  (detail::append(out, parts), ...);
-  return out;
+  return detail::concat_parts({detail::text_part(parts)...});
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -451,12 +497,14 @@ struct ModuleScope {
   ModuleScope& operator=(const ModuleScope&) = delete;
 };
 
+namespace detail {
+
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
-template <class E, class... T>
-[[noreturn]] void raise(int id, const T&... parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ", parts...);
+template <class E>
+[[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = detail::ModulePath::names();
+  const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
 #ifdef MOTIONLANG_THROW
@@ -465,6 +513,14 @@ template <class E, class... T>
 #else
   throw E(id, text);
 #endif
+}
+
+}  // namespace detail
+
+/// Throws E with this id and the text of all parts.
+template <class E, class... T>
+[[noreturn]] void raise(int id, const T&... parts) {
+  detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -945,8 +1001,6 @@ struct Dropout {
 /// A handle with value semantics: copying shares memory, writing never shows through another handle. A wrong rank is a
 /// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 
-#include <type_traits>  // is_arithmetic
-
 #ifndef MOTIONLANG_HAS_CORE_RNG_HPP  // <motionlang/core/rng.hpp>
 #define MOTIONLANG_HAS_CORE_RNG_HPP
 /// Random numbers: a counter-based generator that can be split by name or number.
@@ -1323,17 +1377,17 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
 class Offsets {
  public:
-  Offsets() : Offsets(std::vector<Index>{}) {}
+  Offsets() : Offsets(std::span<const Index>()) {}
   /// From the lengths of the sequences. Throws shape_error 207 on a negative one.
-  explicit Offsets(std::span<const Index> lengths) {
-    auto list = std::allocate_shared<List>(PoolAllocator<List>{});
-    list->reserve(lengths.size() + 1);
-    list->push_back(0);
+  explicit Offsets(std::span<const Index> lengths)
+      : memory_((lengths.size() + 1) * sizeof(Index)), count_(static_cast<Index>(lengths.size())) {
+    Index* last = static_cast<Index*>(memory_.data());
+    *last = 0;
     for (Index n : lengths) {
       if (n < 0) raise<shape_error>(207, "Offsets: negative length ", n);
-      list->push_back(list->back() + n);
+      last[1] = *last + n;
+      ++last;
     }
-    list_ = std::move(list);
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
@@ -1342,22 +1396,26 @@ class Offsets {
     return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 
-  Index count() const { return static_cast<Index>(list_->size()) - 1; }
-  Index rows() const { return list_->back(); }
-  Index begin(Index i) const { return (*list_)[static_cast<std::size_t>(i)]; }
-  Index end(Index i) const { return (*list_)[static_cast<std::size_t>(i) + 1]; }
+  Index count() const { return count_; }
+  Index rows() const { return first()[count_]; }
+  Index begin(Index i) const { return first()[i]; }
+  Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
   Index longest() const {
     Index n = 0;
     for (Index i = 0; i < count(); ++i) n = length(i) > n ? length(i) : n;
     return n;
   }
-  std::span<const Index> list() const { return *list_; }
-  bool operator==(const Offsets& o) const { return list_ == o.list_ || *list_ == *o.list_; }
+  std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
+  bool operator==(const Offsets& o) const {
+    return count_ == o.count_ &&
+           std::memcmp(first(), o.first(), (static_cast<std::size_t>(count_) + 1) * sizeof(Index)) == 0;
+  }
 
  private:
-  using List = PoolVector<Index>;
-  std::shared_ptr<const List> list_;
+  const Index* first() const { return static_cast<const Index*>(memory_.data()); }
+  detail::BufferHandle memory_;
+  Index count_;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -1501,7 +1559,9 @@ struct Sequences {
 inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   PoolVector<Index> owner;
   owner.reserve(static_cast<std::size_t>(offsets.rows()));
-  for (Index s = 0; s < offsets.count(); ++s) owner.insert(owner.end(), static_cast<std::size_t>(offsets.length(s)), s);
+  for (Index s = 0; s < offsets.count(); ++s) {
+    for (Index i = 0; i < offsets.length(s); ++i) owner.push_back(s);
+  }
   return owner;
 }
 /// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
@@ -2000,6 +2060,17 @@ struct AdamwStep {
   S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
+/// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
+enum class BinaryOp { add, sub, mul, div, maximum };
+template <class S>
+struct Binary {
+  BinaryOp op{};
+  const S *a = nullptr, *b = nullptr;
+  bool a_repeated = false, b_repeated = false;
+  Index count = 0;
+  S* y = nullptr;  // may be a or b
+};
+
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
@@ -2019,6 +2090,7 @@ struct Kernels {
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
+  void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
@@ -2040,7 +2112,11 @@ struct Kernels {
 
 #define MOTIONLANG_ISA portable
 #define MOTIONLANG_VECTOR_BYTES 16
+#if defined(__OPTIMIZE__)
 #define MOTIONLANG_TILE_ROWS 6
+#else  // without the optimiser higher tiles would only take longer to compile
+#define MOTIONLANG_TILE_ROWS 2
+#endif
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
@@ -2651,6 +2727,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -2714,6 +2824,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -3347,6 +3458,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -3410,6 +3555,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -4041,6 +4187,40 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
   for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
   store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
 }
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add: return a + b;
+    case BinaryOp::sub: return a - b;
+    case BinaryOp::mul: return a * b;
+    case BinaryOp::div: return a / b;
+    case BinaryOp::maximum: return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
 template <class S>
 void error_function(const S* x, Index n, S* y) {
   constexpr int l = lanes<S>;
@@ -4104,6 +4284,7 @@ const Kernels<S>& table() {
       .softmax_rows = &softmax_rows<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
+      .binary = &binary<S>,
       .error_function = &error_function<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
@@ -4185,25 +4366,26 @@ class ThreadPool {
     return pool;
   }
 
-  int size() const { return static_cast<int>(workers_.size()) + 1; }
+  int size() const { return workers_ + 1; }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
 
   void resize(int threads) {
     stop();
-    workers_.reserve(static_cast<std::size_t>(threads - 1));
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
-      workers_.emplace_back([this, i, seen = round_.load()] {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
         number_ = i;
         work(seen);
       });
+      ++workers_;
     }
   }
 
   /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
   void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_.empty() || inside_) {
+    if (count == 1 || workers_ == 0 || inside_) {
       for (Index i = 0; i < count; ++i) task(context, i);
       return;
     }
@@ -4212,7 +4394,7 @@ class ThreadPool {
     context_ = context;
     count_ = count;
     next_.store(0, std::memory_order_relaxed);
-    pending_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
+    pending_.store(workers_, std::memory_order_relaxed);
     {
       std::scoped_lock lock(sleep_);
       round_.fetch_add(1, std::memory_order_release);
@@ -4246,8 +4428,7 @@ class ThreadPool {
       round_.fetch_add(1);
     }
     wake_.notify_all();
-    for (auto& w : workers_) w.join();
-    workers_.clear();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
   void work(unsigned seen) {
@@ -4284,7 +4465,8 @@ class ThreadPool {
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::vector<std::thread> workers_;
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
   std::condition_variable wake_;
   std::atomic<unsigned> round_{0};
@@ -4673,12 +4855,9 @@ extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
 #else
 
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP  // <motionlang/backend/detail/eigen_impl.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP
-/// Bodies of eigen.hpp. The only header that includes Eigen.
-
-#include <Eigen/Core>  // arrays
-#include <limits>      // infinity
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP  // <motionlang/backend/detail/eigen_arithmetic.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP
+/// Arithmetic of eigen.hpp, by the kernels: no Eigen here.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
@@ -4726,69 +4905,23 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
 template <class S>
-using EigenArray = Eigen::Array<S, Eigen::Dynamic, 1>;
-
-template <class S>
-auto eigen_map(const S* data, Index n) {
-  return Eigen::Map<const EigenArray<S>>(data, n);
-}
-template <class S>
-auto eigen_map(S* data, Index n) {
-  return Eigen::Map<EigenArray<S>>(data, n);
-}
-
-/// out = f(a) as arrays; a's memory is reused when nobody else holds it.
-template <class S, class F>
-Dense<S> eigen_unary(Dense<S> a, F f) {
-  Dense<S> out = a.unique() ? a : Dense<S>(a.shape());
-  eigen_map(out.data(), a.count()) = f(eigen_map(std::as_const(a).data(), a.count()));
-  return out;
-}
-
-/// out = f(a, b) with broadcasting; f maps two Eigen expressions to one.
-template <class S, class F>
-Dense<S> eigen_binary(Dense<S> a, Dense<S> b, F f) {
-  if (a.shape() == b.shape()) {
-    Dense<S> out = a.unique() ? a : b.unique() ? b : Dense<S>(a.shape());
-    eigen_map(out.data(), a.count()) =
-        f(eigen_map(std::as_const(a).data(), a.count()), eigen_map(std::as_const(b).data(), a.count()));
-    return out;
-  }
-  const Shape s = broadcast_shapes(a.shape(), b.shape(), "binary operation");
+Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
+  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
   const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
-  if (!pattern) return eigen_binary(DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s), f);
-  const auto& p = *pattern;
+  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
+  const auto& [outer, inner, walk_a, walk_b] = *pattern;
   Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  const S *pa = std::as_const(a).data(), *pb = std::as_const(b).data();
-  S* to = out.data();
-  for (Index i = 0; i < p.outer; ++i, to += p.inner) {
-    const S* x = pa + (p.a.outer ? i * (p.a.inner ? p.inner : 1) : 0);
-    const S* y = pb + (p.b.outer ? i * (p.b.inner ? p.inner : 1) : 0);
-    auto row = eigen_map(to, p.inner);
-    if (p.a.inner && p.b.inner)
-      row = f(eigen_map(x, p.inner), eigen_map(y, p.inner));
-    else if (p.a.inner)
-      row = f(eigen_map(x, p.inner), EigenArray<S>::Constant(p.inner, *y));
-    else
-      row = f(EigenArray<S>::Constant(p.inner, *x), eigen_map(y, p.inner));
-  }
-  return out;
-}
-
-/// a is (outer, n, inner) -> (outer, inner). `whole` reduces an array to a number, `fold` takes one array into another.
-template <class S, class Whole, class Fold>
-Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fold) {
-  const Index outer = a.shape().count(0, axis), n = a.shape()[axis],
-              inner = a.shape().count(axis + 1, a.shape().rank());
-  Dense<S> out = Dense<S>::full(a.shape().without(axis), start);
-  for (Index i = 0; i < outer && n > 0; ++i) {
-    if (inner == 1) {
-      out.data()[i] = whole(eigen_map(a.data() + i * n, n));
-    } else {
-      auto row = eigen_map(out.data() + i * inner, inner);
-      for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner, inner));
-    }
+  const auto apply = kernels<S>().binary;
+  for (Index i = 0; i < outer && inner > 0; ++i) {
+    apply({.op = op,
+           .a = std::as_const(a).data() + (walk_a.outer ? i * (walk_a.inner ? inner : 1) : 0),
+           .b = std::as_const(b).data() + (walk_b.outer ? i * (walk_b.inner ? inner : 1) : 0),
+           .a_repeated = !walk_a.inner,
+           .b_repeated = !walk_b.inner,
+           .count = inner,
+           .y = out.data() + i * inner});
   }
   return out;
 }
@@ -4797,82 +4930,23 @@ Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fo
 
 template <Scalar S>
 Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x + y; });
+  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x - y; });
+  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x * y; });
+  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x / y; });
+  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) { return x.max(y); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
-  return detail::eigen_binary(std::move(a), std::move(b), [](const auto& x, const auto& y) {
-    return x.binaryExpr(y, [](S p, S q) { return std::atan2(p, q); });
-  });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::exp(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.exp(); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::log(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.log(); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sqrt(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sqrt(); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::tanh(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.tanh(); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::erf(tensor a) {  // Eigen's is in an unsupported module
-  tensor out(a.shape());
-  detail::kernels<S>().error_function(std::as_const(a).data(), a.count(), out.data());
-  return out;
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sin(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sin(); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::cos(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.cos(); });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
-  const Shape s = broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
-                                   broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
-  const Index n = s.count();
-  const tensor la = DenseOps<S>::broadcast(a, s), lb = DenseOps<S>::broadcast(b, s);
-  const tensor lx = DenseOps<S>::broadcast(x, s), ly = DenseOps<S>::broadcast(y, s);
-  tensor out(s);
-  detail::eigen_map(out.data(), n) = (detail::eigen_map(la.data(), n) < detail::eigen_map(lb.data(), n))
-                                         .select(detail::eigen_map(lx.data(), n), detail::eigen_map(ly.data(), n));
-  return out;
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sum(const tensor& a, int axis) {
-  return detail::eigen_reduce(
-      a, axis, S(0), [](const auto& x) { return x.sum(); }, [](auto& total, const auto& x) { total += x; });
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
-  return detail::eigen_reduce(
-      a, axis, -std::numeric_limits<S>::infinity(), [](const auto& x) { return x.maxCoeff(); },
-      [](auto& largest, const auto& x) { largest = largest.max(x); });
+  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5616,10 +5690,16 @@ void each_field(F& f, const First& first, const Walks&... others) {
   }
 }
 
+template <class F, class First, class... Walks>
+void visit_walks(const std::string& prefix, F& f, const First& first, const Walks&... others) {
+  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
+    visit_member(join_path(prefix, first.list.first.name), f, first.member(), others.member()...);
+    visit_walks(prefix, f, first.rest(), others.rest()...);
+  }
+}
 template <class F, class... Objects>
 void visit_fields(const std::string& prefix, F& f, Objects&... objects) {
-  auto member = [&](const char* name, auto&... members) { visit_member(join_path(prefix, name), f, members...); };
-  each_field(member, walk(objects)...);
+  visit_walks(prefix, f, walk(objects)...);
 }
 
 }  // namespace detail
@@ -6205,12 +6285,25 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+namespace detail {
+
+/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for every
+/// module, and all that lies below would be compiled again.
+template <class F>
+struct TensorsOnly {
+  F& f;
+  template <class T>
+  void operator()(const std::string& path, T& leaf) const {
+    if constexpr (is_tensor<std::remove_const_t<T>>) f(path, leaf);
+  }
+};
+
+}  // namespace detail
+
 /// Calls f(path, tensor) for all tensors of a module; other fields (sizes, options) are passed over.
 template <class M, class F>
 void visit_tensors(M& module, F f) {
-  visit(module, [&](const std::string& path, auto& leaf) {
-    if constexpr (is_tensor<std::remove_cvref_t<decltype(leaf)>>) f(path, leaf);
-  });
+  visit(module, detail::TensorsOnly<F>{f});
 }
 
 /// Numbers in all tensors of a module.
@@ -6270,14 +6363,22 @@ M<typename A::inner> to_inner(const M<A>& model) {
   return convert<typename A::inner>(model);
 }
 
+namespace detail {
+
+struct PrepareWeights {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (R == 2 && requires { B::prepare(t.data()); }) B::prepare(t.data());
+  }
+};
+
+}  // namespace detail
+
 /// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
-  visit_tensors(model, [](const std::string&, auto& t) {
-    using T = std::remove_cvref_t<decltype(t)>;
-    if constexpr (T::rank == 2 && requires { T::backend::prepare(t.data()); }) T::backend::prepare(t.data());
-  });
+  visit_tensors(model, detail::PrepareWeights{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -6585,14 +6686,18 @@ struct MdmSmplConfig {
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
+
+  /// Frames that fit behind the tokens of time and of a text of one token.
+  Index longest_crop() const { return max_len - 2 - nb_registers; }
 };
 
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder; the
-/// frames are read off its end.
-/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py, whose
-///          state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of the
-///          batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) nothing does.
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
+/// the frames are read off its end.
+/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py,
+///          whose state-dict keys (behind "denoiser.") are the field names
+/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
+///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
+///          does.
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
@@ -6634,7 +6739,10 @@ struct MdmSmplDenoiser {
         dropout_p(c.dropout) {}
 
   /// Behind the tokens for time and text and the registers.
-  DenoiserTraits traits() const { return {.longest_crop = positions.rows().size(0) - 2 - registers.size(0)}; }
+  DenoiserTraits traits() const {
+    return {.longest_crop =
+                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop()};
+  }
 
   /// (sequences, latent)
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
@@ -6970,19 +7078,39 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
   });
 }
 
-/// The vector of HumanML3D (and, with 21 joints, of KIT): 4 root numbers, positions of joints 1 ... J-1, their 6D
-/// rotations, velocities of all joints, 4 foot contacts: 12 J - 1 = 263 for J = 22.
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  std::vector<IndexRange> groups() const {
+    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
 inline FeatureLayout guoh3dfeats_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  const Index positions = 4, rotations = positions + 3 * (joints - 1), velocities = rotations + 6 * (joints - 1),
-              contacts = velocities + 3 * joints;
-  return FeatureLayout::from_owner("guoh3dfeats", contacts + 4, [=](Index i) {
-    if (i < positions || i >= contacts) return BodyPart::legs;
-    const Index joint = i < rotations    ? 1 + (i - positions) / 3
-                        : i < velocities ? 1 + (i - rotations) / 6
-                                         : (i - velocities) / 3;
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
     return part_of_joint[static_cast<std::size_t>(joint)];
   });
 }
@@ -7732,6 +7860,8 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
 /// Parameters of modules in safetensors files: paths of fields are the names of tensors.
 
+#include <set>    // names
+
 #ifndef MOTIONLANG_HAS_IO_SAFETENSORS_HPP  // <motionlang/io/safetensors.hpp>
 #define MOTIONLANG_HAS_IO_SAFETENSORS_HPP
 /// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
@@ -7746,6 +7876,33 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 ///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
 ///          the header, and nothing is allocated for what a file merely claims.
 /// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
+
+#ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
+#define MOTIONLANG_HAS_CORE_SORT_HPP
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
+/// the list. `List` is a vector.
+template <class List, class Less>
+void sort(List& list, Less less) {
+  const auto sift_down = [&](std::size_t i, std::size_t size) {
+    for (std::size_t child; (child = 2 * i + 1) < size; i = child) {
+      if (child + 1 < size && less(list[child], list[child + 1])) ++child;
+      if (!less(list[i], list[child])) return;
+      std::swap(list[i], list[child]);
+    }
+  };
+  for (std::size_t i = list.size() / 2; i-- > 0;) sift_down(i, list.size());
+  for (std::size_t size = list.size(); size-- > 1;) {
+    std::swap(list[0], list[size]);
+    sift_down(0, size);
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_BYTES_HPP  // <motionlang/io/detail/bytes.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_BYTES_HPP
@@ -7844,8 +8001,6 @@ inline std::vector<std::byte> from_base64(std::string_view text) {
 /// nlohmann's SAX reader does the same work but costs every translation unit that opens a weight file 1.5 s of
 /// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
 /// `max_depth`.
-
-#include <set>          // keys of an object
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
@@ -8448,7 +8603,7 @@ class SafetensorsFile {
     json.skip_space();
     if (!json.at_end()) json.fail(403, json.position(), "text behind the header's object");
     check_tiling(json, ranges, data.size());
-    std::sort(tensors_.begin(), tensors_.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+    detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
   }
 
   void read_metadata(Cursor& json) {
@@ -8534,8 +8689,8 @@ class SafetensorsFile {
 
   /// The ranges follow each other without overlap or hole and end where the data end.
   static void check_tiling(const Cursor& json, std::vector<Range>& ranges, std::uint64_t size) {
-    std::sort(ranges.begin(), ranges.end(),
-              [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
+    detail::sort(ranges,
+                 [](const Range& a, const Range& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
     std::uint64_t end = 0;
     for (const Range& r : ranges) {
       if (r.begin != end) {
@@ -8613,7 +8768,7 @@ inline std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tens
   std::vector<const TensorView*> order;
   std::size_t size = 0;
   for (const TensorView& t : tensors) order.push_back(&t), size += t.bytes.size();
-  std::sort(order.begin(), order.end(), [](const TensorView* a, const TensorView* b) {
+  detail::sort(order, [](const TensorView* a, const TensorView* b) {
     const int bits_a = info(a->dtype).bits, bits_b = info(b->dtype).bits;
     return bits_a != bits_b ? bits_a > bits_b : a->name < b->name;
   });
@@ -8732,9 +8887,10 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
   const auto numbers = tensor.span();
-  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](S x) { return !std::isfinite(x); });
-  if (wrong != numbers.end())
-    raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i]))
+      raise<numeric_error>(301, where, ": number ", i, " of tensor '", view.name, "' is ", numbers[i]);
+  }
 }
 
 /// Names that a file lacks, and names that nobody asked for.
@@ -8742,24 +8898,38 @@ struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
+namespace detail {
+
+/// Fills tensors from a file by their names.
+struct TensorLoader {
+  const SafetensorsFile& file;
+  const std::string& prefix;
+  std::string (*key)(const std::string& prefix, const std::string& path);
+  KeyReport& report;
+  std::set<std::string>& known;
+
+  template <Backend B, int R>
+  void operator()(const std::string& path, Tensor<B, R>& tensor) const {
+    const std::string& name = *known.insert(key(prefix, path)).first;
+    const TensorView* view = file.find(name);
+    if (view == nullptr)
+      report.missing.push_back(name);
+    else
+      assign_tensor(tensor, *view, file.owner(), file.name());
+  }
+};
+
+}  // namespace detail
+
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match; throws io_error 407 for a tensor of another shape.
 template <Module M>
 KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
   KeyReport report;
-  std::vector<std::string> known;
-  visit_tensors(module, [&](const std::string& path, auto& tensor) {
-    known.push_back(tensor_key<M>(prefix, path));
-    const TensorView* view = file.find(known.back());
-    if (view == nullptr)
-      report.missing.push_back(known.back());
-    else
-      assign_tensor(tensor, *view, file.owner(), file.name());
-  });
-  std::sort(known.begin(), known.end());
+  std::set<std::string> known;
+  visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
   for (const TensorView& t : file.tensors()) {
-    if (t.name.starts_with(prefix) && !std::binary_search(known.begin(), known.end(), t.name))
-      report.unexpected.push_back(t.name);
+    if (t.name.starts_with(prefix) && !known.contains(t.name)) report.unexpected.push_back(t.name);
   }
   return report;
 }
@@ -8870,6 +9040,8 @@ class TensorStore {
 /// Differs    from the reference, where told to: gaps are filled with the unconditional text "" (the reference stops),
 ///            and transitions at which no part changes can be left out
 
+#include <limits>       // net weights
+
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
 #define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
 /// Which text owns which body part while several texts are active.
@@ -8908,7 +9080,7 @@ std::vector<BasicPiece<T>> elementary_pieces(const BasicTimeline<T>& timeline) {
     events.emplace_back(interval.start, i);
     events.emplace_back(interval.end, i++);
   }
-  std::sort(events.begin(), events.end());
+  detail::sort(events, [](const auto& a, const auto& b) { return a < b; });
 
   std::vector<BasicPiece<T>> pieces;
   std::vector<Index> active;  // ascending
@@ -8939,7 +9111,7 @@ template <class T>
 void fill_gaps(BasicTimeline<T>& timeline) {
   std::vector<std::pair<T, T>> covered;
   for (const auto& i : timeline.intervals) covered.emplace_back(i.start, i.end);
-  std::sort(covered.begin(), covered.end());
+  detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
   T reached{};
   for (const auto& [start, end] : covered) {
     if (start > reached) timeline.intervals.push_back({"", reached, start, BodyParts::all()});
@@ -9276,7 +9448,7 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
       }
     };
     count(plan.add, 1), count(plan.subtract, -1);
-    std::sort(steps.begin(), steps.end());
+    detail::sort(steps, [](const auto& a, const auto& b) { return a < b; });
     int weight = 0;
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
       weight += steps[i].second;
@@ -9451,16 +9623,16 @@ class Collage {
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for
   /// the denoiser.
-  Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
+  Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance)
-      : denoiser_(&denoiser), plan_(std::move(plan)), layout_(std::move(layout)), guidance_(guidance) {
+      : denoiser_(&denoiser), plan_(std::move(plan)), guidance_(guidance) {
     const DenoiserTraits traits = denoiser.traits();
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
     crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
-    stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
+    stitch_ = Stitcher<B>(plan_, layout, crops_.offsets, motion_.stride);
     build_batch(text, null);
   }
 
@@ -9557,7 +9729,6 @@ class Collage {
 
   const D* denoiser_;
   BatchPlan plan_;
-  FeatureLayout layout_;
   double guidance_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
@@ -10159,16 +10330,21 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
                                                        const StmcOptions& options) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  const BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
-                                                    .extend = !hard_cuts,
-                                                    .transition_crops = !hard_cuts,
-                                                    .gaps = options.gaps,
-                                                    .hidden = options.hidden,
-                                                    .longest_crop = traits.longest()});
-  const BatchPlan sampled = hard_cuts ? independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames) : plan;
-  const Collage<B, D> collage(denoiser, sampled, layout, encode(texts_of(plan)), encode({std::string()}),
-                              options.guidance.value_or(guidance));
-  const auto sequences = static_cast<Index>(sampled.timelines.size());
+  BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
+                                              .extend = !hard_cuts,
+                                              .transition_crops = !hard_cuts,
+                                              .gaps = options.gaps,
+                                              .hidden = options.hidden,
+                                              .longest_crop = traits.longest()});
+  const auto text = encode(texts_of(plan)), null = encode({std::string()});
+  BatchPlan together;  // what is stitched at the end where every text is sampled alone
+  if (hard_cuts) {
+    together = std::move(plan);
+    plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
+  }
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const BatchPlan& wanted = hard_cuts ? together : collage.plan();
+  const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
     const Tensor<B, 3> z = noise(draw, shape);
@@ -10179,14 +10355,14 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
                               options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
-    x0 = stitch_independent(plan, x0, stride);
-    stride = plan.frames;
-    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(plan, layout, x0, stride);
+    x0 = stitch_independent(wanted, x0, stride);
+    stride = wanted.frames;
+    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(wanted, layout, x0, stride);
   }
   std::vector<Tensor<B, 2>> out;
-  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+  for (std::size_t m = 0; m < wanted.timelines.size(); ++m) {
     const Index first = static_cast<Index>(m) * stride;
-    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + plan.timelines[m].frames)));
+    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + wanted.timelines[m].frames)));
   }
   return out;
 }
