@@ -49,9 +49,10 @@ void motion(const std::string& path, const ml::Motion& m) {
               low.z, high.z);
   if (m.skeleton.names == ml::smpl24_skeleton().names) {
     const auto q = ml::motion_quality(m);
-    std::printf("  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; "
-                "%.1f cm below the floor\n",
-                100 * q.feet.contact, q.feet.speed, q.jitter, 100 * q.below_floor.mean);
+    std::printf(
+        "  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; "
+        "%.1f cm below the floor\n",
+        100 * q.feet.contact, q.feet.speed, q.jitter, 100 * q.below_floor.mean);
   }
   for (int j = 0; j < m.skeleton.size(); ++j) {
     std::printf("  %3d %-24s %s\n", j, m.skeleton.name(j).c_str(),

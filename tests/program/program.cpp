@@ -52,8 +52,8 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const TemporaryFolder folder;
   const auto all = run({"--help"}, folder.path);
   CHECK(all.code == 0);
-  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "strip", "view",
-                           "Exit codes: 0 ", "1 ", "2 ", "3 ", "130 "})
+  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "strip", "view", "Exit codes: 0 ",
+                           "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
       {"generate",
@@ -61,16 +61,16 @@ TEST_CASE("help names every command and option, and the exit codes") {
         "--fix-feet", "--backend", "--threads"}},
       {"check", {"timeline", "--fps", "--overlap", "--model"}},
       {"info", {"file"}},
-      {"convert", {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl",
-                   "--mirror", "--fix-feet"}},
+      {"convert",
+       {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
+        "--fix-feet"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
-      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details",
-                 "--fix-feet"}},
-      {"train", {"--data",        "--captions",     "--out",      "--steps",      "--batch",   "--lr",
-                 "--width",       "--feed-forward", "--layers",   "--vocabulary", "--dropout", "--velocity-weight",
-                 "--text-weight", "--text-steps",   "--denoiser", "--seed",       "--license", "--provenance",
-                 "--commit",      "--save-minutes", "--fresh",    "--threads",    "--noise-focus", "--root-weight",
+      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--fix-feet"}},
+      {"train", {"--data",        "--captions",      "--out",      "--steps",      "--batch",       "--lr",
+                 "--width",       "--feed-forward",  "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
+                 "--text-weight", "--text-steps",    "--denoiser", "--seed",       "--license",     "--provenance",
+                 "--commit",      "--save-minutes",  "--fresh",    "--threads",    "--noise-focus", "--root-weight",
                  "--foot-weight", "--other-settings"}}};
   for (const auto& [command, names] : options) {
     const auto help = run({command, "--help"}, folder.path);
@@ -191,7 +191,8 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
     REQUIRE_MESSAGE(second.code == 0, second.text);
     CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "back.bvh"), walk) < 1e-3);
   }
-  const auto part = w.run({"convert", "walk.bvh", "part.bvh", "--from", "0.5", "--to", "1.5", "--fps", "40", "--mirror"});
+  const auto part =
+      w.run({"convert", "walk.bvh", "part.bvh", "--from", "0.5", "--to", "1.5", "--fps", "40", "--mirror"});
   CHECK_MESSAGE(contains(part.text, "part.bvh: 39 frames at 40 per second, 0.97 s, 24 joints"), part.text);
   const auto expected = ml::mirror(ml::resample(ml::crop(walk, 10, 30), 40));
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "part.bvh"), expected) < 1e-3);
