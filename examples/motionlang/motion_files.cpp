@@ -75,8 +75,21 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
 }
 
 ml::Motion on_smpl(const ml::Motion& motion) {
-  const bool already = motion.skeleton.names == ml::smpl24_skeleton().names;
-  return already ? motion : ml::retarget(motion);
+  const ml::Skeleton &own = motion.skeleton, &smpl = ml::smpl24_skeleton();
+  std::vector<std::size_t> from;  // our joint for each of SMPL's
+  for (int j = 0; j < smpl.size(); ++j) {
+    const int k = own.find(smpl.name(j));
+    const bool same = k >= 0 && own.size() == smpl.size() && (j == 0) == (own.parent(k) < 0) &&
+                      (j == 0 || own.name(own.parent(k)) == smpl.name(smpl.parent(j)));
+    if (!same) return ml::retarget(motion);
+    from.push_back(static_cast<std::size_t>(k));
+  }
+  ml::Motion out{smpl, motion.fps, motion.root, {}, motion.name};
+  for (std::size_t j = 0; j < from.size(); ++j) out.skeleton.offsets[j] = own.offsets[from[j]];
+  for (ml::Index f = 0; f < motion.frames(); ++f) {
+    for (const std::size_t k : from) out.local.push_back(motion.rotations(f)[k]);
+  }
+  return out;
 }
 
 }  // namespace program

@@ -28,7 +28,8 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
 
-/// The motion on SMPL's 24 joints; itself if it is on them already.
+/// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
+/// only put in SMPL's order and bones keep their length.
 ml::Motion on_smpl(const ml::Motion& motion);
 
 }  // namespace program
