@@ -3,11 +3,11 @@
 #include <motionlang/geometry/pytorch3d.hpp>
 #include <motionlang/kinematics/forward.hpp>
 
-#include "golden.hpp"
+#include "geometry.hpp"
 
 namespace {
 
-using golden::Case, golden::Registration;
+using golden::append, golden::Case, golden::Registration;
 namespace ml = motionlang;
 
 template <class S>
@@ -29,18 +29,6 @@ ml::Matrix3<S> matrix(Row<S> r) {
   ml::Matrix3<S> m;
   for (std::size_t i = 0; i < 9; ++i) m.m[i] = r[i];
   return m;
-}
-template <class S>
-void append(std::vector<S>& out, const ml::Vec3<S>& v) {
-  out.insert(out.end(), {v.x, v.y, v.z});
-}
-template <class S>
-void append(std::vector<S>& out, const ml::Quaternion<S>& q) {
-  out.insert(out.end(), {q.w, q.x, q.y, q.z});
-}
-template <class S>
-void append(std::vector<S>& out, const ml::Matrix3<S>& m) {
-  out.insert(out.end(), m.m.begin(), m.m.end());
 }
 template <class S>
 void append(std::vector<S>& out, const ml::EulerAngles<S>& e) {

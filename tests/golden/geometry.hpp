@@ -4,19 +4,17 @@
 #include <motionlang/geometry/quaternion.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
 
+#include "../support/lists.hpp"
 #include "golden.hpp"
 
 namespace golden {
+
+using lists::view;
 
 template <class S>
 using Vectors = std::vector<ml::Vec3<S>>;
 template <class S>
 using Quaternions = std::vector<ml::Quaternion<S>>;
-
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
 
 // Tensors as lists of vectors and quaternions, and back.
 template <class S>

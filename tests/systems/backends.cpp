@@ -5,9 +5,11 @@
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
 
+#include "../support/lists.hpp"
 #include "../support/small_model.hpp"
 
 namespace ml = motionlang;
+using lists::largest_difference;
 using ml::Index;
 
 namespace {
@@ -26,13 +28,6 @@ std::vector<double> motion_of(const ml::Stmc<ml::EigenBackend<double>>& original
   std::vector<double> out;
   for (const auto& m : model.generate_from(timelines, noise)) out.insert(out.end(), m.span().begin(), m.span().end());
   return out;
-}
-
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  REQUIRE(a.size() == b.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
-  return worst;
 }
 
 }  // namespace

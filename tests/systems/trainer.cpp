@@ -4,20 +4,14 @@
 #include <motionlang/io/bvh.hpp>
 
 #include "../../examples/motionlang/trainer.hpp"
-#include "../support/captioned_clips.hpp"
 #include "../support/threads.hpp"
+#include "../support/training_set.hpp"
 
 namespace ml = motionlang;
 
 namespace {
 
-const program::TrainingSet& data() {
-  static const program::TrainingSet set = [] {
-    const captioned::Clips clips;
-    return program::TrainingSet(clips.captions, clips.folder.path, {});
-  }();
-  return set;
-}
+const program::TrainingSet& data() { return captioned::training_set(); }
 
 program::TrainingConfig config() {
   return {.model = {.denoiser = {.latent_dim = 16, .ff_size = 24, .num_layers = 1, .num_heads = 2},

@@ -6,8 +6,7 @@
 #include <motionlang/kinematics/foot_contact.hpp>
 
 #include "../../examples/motionlang/foot_loss.hpp"
-#include "../../examples/motionlang/training_data.hpp"
-#include "../support/captioned_clips.hpp"
+#include "../support/training_set.hpp"
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<double>;
@@ -15,13 +14,7 @@ using A = ml::Autodiff<B>;
 
 namespace {
 
-const program::TrainingSet& data() {
-  static const program::TrainingSet set = [] {
-    const captioned::Clips clips;
-    return program::TrainingSet(clips.captions, clips.folder.path, {});
-  }();
-  return set;
-}
+const program::TrainingSet& data() { return captioned::training_set(); }
 
 program::SampleOptions plain() {
   return {.shortest = 30, .longest = 40, .no_text = 0, .compose = 0, .mirror = 0, .speed = 0, .tempo = 0, .reverse = 0};

@@ -3,15 +3,11 @@
 
 #include <motionlang/features/amass_resample.hpp>
 
-namespace ml = motionlang;
-using doctest::Approx, doctest::Contains;
+#include "../../support/lists.hpp"
 
-namespace {
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
-}  // namespace
+namespace ml = motionlang;
+using lists::view;
+using doctest::Approx, doctest::Contains;
 
 TEST_CASE("amass_resample: number of frames and where they lie") {
   // Frame i of the result stands at 3 i + 1 of the source: every third one, from the second.

@@ -7,18 +7,11 @@
 #include <motionlang/features/joint_sets.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/lists.hpp"
 
 namespace ml = motionlang;
+using lists::view;
 using Frames = std::vector<ml::Index>;
-
-namespace {
-
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
-
-}  // namespace
 
 TEST_CASE("frames at other rates") {
   CHECK(ml::every_nth_frame(5, 120, 50) == Frames{0, 2, 4});  // 60 frames per second, not 50

@@ -7,9 +7,11 @@
 #include <motionlang/kinematics/mirror_joints.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/lists.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
+using lists::largest_difference, lists::largest_distance, lists::view;
 using doctest::Approx;
 
 namespace {
@@ -17,10 +19,6 @@ namespace {
 template <class S>
 using Joints = std::vector<ml::Vec3<S>>;
 
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
 Joints<double> walk(int frames, double turn = 0) {
   return synthetic::walk({.frames = frames, .turn = turn}, ml::humanml3d22_skeleton()).positions();
 }
@@ -34,20 +32,6 @@ Joints<double> grounded(const Joints<double>& joints, bool corrected = false) {
 std::vector<double> features(const Joints<double>& joints, const ml::Guoh3dOptions& options = {}) {
   return ml::guoh3d_features(ml::humanml3d_chains(), view(joints), options);
 }
-template <class S>
-double largest_distance(const Joints<double>& a, const Joints<S>& b) {
-  REQUIRE(a.size() == b.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a[i] - ml::vec_cast<double>(b[i])));
-  return worst;
-}
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  REQUIRE(a.size() == b.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
-  return worst;
-}
-
 }  // namespace
 
 TEST_CASE("guoh3d: where things are") {

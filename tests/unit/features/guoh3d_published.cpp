@@ -10,14 +10,13 @@
 #include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/io/npy.hpp>
 
+#include "../../support/lists.hpp"
+
 namespace ml = motionlang;
+using lists::view;
 
 namespace {
 
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
 std::vector<ml::Vec3<double>> vectors(const std::vector<double>& values) {
   std::vector<ml::Vec3<double>> out;
   for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.push_back({values[i], values[i + 1], values[i + 2]});

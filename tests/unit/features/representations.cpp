@@ -6,24 +6,16 @@
 #include <motionlang/features/smplvelp.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/lists.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
+using lists::largest_difference, lists::largest_distance, lists::view;
 using doctest::Approx;
 using Joints = std::vector<ml::Vec3<double>>;
 
 namespace {
 
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
-double largest_distance(const Joints& a, const Joints& b) {
-  REQUIRE(a.size() == b.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a[i] - b[i]));
-  return worst;
-}
 /// A walk with Z up: matrices of its rotations and its root.
 ml::SmplVelpMotion<double> walk_z_up(int frames, double turn) {
   const auto motion = synthetic::walk({.frames = frames, .turn = turn}, ml::humanml3d22_skeleton());
@@ -45,13 +37,6 @@ ml::SmplVelpMotion<double> turned(ml::SmplVelpMotion<double> motion, double angl
 std::vector<double> velp(const ml::SmplVelpMotion<double>& motion, const ml::SmplVelpOptions& options = {}) {
   return ml::smplvelp_features(view(motion.rotations), view(motion.trans), options);
 }
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  REQUIRE(a.size() == b.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
-  return worst;
-}
-
 }  // namespace
 
 TEST_CASE("pose representations: there and back") {

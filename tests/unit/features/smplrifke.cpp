@@ -4,17 +4,15 @@
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/smplrifke.hpp>
 
+#include "../../support/lists.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
+using lists::view;
 using doctest::Approx, doctest::Contains;
 
 namespace {
 
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
 const std::vector<double>& walk_features() {
   static const auto features = ml::smplrifke_from_motion(synthetic::walk({.frames = 40, .turn = 1.5}));
   return features;

@@ -7,28 +7,19 @@
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/lists.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
+using lists::largest_distance, lists::view;
 using doctest::Approx;
 using Joints = std::vector<ml::Vec3<double>>;
 
 namespace {
 
-template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-  return v;
-}
 Joints walk(int frames, double turn) {
   return synthetic::walk({.frames = frames, .turn = turn}, ml::humanml3d22_skeleton()).positions();
 }
-double largest_distance(const Joints& a, const Joints& b) {
-  REQUIRE(a.size() == b.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, norm(a[i] - b[i]));
-  return worst;
-}
-
 }  // namespace
 
 TEST_CASE("chains: parents are those of the published skeletons") {

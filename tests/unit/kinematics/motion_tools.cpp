@@ -12,14 +12,6 @@ using doctest::Approx, doctest::Contains;
 
 namespace {
 
-double worst_distance(const ml::Motion& a, const ml::Motion& b) {
-  const auto p = a.positions(), q = b.positions();
-  REQUIRE(p.size() == q.size());
-  double worst = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) worst = std::max(worst, ml::norm(p[i] - q[i]));
-  return worst;
-}
-
 /// A clip with `frames` inserted frames in front: the zero pose, then equal parts of the way to the first pose.
 ml::Motion with_lead_in(const ml::Motion& motion, int frames) {
   ml::Motion out = motion;
@@ -106,7 +98,7 @@ TEST_CASE("mirror: every position is the image of its partner's, twice is nothin
     const std::size_t other = i / 24 * 24 + static_cast<std::size_t>(ml::smpl_mirror_joint[i % 24]);
     CHECK(ml::norm(ml::Vec3{-p[i].x, p[i].y, p[i].z} - q[other]) < 1e-12);
   }
-  CHECK(worst_distance(ml::mirror(image), walk) < 1e-12);
+  CHECK(synthetic::largest_distance(ml::mirror(image), walk) < 1e-12);
 }
 
 TEST_CASE("mirror: also for skeletons that are not symmetric") {
@@ -153,7 +145,7 @@ TEST_CASE("an inserted T-pose is found: one frame, or a blend and its overshoot"
   CHECK(ml::detect_t_pose_lead_in(walk) == 0);
   CHECK(ml::detect_t_pose_lead_in(with_lead_in(walk, 1)) == 1);
   CHECK(ml::detect_t_pose_lead_in(with_lead_in(walk, 2)) == 4);
-  CHECK(worst_distance(ml::drop_lead_in(with_lead_in(walk, 1)), walk) == 0);
+  CHECK(synthetic::largest_distance(ml::drop_lead_in(with_lead_in(walk, 1)), walk) == 0);
 }
 
 TEST_CASE("a performer who starts in a T-pose is left alone") {
