@@ -24,13 +24,7 @@ double microseconds(const table::Row<B>& row, std::size_t i, Index factor) {
   }
   const auto inputs = table::tensors<B>(table::draw(shapes, row.domain, i + 1), shapes);
   row.run(inputs);
-  std::vector<double> times;
-  for (const double start = bench::now(); times.size() < 5 || (bench::now() - start < 0.05 && times.size() < 1000);) {
-    const double before = bench::now();
-    row.run(inputs);
-    times.push_back(bench::now() - before);
-  }
-  std::sort(times.begin(), times.end());
+  const auto times = bench::times_of([&] { row.run(inputs); }, 0.05, 5, 1000);
   return times[times.size() / 2] * 1e6;
 }
 
