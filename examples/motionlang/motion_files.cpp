@@ -18,12 +18,6 @@ std::string kind_of(const std::filesystem::path& path) {
 
 namespace {
 
-/// CMU keeps one skeleton for each subject: 01.asf beside 01_02.amc.
-std::filesystem::path asf_of(const std::filesystem::path& amc) {
-  const std::string stem = amc.stem().string();
-  return amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
-}
-
 std::vector<ml::Motion> every_animation(const std::filesystem::path& path, double fps) {
   const auto file = ml::GlbFile::open(path);
   std::vector<ml::Motion> motions;
@@ -41,7 +35,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
     motions.push_back(ml::read_bvh_motion(path, {.scale = options.scale}));
   else if (kind == ".amc")
     motions.push_back(
-        ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_of(path) : std::filesystem::path(options.asf))));
+        ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf))));
   else if (kind == ".npz")
     motions.push_back(ml::read_amass(path).motion);
   else if (kind == ".glb")

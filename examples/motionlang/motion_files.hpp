@@ -20,6 +20,12 @@ struct MotionReadOptions {
 /// Extension of a file, in lower case: ".bvh".
 std::string kind_of(const std::filesystem::path& path);
 
+/// CMU keeps one skeleton for each subject: 01.asf beside 01_02.amc.
+inline std::filesystem::path asf_beside(const std::filesystem::path& amc) {
+  const std::string stem = amc.stem().string();
+  return amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
+}
+
 /// The motions of a file: .bvh, .amc, .npz (AMASS), .glb (every animation). Each has a name.
 /// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});

@@ -12,6 +12,8 @@
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
+#include "motion_files.hpp"
+
 namespace program {
 
 using ml::Index;
@@ -72,8 +74,7 @@ ml::Motion read_clip(const std::filesystem::path& data, const std::string& name)
   const auto bvh = data / (name + ".bvh"), amc = data / (name + ".amc");
   if (std::filesystem::exists(bvh)) return ml::retarget(ml::read_bvh_motion(bvh));
   if (std::filesystem::exists(amc)) {
-    const std::string subject = amc.stem().string().substr(0, amc.stem().string().find('_'));
-    auto asf = amc.parent_path() / (subject + ".asf");
+    auto asf = asf_beside(amc);
     if (!std::filesystem::exists(asf))
       asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
     return ml::retarget(ml::read_amc(amc, ml::read_asf(asf)));
