@@ -5346,6 +5346,24 @@ inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 inline constexpr ContactJoint smpl_contact_joints[] = {
     {7, smpl_ankle_contact}, {8, smpl_ankle_contact}, {10, smpl_toe_contact}, {11, smpl_toe_contact}};
 
+namespace detail {
+
+/// The way of a joint over the floor from one frame to the next; `low` if it is below its height in both.
+struct Slide {
+  bool low = false;
+  Vec3<double> step{};
+  double length() const { return norm(step); }
+};
+/// positions (frames, joints); frame + 1 is one of them.
+inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, const ContactJoint& foot,
+                   double floor) {
+  const auto &a = positions[static_cast<std::size_t>(frame * joints + foot.joint)],
+             &b = positions[static_cast<std::size_t>((frame + 1) * joints + foot.joint)];
+  return {std::max(a.y, b.y) - floor < foot.height, {b.x - a.x, 0, b.z - a.z}};
+}
+
+}  // namespace detail
+
 struct ContactOptions {
   double floor = 0;
   double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing
@@ -5485,16 +5503,9 @@ inline void require_legs(std::string_view function, const Skeleton& skeleton, st
   }
 }
 
-/// Horizontal way of a joint from each frame to the next while it is below `height` in both; otherwise not `low`.
-struct Slide {
-  bool low = false;
-  Vec3<double> step{};
-  double length() const { return norm(step); }
-};
-inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, int joint, double height) {
-  const auto a = positions[static_cast<std::size_t>(frame * joints + joint)],
-             b = positions[static_cast<std::size_t>((frame + 1) * joints + joint)];
-  return {std::max(a.y, b.y) < height, {b.x - a.x, 0, b.z - a.z}};
+/// The two joints of a leg that may stand: ankle and toe.
+inline std::array<ContactJoint, 2> feet_of(const Leg& leg, const FootFixOptions& options) {
+  return {{{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}};
 }
 
 }  // namespace detail
@@ -5512,9 +5523,8 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
   for (Index f = 0; f < steps; ++f) {
     std::optional<detail::Slide> slowest;
     for (const Leg& leg : legs) {
-      for (const auto& [joint, height] :
-           {std::pair{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}) {
-        const auto s = detail::slide(positions, joints, f, joint, options.floor + height);
+      for (const ContactJoint& foot : detail::feet_of(leg, options)) {
+        const auto s = detail::slide(positions, joints, f, foot, options.floor);
         const bool stands = s.low && s.length() * motion.fps < options.path_speed;
         if (stands && (!slowest || s.length() < slowest->length())) slowest = s;
       }
@@ -5537,67 +5547,70 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
   return out;
 }
 
+namespace detail {
+
+/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide; its
+/// mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
+                                              const Leg& leg, const FootFixOptions& options) {
+  const Index joints = motion.skeleton.size(), frames = motion.frames();
+  // held[f]: the foot stands from frame f to f + 1; step: how far it slides meanwhile
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(frames), 0), fixed(held);
+  std::vector<Vec3<double>> step(held.size()), offset(held.size());
+  const auto [ankle_joint, toe_joint] = feet_of(leg, options);
+  for (Index f = 0; f + 1 < frames; ++f) {
+    const auto ankle = slide(positions, joints, f, ankle_joint, options.floor),
+               toe = slide(positions, joints, f, toe_joint, options.floor);
+    const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
+    const auto at = static_cast<std::size_t>(f);
+    if (pivot.low && pivot.length() * motion.fps < options.speed) held[at] = 1, step[at] = pivot.step;
+  }
+  for (std::size_t f = 0; f < held.size(); ++f) {
+    if (held[f] == 0) continue;
+    const std::size_t first = f;
+    Vec3<double> sum{};
+    for (; held[f] != 0; ++f) {  // the last frame is never held
+      offset[f + 1] = offset[f] - step[f];
+      sum = sum + offset[f + 1];
+    }
+    const Vec3<double> mean = (1.0 / static_cast<double>(f - first + 1)) * sum;
+    for (std::size_t i = first; i <= f; ++i) offset[i] = offset[i] - mean, fixed[i] = 1;
+  }
+  for (Index f = 0; f < frames; ++f) {
+    if (fixed[static_cast<std::size_t>(f)] != 0) continue;
+    double share = 0;
+    auto fade = [&](Index direction) {  // from the nearest contact on one side
+      for (Index d = 1; d <= options.blend; ++d) {
+        const Index from = f + direction * d;
+        if (from < 0 || from >= frames) break;
+        if (fixed[static_cast<std::size_t>(from)] == 0) continue;
+        const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
+        const double weight = t * t * (3 - 2 * t);
+        share += weight;
+        return weight * offset[static_cast<std::size_t>(from)];
+      }
+      return Vec3<double>{};
+    };
+    const Vec3<double> both = fade(-1) + fade(1);
+    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
+  }
+  return offset;
+}
+
+}  // namespace detail
+
 /// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
 /// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
 inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                         const FootFixOptions& options = {}) {
   detail::require_legs("lock_feet", motion.skeleton, legs);
-  const Index joints = motion.skeleton.size(), frames = motion.frames();
-  if (frames < 2) return motion;
+  if (motion.frames() < 2) return motion;
   const auto positions = motion.positions();
   Motion out = motion;
+  JointTransforms<double> world;
   for (const Leg& leg : legs) {
-    // held[f]: the foot stands from frame f to f + 1; step: how far it slides meanwhile
-    std::vector<std::uint8_t> held(static_cast<std::size_t>(frames), 0);
-    std::vector<Vec3<double>> step(held.size()), offset(held.size());
-    for (Index f = 0; f + 1 < frames; ++f) {
-      const auto ankle = detail::slide(positions, joints, f, leg.limb.end, options.floor + options.ankle_height),
-                 toe = detail::slide(positions, joints, f, leg.toe, options.floor + options.toe_height);
-      const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
-      const auto at = static_cast<std::size_t>(f);
-      if (pivot.low && pivot.length() * motion.fps < options.speed) held[at] = 1, step[at] = pivot.step;
-    }
-    // During a contact the offset undoes the slide; its mean is zero, so that the foot stands where it was on average.
-    std::vector<std::uint8_t> fixed(held.size(), 0);
-    for (Index f = 0; f < frames;) {
-      if (held[static_cast<std::size_t>(f)] == 0) {
-        ++f;
-        continue;
-      }
-      Index last = f;
-      Vec3<double> sum{};
-      for (; held[static_cast<std::size_t>(last)] != 0; ++last) {
-        const auto at = static_cast<std::size_t>(last);
-        offset[at + 1] = offset[at] - step[at];
-        sum = sum + offset[at + 1];
-      }
-      const Vec3<double> mean = (1.0 / static_cast<double>(last - f + 1)) * sum;
-      for (Index i = f; i <= last; ++i) {
-        offset[static_cast<std::size_t>(i)] = offset[static_cast<std::size_t>(i)] - mean;
-        fixed[static_cast<std::size_t>(i)] = 1;
-      }
-      f = last + 1;
-    }
-    for (Index f = 0; f < frames; ++f) {
-      if (fixed[static_cast<std::size_t>(f)] != 0) continue;
-      double share = 0;
-      auto fade = [&](Index direction) {  // from the nearest contact on one side
-        for (Index d = 1; d <= options.blend; ++d) {
-          const Index from = f + direction * d;
-          if (from < 0 || from >= frames) break;
-          if (fixed[static_cast<std::size_t>(from)] == 0) continue;
-          const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
-          const double weight = t * t * (3 - 2 * t);
-          share += weight;
-          return weight * offset[static_cast<std::size_t>(from)];
-        }
-        return Vec3<double>{};
-      };
-      const Vec3<double> both = fade(-1) + fade(1);
-      offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
-    }
-    JointTransforms<double> world;
-    for (Index f = 0; f < frames; ++f) {
+    const auto offset = detail::foot_offsets(motion, positions, leg, options);
+    for (Index f = 0; f < motion.frames(); ++f) {
       const Vec3<double> by = offset[static_cast<std::size_t>(f)];
       if (norm(by) < 1e-6) continue;
       out.world(f, world);
@@ -10409,9 +10422,9 @@ inline FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJo
       raise<shape_error>(203, "foot_skate: joint ", foot.joint, " of ", tracks.joints);
     }
     for (Index f = 0; f + 1 < tracks.frames(); ++f, ++looked_at) {
-      const Vec3<double>&a = tracks.at(f, foot.joint), &b = tracks.at(f + 1, foot.joint);
-      if (std::max(a.y, b.y) - floor >= foot.height) continue;
-      const double speed = norm(Vec3<double>{b.x - a.x, 0, b.z - a.z}) * tracks.fps;
+      const auto slide = detail::slide(tracks.positions, tracks.joints, f, foot, floor);
+      if (!slide.low) continue;
+      const double speed = slide.length() * tracks.fps;
       ++contacts;
       sum += speed;
       skating += speed > limit ? 1 : 0;

@@ -819,7 +819,8 @@ template <BinaryOp op, class S>
 MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
   constexpr int l = lanes<S>;
   const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
+          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
   const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
   Index i = 0;
   for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
@@ -1550,7 +1551,8 @@ template <BinaryOp op, class S>
 MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
   constexpr int l = lanes<S>;
   const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
+          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
   const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
   Index i = 0;
   for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
@@ -2279,7 +2281,8 @@ template <BinaryOp op, class S>
 MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
   constexpr int l = lanes<S>;
   const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a, *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
+          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
   const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
   Index i = 0;
   for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));

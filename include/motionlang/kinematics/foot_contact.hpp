@@ -22,6 +22,24 @@ inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 inline constexpr ContactJoint smpl_contact_joints[] = {
     {7, smpl_ankle_contact}, {8, smpl_ankle_contact}, {10, smpl_toe_contact}, {11, smpl_toe_contact}};
 
+namespace detail {
+
+/// The way of a joint over the floor from one frame to the next; `low` if it is below its height in both.
+struct Slide {
+  bool low = false;
+  Vec3<double> step{};
+  double length() const { return norm(step); }
+};
+/// positions (frames, joints); frame + 1 is one of them.
+inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, const ContactJoint& foot,
+                   double floor) {
+  const auto &a = positions[static_cast<std::size_t>(frame * joints + foot.joint)],
+             &b = positions[static_cast<std::size_t>((frame + 1) * joints + foot.joint)];
+  return {std::max(a.y, b.y) - floor < foot.height, {b.x - a.x, 0, b.z - a.z}};
+}
+
+}  // namespace detail
+
 struct ContactOptions {
   double floor = 0;
   double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing

@@ -51,9 +51,9 @@ inline FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJo
       raise<shape_error>(203, "foot_skate: joint ", foot.joint, " of ", tracks.joints);
     }
     for (Index f = 0; f + 1 < tracks.frames(); ++f, ++looked_at) {
-      const Vec3<double>&a = tracks.at(f, foot.joint), &b = tracks.at(f + 1, foot.joint);
-      if (std::max(a.y, b.y) - floor >= foot.height) continue;
-      const double speed = norm(Vec3<double>{b.x - a.x, 0, b.z - a.z}) * tracks.fps;
+      const auto slide = detail::slide(tracks.positions, tracks.joints, f, foot, floor);
+      if (!slide.low) continue;
+      const double speed = slide.length() * tracks.fps;
       ++contacts;
       sum += speed;
       skating += speed > limit ? 1 : 0;
