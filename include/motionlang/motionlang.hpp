@@ -55,6 +55,7 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/reference.hpp>
 
+#include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
@@ -70,8 +71,10 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
+#include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>

@@ -58,13 +58,22 @@ inline Motion change_speed(const Motion& motion, double factor) {
   return out;
 }
 
-/// `second` after `first`, as they stand (no blending, no alignment). Throws config_error 102 if skeletons or frame
-/// rates differ.
-inline Motion concatenate(const Motion& first, const Motion& second) {
+namespace detail {
+
+/// Throws config_error 102 unless both clips have one skeleton and one frame rate.
+inline void require_same_kind(std::string_view function, const Motion& first, const Motion& second) {
   if (first.skeleton != second.skeleton || first.fps != second.fps) {
-    raise<config_error>(102, "concatenate: '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
+    raise<config_error>(102, function, ": '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
                         " frames per second, '", second.name, "' ", second.skeleton.size(), " at ", second.fps);
   }
+}
+
+}  // namespace detail
+
+/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
+/// skeletons or frame rates differ.
+inline Motion concatenate(const Motion& first, const Motion& second) {
+  detail::require_same_kind("concatenate", first, second);
   Motion out = first;
   out.root.insert(out.root.end(), second.root.begin(), second.root.end());
   out.local.insert(out.local.end(), second.local.begin(), second.local.end());

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// Blending clips: one into another, and the end of a clip into its start, so that it can be repeated for ever.
+///
+///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
+///     Motion cycle = make_loop(in_place(walk), 8).motion;
+#pragma once
+
+#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/root_motion.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Adds the mix of two frames to a clip: roots in a line, rotations on the shortest arc.
+inline void add_mixed_frame(Motion& out, const Motion& a, Index in_a, const Motion& b, Index in_b, double share_of_b) {
+  out.root.push_back((1 - share_of_b) * a.root_at(in_a) + share_of_b * b.root_at(in_b));
+  const auto from = a.rotations(in_a), to = b.rotations(in_b);
+  for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(slerp(from[j], to[j], share_of_b));
+}
+/// Share of the second clip in frame i of n blended frames: s^2 (3 - 2 s), s = (i + 1) / (n + 1).
+inline double share_of_second(Index i, Index n) {
+  const double s = static_cast<double>(i + 1) / static_cast<double>(n + 1);
+  return s * s * (3 - 2 * s);
+}
+
+}  // namespace detail
+
+/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
+/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
+/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
+inline Motion blend_into(const Motion& first, const Motion& second, Index frames) {
+  detail::require_same_kind("blend_into", first, second);
+  if (frames < 1 || frames > std::min(first.frames(), second.frames())) {
+    raise<config_error>(101, "blend_into: ", frames, " frames of clips of ", first.frames(), " and ", second.frames());
+  }
+  const Index start = first.frames() - frames, middle = frames / 2;
+  const Motion next = placed(second, placement_between(second, middle, first, start + middle));
+  Motion out = crop(first, 0, start);
+  for (Index i = 0; i < frames; ++i) {
+    detail::add_mixed_frame(out, first, start + i, next, i, detail::share_of_second(i, frames));
+  }
+  return concatenate(out, crop(next, frames, next.frames()));
+}
+
+struct Loop {
+  Motion motion;
+  Placement next;  // moves the clip of one round to that of the next
+};
+
+/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
+/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
+/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
+/// round to round; make a clip in place first and `next` is at most a turn.
+/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
+inline Loop make_loop(const Motion& motion, Index frames) {
+  if (frames < 1 || 2 * frames > motion.frames()) {
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
+  }
+  const Index last = motion.frames() - frames, middle = frames / 2;
+  const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
+  Loop loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
+  for (Index i = 0; i < frames; ++i) {
+    detail::add_mixed_frame(loop.motion, end, last + i, motion, i, detail::share_of_second(i, frames));
+  }
+  loop.motion = concatenate(loop.motion, crop(motion, frames, last));
+  return loop;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
