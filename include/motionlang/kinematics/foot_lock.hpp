@@ -2,12 +2,14 @@
 /// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
 /// are predicted side by side and agree only nearly.
 ///
-///     Motion steady = fix_feet(motion);      // path_from_feet, then lock_feet
+///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
 #pragma once
 
 #include <algorithm>  // max
 #include <array>      // feet of a leg
+#include <cmath>      // sin
 #include <cstdint>    // flags
+#include <numbers>    // pi
 #include <optional>   // frames in the air
 #include <vector>     // one value for each frame
 
@@ -31,6 +33,7 @@ struct FootFixOptions {
   double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+  double clearance = 0.03;  // m; toes swing this high above where they stand: 3 to 5 cm in recorded walking
 };
 
 namespace detail {
@@ -90,28 +93,84 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
 
 namespace detail {
 
+/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it. Nothing
+/// for a foot that swings, and in the last frame.
+inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
+                                                               std::span<const Vec3<double>> positions, const Leg& leg,
+                                                               const FootFixOptions& options) {
+  std::vector<std::optional<Vec3<double>>> steps(static_cast<std::size_t>(motion.frames()));
+  const auto [ankle_joint, toe_joint] = feet_of(leg, options);
+  for (Index f = 0; f + 1 < motion.frames(); ++f) {
+    const auto ankle = slide(positions, motion.skeleton.size(), f, ankle_joint, options.floor),
+               toe = slide(positions, motion.skeleton.size(), f, toe_joint, options.floor);
+    const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
+    if (pivot.low && pivot.length() * motion.fps < options.speed) steps[static_cast<std::size_t>(f)] = pivot.step;
+  }
+  return steps;
+}
+
+/// Moves the foot of a leg in every frame by its offset.
+inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset) {
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Vec3<double> by = offset[static_cast<std::size_t>(f)];
+    if (norm(by) < 1e-6) continue;
+    motion.world(f, world);
+    const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
+    const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
+    reach(motion.skeleton, motion.rotations(f), world, leg.limb, target, forward);
+  }
+}
+
+/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights where
+/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than a tenth of its way: a foot
+/// that only trembles is left alone.
+inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
+                                             const Leg& leg, const FootFixOptions& options) {
+  const Index frames = motion.frames(), joints = motion.skeleton.size();
+  const auto standing = standing_steps(motion, positions, leg, options);
+  auto toe = [&](Index f) { return positions[static_cast<std::size_t>(f * joints + leg.toe)]; };
+  std::vector<Vec3<double>> lift(static_cast<std::size_t>(frames));
+  for (Index first = 0; first + 1 < frames; ++first) {  // first: the last frame in which the foot stands
+    if (standing[static_cast<std::size_t>(first)]) continue;
+    Index last = first + 1;  // the next frame in which it stands
+    while (last + 1 < frames && !standing[static_cast<std::size_t>(last)]) ++last;
+    const bool from_floor = first > 0, to_floor = last + 1 < frames;
+    auto bump = [&](Index f) {  // at an end of the clip the foot is in mid-swing
+      const double t = static_cast<double>(f - first) / static_cast<double>(last - first);
+      const double s = std::sin(std::numbers::pi * (from_floor && to_floor ? t : from_floor ? t / 2 : (1 - t) / 2));
+      return s * s;
+    };
+    if (from_floor || to_floor) {
+      const double from = toe(first).y, to = toe(last).y;
+      const double level = options.clearance + (!to_floor ? from : !from_floor ? to : std::min(from, to));
+      double height = 0, way = 0;
+      for (Index f = first; f <= last; ++f) {
+        if (bump(f) > 0.5) height = std::max(height, (level - toe(f).y) / bump(f));
+        if (f > first) way += norm(Vec3<double>{toe(f).x - toe(f - 1).x, 0, toe(f).z - toe(f - 1).z});
+      }
+      height = std::min({height, options.clearance, way / 10});
+      for (Index f = first; f <= last; ++f) lift[static_cast<std::size_t>(f)].y = height * bump(f);
+    }
+    first = last - 1;
+  }
+  return lift;
+}
+
 /// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide; its
 /// mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
-  const Index joints = motion.skeleton.size(), frames = motion.frames();
-  // held[f]: the foot stands from frame f to f + 1; step: how far it slides meanwhile
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(frames), 0), fixed(held);
-  std::vector<Vec3<double>> step(held.size()), offset(held.size());
-  const auto [ankle_joint, toe_joint] = feet_of(leg, options);
-  for (Index f = 0; f + 1 < frames; ++f) {
-    const auto ankle = slide(positions, joints, f, ankle_joint, options.floor),
-               toe = slide(positions, joints, f, toe_joint, options.floor);
-    const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
-    const auto at = static_cast<std::size_t>(f);
-    if (pivot.low && pivot.length() * motion.fps < options.speed) held[at] = 1, step[at] = pivot.step;
-  }
-  for (std::size_t f = 0; f < held.size(); ++f) {
-    if (held[f] == 0) continue;
+  const Index frames = motion.frames();
+  const auto standing = standing_steps(motion, positions, leg, options);
+  std::vector<std::uint8_t> fixed(standing.size(), 0);
+  std::vector<Vec3<double>> offset(standing.size());
+  for (std::size_t f = 0; f < standing.size(); ++f) {
+    if (!standing[f]) continue;
     const std::size_t first = f;
     Vec3<double> sum{};
-    for (; held[f] != 0; ++f) {  // the last frame is never held
-      offset[f + 1] = offset[f] - step[f];
+    for (; standing[f]; ++f) {  // nothing in the last frame
+      offset[f + 1] = offset[f] - *standing[f];
       sum = sum + offset[f + 1];
     }
     const Vec3<double> mean = (1.0 / static_cast<double>(f - first + 1)) * sum;
@@ -148,25 +207,25 @@ inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_l
   if (motion.frames() < 2) return motion;
   const auto positions = motion.positions();
   Motion out = motion;
-  JointTransforms<double> world;
-  for (const Leg& leg : legs) {
-    const auto offset = detail::foot_offsets(motion, positions, leg, options);
-    for (Index f = 0; f < motion.frames(); ++f) {
-      const Vec3<double> by = offset[static_cast<std::size_t>(f)];
-      if (norm(by) < 1e-6) continue;
-      out.world(f, world);
-      const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
-      const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
-      reach(out.skeleton, out.rotations(f), world, leg.limb, target, forward);
-    }
-  }
+  for (const Leg& leg : legs) detail::move_foot(out, leg, detail::foot_offsets(motion, positions, leg, options));
   return out;
 }
 
-/// path_from_feet, then lock_feet. Throws what they throw.
+/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
+/// stands is not moved. Throws as lock_feet.
+inline Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                           const FootFixOptions& options = {}) {
+  detail::require_legs("raise_swings", motion.skeleton, legs);
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) detail::move_foot(out, leg, detail::swing_lifts(motion, positions, leg, options));
+  return out;
+}
+
+/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
-  return lock_feet(path_from_feet(motion, legs, options), legs, options);
+  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

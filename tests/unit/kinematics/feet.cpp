@@ -1,4 +1,6 @@
 // Feet: when they stand, the leg that reaches for a place, and clips whose feet are made to stay there.
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -163,4 +165,30 @@ TEST_CASE("a clip whose feet do not slide hardly changes; one in the air and one
         0.06);  // the heel that comes off the floor slides a little
   const auto one = synthetic::walk({.frames = 1});
   CHECK(synthetic::largest_distance(ml::fix_feet(one), one) == 0);
+}
+
+TEST_CASE("feet that swing along the floor are raised over it; where they stand and go stays") {
+  // It stands at rest, is carried 1 m ahead in ten steps with its feet on the floor, and stands again.
+  ml::Motion clip{ml::smpl24_skeleton(), 20, {}, std::vector(30 * 24, ml::Quaternion<double>::identity()), {}};
+  clip.root.resize(30);
+  const ml::Vec3<double> start{0, 0.02 - place(clip, 0, 10).y, 0};
+  auto ahead = [&](auto way) {
+    for (int f = 0; f < 30; ++f) clip.root[static_cast<std::size_t>(f)] = start + ml::Vec3{0.0, 0.0, way(f)};
+  };
+  ahead([](int f) { return 0.1 * std::clamp(f - 10, 0, 10); });
+  const auto fixed = ml::raise_swings(clip, ml::smpl_legs, {.clearance = 0.05});
+  for (const int toe : {10, 11}) {
+    for (ml::Index f = 0; f < 30; ++f) {
+      const auto moved = place(fixed, f, toe) - place(clip, f, toe);
+      CHECK(std::abs(moved.x) < 1e-9);
+      CHECK(std::abs(moved.z) < 1e-9);
+      if (f <= 10 || f >= 20) CHECK(moved.y == 0);
+    }
+    CHECK(place(fixed, 15, toe).y - place(clip, 15, toe).y == Approx(0.05));
+    CHECK(place(fixed, 12, toe).y > place(fixed, 11, toe).y);
+  }
+  CHECK(synthetic::largest_distance(ml::raise_swings(clip, ml::smpl_legs, {.clearance = 0}), clip) == 0);
+  // One that only trembles is raised by a tenth of its way.
+  ahead([](int f) { return f == 14 ? 0.03 : 0.0; });
+  CHECK(place(ml::raise_swings(clip), 14, 10).y - place(clip, 14, 10).y == Approx(0.006));
 }
