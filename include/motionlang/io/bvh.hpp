@@ -40,6 +40,14 @@ inline double frames_per_second(double frame_time) {
 
 inline double& coordinate(Vec3<double>& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
+/// q times the rotation by `angle` about the coordinate axis x, y or z.
+inline Quaternion<double> turned(const Quaternion<double>& q, int axis, double angle) {
+  const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
+  if (axis == 0) return {q.w * c - q.x * s, q.x * c + q.w * s, q.y * c + q.z * s, q.z * c - q.y * s};
+  if (axis == 1) return {q.w * c - q.y * s, q.x * c - q.z * s, q.y * c + q.w * s, q.z * c + q.x * s};
+  return {q.w * c - q.z * s, q.x * c + q.y * s, q.y * c - q.x * s, q.z * c + q.w * s};
+}
+
 /// Gives every name only once: "Hand", "Hand_2", "Hand_3".
 class UniqueNames {
  public:
@@ -77,10 +85,7 @@ struct BvhJoint {
     Quaternion<double> q = Quaternion<double>::identity();
     for (std::size_t c = 0; c < node->channels.size(); ++c) {
       const BvhChannel channel = node->channels[c];
-      if (!is_rotation(channel)) continue;
-      Vec3<double> axis{};
-      coordinate(axis, axis_of(channel)) = 1;
-      q = q * from_axis_angle(axis, frame[first_channel + c] * degree);
+      if (is_rotation(channel)) q = turned(q, axis_of(channel), frame[first_channel + c] * degree);
     }
     return q;
   }

@@ -8,6 +8,7 @@
 
 #include <motionlang/core/shape.hpp>
 #include <motionlang/geometry/vec.hpp>
+#include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/detail/text_scanner.hpp>
 #include <motionlang/io/file.hpp>
 
@@ -159,7 +160,9 @@ inline Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text") 
   return detail::BvhParser(text, name).parse();
 }
 /// Throws io_error 401 and as parse_bvh.
-inline Bvh read_bvh(const FilePath& path) { return parse_bvh(read_file(path), path.string()); }
+inline Bvh read_bvh(const FilePath& path) {
+  return parse_bvh(detail::as_text(MappedFile::open(path)->bytes()), path.string());
+}
 
 namespace detail {
 

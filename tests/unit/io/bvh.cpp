@@ -1,6 +1,8 @@
 // BVH: what the channels mean, tolerant reading, strict writing, smooth curves, refused files.
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <string>
 
@@ -324,4 +326,22 @@ TEST_CASE("BVH: a small file cannot ask for much memory, nor for numbers that ov
   ml::Bvh fast = ml::parse_bvh(two_joints);
   fast.frame_time = 1e-310;  // its inverse is infinite
   CHECK_THROWS_WITH_AS(ml::to_motion(fast), Contains("[motionlang.config.101]"), ml::config_error);
+}
+
+TEST_CASE("BVH: every way to write a number gives the double nearest to it") {
+  auto value = [](const std::string& number) {
+    return ml::parse_bvh("HIERARCHY ROOT r { OFFSET 0 0 0 CHANNELS 1 Yposition } MOTION Frames: 1 Frame Time: 1 " + number)
+        .values.at(0);
+  };
+  for (const char* number : {"0.1", "-0.1", "179.999999", "5.", ".5", "-.5", "007", "123456789012345", "1234567890.12345",
+                             "0.000000000000001", "1234567890123456", "0.12345678901234567890", "1e-3", "-2.5E+2",
+                             "9007199254740993", "72057594037927945.5"}) {
+    CAPTURE(number);
+    CHECK(value(number) == std::strtod(number, nullptr));
+  }
+  CHECK(std::signbit(value("-0")));
+  for (const char* number : {"-", ".", "1.2.3", "..1", "--1", "1-", "1,5", "0x10", "nan", "1e999"}) {
+    CAPTURE(number);
+    CHECK_THROWS_WITH_AS(value(number), Contains("[motionlang.io.403] BVH text:1:"), ml::io_error);
+  }
 }
