@@ -29,6 +29,7 @@
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/torch_random.hpp>
 #include <motionlang/core/utf8.hpp>
 
@@ -105,6 +106,7 @@
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
+#include <motionlang/features/humanml3d_source.hpp>
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/normalizer.hpp>
@@ -125,6 +127,7 @@
 #include <motionlang/diffusion/schedule.hpp>
 
 #include <motionlang/text/caption_encoder.hpp>
+#include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 

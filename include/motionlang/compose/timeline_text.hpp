@@ -20,6 +20,7 @@
 #include <type_traits>  // frames or seconds
 
 #include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/text_lines.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -38,12 +39,6 @@ struct TimedText {
 };
 
 namespace detail {
-
-constexpr std::string_view trim(std::string_view s) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  const std::size_t first = s.find_first_not_of(blanks);
-  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
-}
 
 /// One line of a file, split at '#'. Knows where it stands.
 class TimelineLine {
@@ -96,17 +91,6 @@ class TimelineLine {
   std::string_view name_;
   std::vector<std::string_view> fields_;
 };
-
-/// Calls on_line(line, number) for every line, without its end; numbers count from 1.
-template <class F>
-void for_each_line(std::string_view text, F on_line) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  for (Index number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-    on_line(text.substr(0, end), number);
-    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
-  }
-}
 
 /// T = Index: frames at options.fps; T = double: seconds.
 template <class T>

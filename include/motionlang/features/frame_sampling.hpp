@@ -81,7 +81,10 @@ inline FrameSlice slice_of_seconds(double start, double end, double fps, Index f
   if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
     raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
   }
-  const auto first = static_cast<Index>(start * fps), last = std::min(static_cast<Index>(end * fps), frames);
+  const auto index = [&](double seconds) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
+  };
+  const Index first = index(start), last = index(end);
   return last > first ? FrameSlice{first, last - first} : FrameSlice{};
 }
 

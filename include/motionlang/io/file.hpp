@@ -103,4 +103,11 @@ inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
 }
 
+/// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
+inline void make_folder(const FilePath& path) {
+  struct stat s {};
+  if (::mkdir(path.c_str(), 0777) == 0 || (::stat(path.c_str(), &s) == 0 && S_ISDIR(s.st_mode))) return;
+  raise<io_error>(401, "cannot make the folder ", path.string());
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -27,30 +27,46 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// Deepest nesting that is read: what works on documents later recurses.
 inline constexpr int max_json_depth = 256;
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
-inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
-  const auto fail = [&](std::size_t byte, std::string_view what) {
-    const std::string_view before = text.substr(0, std::min(byte, text.size()));
-    const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
-    raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
-                    ": ", what);
-  };
+namespace detail {
+
+/// Throws io_error 403 with line and column of a byte of the text.
+[[noreturn]] inline void raise_json(std::string_view text, std::size_t byte, std::string_view name,
+                                    std::string_view what) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
+  raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
+                  ": ", what);
+}
+
+/// Reads the document in `size` bytes of a text from `begin` on; messages give the place in the whole text.
+inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size,
+                                      std::string_view name) {
+  const std::string_view part = text.substr(begin, size);
   const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
     return true;
   };
   try {
-    return nlohmann::json::parse(text, shallow);
+    return nlohmann::json::parse(part, shallow);
   } catch (const nlohmann::json::parse_error& e) {
     const std::string_view message = e.what();
     const std::size_t detail = message.rfind(": ");  // behind id and position
-    fail(e.byte == 0 ? 0 : e.byte - 1, detail == message.npos ? message : message.substr(detail + 2));
+    raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
+               detail == message.npos ? message : message.substr(detail + 2));
   } catch (const nlohmann::json::out_of_range& e) {  // ... parsing '1e999'
     const std::string_view message = e.what();
     const std::size_t number = message.find('\'') + 1;
-    fail(text.find(message.substr(number, message.rfind('\'') - number)), "a number beyond the range of double");
+    const std::size_t at = part.find(message.substr(number, message.rfind('\'') - number));
+    raise_json(text, begin + std::min(at, size), name, "a number beyond the range of double");
   }
   return {};
+}
+
+}  // namespace detail
+
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
+inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
+  return detail::parse_json_part(text, 0, text.size(), name);
 }
 
 /// Reads a file. Throws io_error 401, 403.

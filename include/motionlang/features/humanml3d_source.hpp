@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The body
+/// is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
+///
+/// Source   Guo et al. (CVPR 2022), raw_pose_processing.ipynb; spec humanml3d-features.md 8
+/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up and
+///          stay as they are, and the index is not applied to them.
+///
+///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
+///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
+///     });
+#pragma once
+
+#include <cstdint>      // sizes
+#include <string>       // names
+#include <string_view>  // data sets
+
+#include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/kinematics/body_model.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A row of index.csv: a clip is a part of a sequence.
+struct HumanMl3dSource {
+  std::string source_path;  // "./pose_data/KIT/3/kick_high_left02_poses.npy"
+  Index start_frame = 0;    // at 20 frames per second, behind the lead
+  Index end_frame = -1;     // -1: to the end
+  std::string new_name;     // "000000.npy"
+  bool operator==(const HumanMl3dSource&) const = default;
+};
+
+struct HumanMl3dSourceOptions {
+  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant.
+  bool drop_last_frame = false;
+};
+
+/// A sequence of AMASS as its file has it.
+struct AmassSequence {
+  Index frames = 0, columns = 0;  // columns: 156 of SMPL-H, 165 of SMPL-X
+  std::vector<double> poses;      // (frames, columns) rotation vectors: root, 21 body joints, hands
+  std::vector<double> trans;      // (frames, 3)
+  std::vector<double> betas;
+  std::string gender;  // "male", "female", "neutral"
+  double fps = 0;
+};
+
+inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }
+/// HumanML3D has two bodies: everybody but "male" is posed with the female one.
+inline bool humanml3d_uses_male_body(std::string_view gender) { return gender == "male"; }
+
+/// Frames at 20 per second that are dropped before the index counts: people stand in a T-pose there.
+inline Index humanml3d_lead(std::string_view source_path) {
+  struct Lead {
+    std::string_view data_set;
+    Index frames;
+  };
+  constexpr Lead leads[] = {{"Eyes_Japan_Dataset", 60},
+                            {"MPI_HDM05", 60},
+                            {"TotalCapture", 20},
+                            {"MPI_Limits", 20},
+                            {"Transitions_mocap", 10}};
+  Index frames = 0;
+  for (const Lead& lead : leads) {
+    if (source_path.find(lead.data_set) != source_path.npos) frames += lead.frames;
+  }
+  return frames;
+}
+
+/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to end.
+/// An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
+/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
+inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
+                                                  const HumanMl3dSourceOptions& options = {}) {
+  std::vector<Index> picked = every_nth_frame(frames, fps, 20);
+  if (is_humanact12(row.source_path)) return picked;
+  if (row.start_frame < 0 || row.end_frame < -1) {
+    raise<config_error>(101, "humanml3d_source_frames: '", row.new_name, "' from frame ", row.start_frame, " to ",
+                        row.end_frame);
+  }
+  const Index available = std::max<Index>(0, std::ssize(picked) - humanml3d_lead(row.source_path));
+  const Index last = row.end_frame == -1 ? available - (options.drop_last_frame ? 1 : 0) : row.end_frame;
+  picked.erase(picked.begin(), picked.end() - available);
+  picked.resize(static_cast<std::size_t>(std::clamp<Index>(last, 0, available)));
+  picked.erase(picked.begin(), picked.begin() + std::min<Index>(row.start_frame, std::ssize(picked)));
+  return picked;
+}
+
+/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and gives their joints,
+/// (frames, J) with J >= 22: of AMASS Z up, of HumanAct12 as its files have them (give 20 as their fps).
+/// Throws config_error 101 as humanml3d_source_frames, shape_error 205 if `pose` gives other than whole frames.
+template <Scalar S, class Pose>
+std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index frames, double fps, Pose&& pose,
+                                             const HumanMl3dSourceOptions& options = {}) {
+  const std::vector<Index> numbers = humanml3d_source_frames(row, frames, fps, options);
+  if (numbers.empty()) return {};
+  const std::vector<Vec3<S>> posed = pose(std::span<const Index>(numbers));
+  const std::size_t joints = posed.size() / numbers.size();
+  if (joints < 22 || posed.size() % numbers.size() != 0) {
+    raise<shape_error>(205, "humanml3d_source_joints: ", posed.size(), " joints for ", numbers.size(),
+                       " frames; expected 22 or more for each");
+  }
+  const bool y_up = is_humanact12(row.source_path);
+  std::vector<Vec3<S>> out;
+  out.reserve(22 * numbers.size());
+  for (std::size_t at = 0; at < posed.size(); at += joints) {
+    for (std::size_t j = at; j < at + 22; ++j) {
+      const Vec3<S>& p = posed[j];
+      out.push_back(y_up ? p : Vec3<S>{-p.x, p.z, p.y});
+    }
+  }
+  return out;
+}
+
+/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
+/// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
+/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it has not.
+template <Backend B>
+std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
+                                                   std::span<const Index> frames) {
+  using S = typename B::scalar;
+  const Index n = std::ssize(frames), joints = model.joints(), shapes = model.shapedirs.size(1);
+  if (sequence.columns < 3 * joints || std::ssize(sequence.betas) < shapes) {
+    raise<shape_error>(205, "posed_joints: ", sequence.columns, " pose values and ", sequence.betas.size(),
+                       " shape coefficients, the model needs ", 3 * joints, " and ", shapes);
+  }
+  std::vector<S> betas, rotations, translations;
+  for (const Index frame : frames) {
+    if (frame < 0 || frame >= sequence.frames) {
+      raise<shape_error>(203, "posed_joints: frame ", frame, " of ", sequence.frames);
+    }
+    for (Index k = 0; k < shapes; ++k) betas.push_back(static_cast<S>(sequence.betas[static_cast<std::size_t>(k)]));
+    const auto pose = std::span(sequence.poses).subspan(static_cast<std::size_t>(frame * sequence.columns));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
+      const auto r = to_matrix(AxisAngle<double>{{pose[3 * j], pose[3 * j + 1], pose[3 * j + 2]}});
+      for (const double value : r.m) rotations.push_back(static_cast<S>(value));
+    }
+    const double* t = sequence.trans.data() + 3 * frame;
+    for (int k = 0; k < 3; ++k) translations.push_back(static_cast<S>(t[k]));
+  }
+  const auto posed = model.posed_joints(Tensor<B, 2>::from(betas, {n, shapes}),
+                                        Tensor<B, 3>::from(rotations, {n, joints, 9}),
+                                        Tensor<B, 2>::from(translations, {n, 3}));
+  const auto values = posed.to_vector();
+  std::vector<Vec3<S>> out;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.push_back({values[i], values[i + 1], values[i + 2]});
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
