@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Retargeting: the same movement on another skeleton, here one with SMPL's joint names.
+/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
 ///
-///     G_t(f) = G_s(f) C_s^-1
-/// G_s, G_t: world rotations of a source joint s and of the target joint t that follows it; C_s: the world rotation
-/// that s has when the source stands in the rest pose of the target (a T-pose, facing +Z). A source in that pose so
-/// gives the target's rest pose, whatever its local axes, and chains may have different numbers of joints. Bones keep
-/// the target's lengths; the path is scaled by the ratio of the legs.
+///     G_t(f) = G_s(f) C_s^-1 C_t
+/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the world
+/// rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the target
+/// does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever the local
+/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Bones keep the
+/// target's lengths; the path is scaled by the ratio of the legs.
 #pragma once
 
 #include <algorithm>  // nth_element
@@ -21,9 +22,10 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 /// What a map did with the joints of both skeletons.
 struct RetargetReport {
-  std::string table;
-  std::vector<std::string> unmapped;    // joints of the target that stay at rest
-  std::vector<std::string> unused;      // joints of the source that nothing follows
+  std::string table, target_table;                          // the kinds of source and target
+  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
+  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
+  std::vector<std::string> unused;                          // joints of the source that nothing follows
   double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
 };
 inline std::string to_string(const RetargetReport& r) {
@@ -33,8 +35,12 @@ inline std::string to_string(const RetargetReport& r) {
     return out.empty() ? std::string("none") : out;
   };
   auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
-  return concat_text(r.table, ": legs x ", rounded(r.leg_ratio), ", arms x ", rounded(r.arm_ratio),
-                     "; target joints at rest: ", list(r.unmapped), "; source joints not used: ", list(r.unused));
+  std::vector<std::string> pairs;
+  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
+  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
+                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
+                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
+                     "\n  source joints not used: ", list(r.unused));
 }
 
 namespace detail {
@@ -79,25 +85,105 @@ inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{(std::numbers::pi / 180) * joint.turn}) * frame;
 }
 
+/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
+/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
+class StandingSkeleton {
+ public:
+  Skeleton skeleton;
+  SkeletonTable table;
+  std::vector<Quaternion<double>> rotation;  // of each joint in the world
+
+  StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    rotation.assign(joints, Quaternion<double>::identity());
+    position_.assign(joints, {});
+    std::vector<bool> given(joints, false);
+    for (const MappedJoint& m : table.joints) {
+      const int j = find_joint(skeleton, m.source);
+      if (j < 0) continue;
+      rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
+      given[static_cast<std::size_t>(j)] = true;
+    }
+    for (std::size_t j = 1; j < joints; ++j) {
+      const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+      if (!given[j]) rotation[j] = rotation[parent];
+      position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
+    }
+    face_forward();
+  }
+
+  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  int joint(std::string_view role) const {
+    const MappedJoint* row = table.find(role);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  }
+  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  std::string role(int joint) const {
+    std::string best;
+    double largest = 0;
+    for (const MappedJoint& m : table.joints) {
+      const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
+                           : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
+                                                                                          : 0;
+      if (share > 0 && share >= largest) best = m.target, largest = share;
+    }
+    return best;
+  }
+  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
+  /// are not straight: as in SMPL.
+  Vec3<double> bone(const LimbBone& limb) const {
+    const int a = joint(limb.joint), b = joint(limb.end);
+    if (a < 0 || b < 0) return {};
+    if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
+    return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+  }
+  double length(const LimbBone& limb) const {
+    const int a = joint(limb.joint), b = joint(limb.end);
+    if (a < 0 || b < 0) return 0;
+    return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
+  }
+
+ private:
+  void face_forward() {
+    const int left = joint("left_hip"), right = joint("right_hip");
+    if (left < 0 || right < 0) return;
+    const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
+    constexpr double quarter = std::numbers::pi / 2;
+    const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
+    if (quarters == 0) return;
+    const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
+    for (Quaternion<double>& q : rotation) q = back * q;
+    for (Vec3<double>& p : position_) p = rotate(back, p);
+  }
+
+  std::vector<Vec3<double>> position_;
+};
+
 }  // namespace detail
 
 /// How one skeleton follows another; made once, used for every clip.
 class SkeletonMap {
  public:
-  /// Throws config_error 103 with the name of a joint that the table needs and a skeleton lacks (or, for axes that are
-  /// none), 101 if the legs of a skeleton have no length.
-  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& table)
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
+  /// that are none, or hips that a skeleton has not), 101 if the legs of a skeleton have no length.
+  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
+              const SkeletonTable& target_table)
       : source_(source), target_(target) {
-    const std::string missing = table.missing(source);
-    if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", table.name, " needs a joint '", missing, "'");
-    report_.table = table.name;
-    rest_pose(table);
-    connect(table);
-    measure();
+    const std::string missing = source_table.missing(source);
+    if (!missing.empty())
+      raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
+    report_.table = source_table.name;
+    report_.target_table = target_table.name;
+    const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+    connect(from, to);
+    measure(from, to);
   }
-  /// With the built-in table that fits the source.
+  /// The target has SMPL's names.
+  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
+      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
+  /// With the built-in tables that fit.
   explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
-      : SkeletonMap(source, target, detect_skeleton_table(source)) {}
+      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
 
   const Skeleton& source() const { return source_; }
   const Skeleton& target() const { return target_; }
@@ -110,18 +196,21 @@ class SkeletonMap {
       const Link& link = links_[t];
       const int parent = target_.parents[t];
       const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
-      world[t] = link.source < 0 ? up : turned(from, link.source, link.undo);
+      world[t] = up * link.at_rest;
+      if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
       if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
       local[t] = inverse(up) * world[t];
     }
     const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
-    root = report_.leg_ratio * middle - rotate(world[0], hips_);
+    root =
+        report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
   }
 
  private:
   struct Link {
     int source = -1, second = -1;
-    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1
+    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
+    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
     double share = 0;
   };
 
@@ -131,102 +220,90 @@ class SkeletonMap {
   static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
     return from.position[static_cast<std::size_t>(joint)];
   }
-
-  /// World rotations (before the bones are turned) and positions of the source in its T-pose.
-  void rest_pose(const SkeletonTable& table) {
-    const auto joints = static_cast<std::size_t>(source_.size());
-    rest_rotation_.assign(joints, Quaternion<double>::identity());
-    rest_position_.assign(joints, {});
-    std::vector<bool> given(joints, false);
-    for (const MappedJoint& m : table.joints) {
-      const int s = source_.find(m.source);
-      if (s < 0) continue;
-      rest_rotation_[static_cast<std::size_t>(s)] = detail::axes_rotation(m);
-      given[static_cast<std::size_t>(s)] = true;
+  /// A joint of the target seen from its root.
+  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const {
+    Vec3<double> p{};
+    for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
+      p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
     }
-    for (std::size_t s = 1; s < joints; ++s) {
-      const auto parent = static_cast<std::size_t>(source_.parents[s]);
-      if (!given[s]) rest_rotation_[s] = rest_rotation_[parent];
-      rest_position_[s] = rest_position_[parent] + rotate(rest_rotation_[parent], source_.offsets[s]);
-    }
+    return p;
   }
 
-  void connect(const SkeletonTable& table) {
+  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
     links_.resize(static_cast<std::size_t>(target_.size()));
     std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
+    // of the bones of the source, from its T-pose to the target's
+    std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
     for (std::size_t t = 0; t < links_.size(); ++t) {
-      const MappedJoint* row = table.find(target_.names[t]);
-      if (row == nullptr || source_.find(row->source) < 0) {
+      Link& link = links_[t];
+      const int parent = target_.parents[t];
+      const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
+      const std::string role = to.role(static_cast<int>(t));
+      turn[t] = bone_turn(role, from, to, up);
+      if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
+      auto follow = [&](int s) {
+        used[static_cast<std::size_t>(s)] = true;
+        return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
+      };
+      const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
+      link.source = row == nullptr ? -1 : find_joint(source_, row->source);
+      if (link.source < 0) {
         report_.unmapped.push_back(target_.names[t]);
         continue;
       }
-      links_[t] = {.source = source_.find(row->source), .share = row->share};
-      used[static_cast<std::size_t>(links_[t].source)] = true;
-      if (row->second.empty()) continue;
-      links_[t].second = source_.find(row->second);
-      used[static_cast<std::size_t>(links_[t].second)] = true;
-    }
-    std::vector<Quaternion<double>> turn(
-        links_.size(), Quaternion<double>::identity());  // of the bones, from the T-pose of the source to the target's
-    for (std::size_t t = 0; t < links_.size(); ++t) {
-      if (table.straighten) turn[t] = bone_turn(static_cast<int>(t), turn);
-      Link& link = links_[t];
-      if (link.source >= 0) link.undo = inverse(turn[t] * rest_rotation_[static_cast<std::size_t>(link.source)]);
-      if (link.second >= 0) link.undo_second = inverse(turn[t] * rest_rotation_[static_cast<std::size_t>(link.second)]);
+      link.undo = follow(link.source);
+      std::string name = source_.name(link.source);
+      if (!row->second.empty()) {
+        link.second = find_joint(source_, row->second);
+        link.undo_second = follow(link.second);
+        link.share = row->share;
+        name += " + " + source_.name(link.second);
+      }
+      report_.mapped.emplace_back(target_.names[t], std::move(name));
     }
     for (std::size_t s = 0; s < used.size(); ++s) {
       if (!used[s]) report_.unused.push_back(source_.names[s]);
     }
   }
 
-  /// The rotation that brings a joint of the source from its T-pose to the target's rest pose. Limbs are turned along,
-  /// joint by joint; feet only roll with their shins, so that soles stay level; the trunk is taken as it stands.
-  Quaternion<double> bone_turn(int t, const std::vector<Quaternion<double>>& turn) const {
-    const auto up =
-        target_.parent(t) < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(target_.parent(t))];
-    const std::string& name = target_.name(t);
-    if (const detail::LimbBone* limb = detail::find_limb_bone(name)) {
-      const Vec3<double> bone = source_bone(*limb), wanted = target_bone(*limb);
+  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand level,
+  /// so that soles stay level; the trunk is taken as it stands.
+  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                      const detail::StandingSkeleton& to, const Quaternion<double>& up) {
+    if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
+      const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
       if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
       return rotation_between(rotate(up, bone), wanted) * up;
     }
-    if (name == "left_ankle" || name == "right_ankle") {
-      const detail::LimbBone shin{name == "left_ankle" ? "left_knee" : "right_knee", name};
-      const Vec3<double> bone = source_bone(shin), wanted = target_bone(shin);
-      const double roll = std::atan2(wanted.x, -wanted.y) - std::atan2(bone.x, -bone.y);
-      return from_axis_angle(Vec3<double>{0, 0, 1}, roll);
+    if (role == "left_ankle" || role == "right_ankle") {
+      const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
+      auto roll = [&](const detail::StandingSkeleton& s) {
+        const Vec3<double> bone = s.bone(shin);
+        return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
+      };
+      return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
     }
-    if (name == "left_foot" || name == "right_foot" || name == "left_hand" || name == "right_hand") return up;
-    return Quaternion<double>::identity();
-  }
-  /// The bone of a limb in the T-pose of the source; zero if a joint is not mapped.
-  Vec3<double> source_bone(const detail::LimbBone& limb) const {
-    const int a = source_of(limb.joint), b = source_of(limb.end);
-    if (a < 0 || b < 0) return {};
-    return rest_position_[static_cast<std::size_t>(b)] - rest_position_[static_cast<std::size_t>(a)];
-  }
-  Vec3<double> target_bone(const detail::LimbBone& limb) const {
-    const int end = target_.find(limb.end);
-    return end < 0 ? Vec3<double>{} : target_.offset(end);
-  }
-  int source_of(std::string_view target_joint) const {
-    const int t = target_.find(target_joint);
-    return t < 0 ? -1 : links_[static_cast<std::size_t>(t)].source;
+    const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
+    return follows ? up : Quaternion<double>::identity();
   }
 
   /// Lengths of legs and arms, and where the hips are.
-  void measure() {
-    hips_ = 0.5 * (target_.offset(target_["left_hip"]) + target_.offset(target_["right_hip"]));
-    left_hip_ = source_of("left_hip");
-    right_hip_ = source_of("right_hip");
-    if (left_hip_ < 0 || right_hip_ < 0)
-      raise<config_error>(103, "SkeletonMap: ", report_.table, " has no 'left_hip' or no 'right_hip'");
+  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+    auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
+      const int j = s.joint(role);
+      if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
+      return j;
+    };
+    left_hip_ = hip(from, "left_hip");
+    right_hip_ = hip(from, "right_hip");
+    target_left_hip_ = hip(to, "left_hip");
+    target_right_hip_ = hip(to, "right_hip");
     auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
       double here = 0, there = 0;
       for (const detail::LimbBone& bone : bones) {
-        const double length = norm(source_bone(bone));
-        here += length > 0 ? norm(target_bone(bone)) : 0;
-        there += length;
+        const double length = from.length(bone), wanted = to.length(bone);
+        if (length > 0 && wanted > 0) here += wanted, there += length;
       }
       return there > 0 ? here / there : 0;
     };
@@ -239,11 +316,8 @@ class SkeletonMap {
 
   Skeleton source_, target_;
   RetargetReport report_;
-  std::vector<Quaternion<double>> rest_rotation_;  // of the source
-  std::vector<Vec3<double>> rest_position_;
   std::vector<Link> links_;  // of the target's joints
-  int left_hip_ = -1, right_hip_ = -1;
-  Vec3<double> hips_{};  // middle of the target's hips, seen from its root
+  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
 };
 
 /// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
@@ -285,7 +359,7 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in table that fits the clip. Throws config_error 103 with the joint that is missing.
+/// With the built-in tables that fit the clip and the target. Throws config_error 103 with the joint that is missing.
 inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
                        const RetargetOptions& options = {}) {
   return retarget(motion, SkeletonMap(motion.skeleton, target), options);

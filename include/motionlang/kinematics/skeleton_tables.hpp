@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: MIT
-/// Which joint of a known skeleton moves which joint of SMPL: the tables behind retargeting, and how to recognise one.
+/// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
+/// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
 #pragma once
 
 #include <motionlang/kinematics/skeleton.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// One joint of the target and the joint of the source whose orientation it takes.
+/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
+/// "mixamorig1:" and, where colons were lost, "mixamorig".
+inline std::string_view bare_joint_name(std::string_view name) {
+  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
+  constexpr std::string_view mixamo = "mixamorig";
+  if (!name.starts_with(mixamo)) return name;
+  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
+  return rest == name.npos ? name : name.substr(rest);
+}
+/// The number of a joint by its name or else by its bare name; -1.
+inline int find_joint(const Skeleton& skeleton, std::string_view name) {
+  int j = skeleton.find(name);
+  for (int k = 0; k < skeleton.size() && j < 0; ++k) {
+    if (bare_joint_name(skeleton.name(k)) == name) j = k;
+  }
+  return j;
+}
+
+/// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
 struct MappedJoint {
   std::string target;  // name in SMPL
   std::string source;
@@ -21,13 +40,16 @@ struct MappedJoint {
   double share = 0;
 };
 
-/// A kind of skeleton. Hands and toes may be missing in a source; all other joints of the table must be there.
+/// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
   /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
+  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
+  /// skin is bound. Otherwise feet lean to the side with their shins.
+  bool level_soles = false;
 
   const MappedJoint* find(std::string_view target) const {
     for (const MappedJoint& j : joints) {
@@ -38,16 +60,17 @@ struct SkeletonTable {
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
   std::string missing(const Skeleton& source) const {
     for (const MappedJoint& j : joints) {
-      const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot");
-      if (!optional && source.find(j.source) < 0) return j.source;
-      if (!j.second.empty() && source.find(j.second) < 0) return j.second;
+      const bool optional =
+          j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
+      if (!optional && find_joint(source, j.source) < 0) return j.source;
+      if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
     }
     return {};
   }
   /// How many of its joints the skeleton has.
   int found(const Skeleton& source) const {
     int n = 0;
-    for (const MappedJoint& j : joints) n += source.find(j.source) >= 0 ? 1 : 0;
+    for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
     return n;
   }
 };
@@ -109,6 +132,73 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
         {"right_hip", "RightUpLeg"}, {"right_knee", "RightLowLeg"}, {"right_ankle", "RightFoot"},
         {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftUpArm", "-y+x"}, {"left_elbow", "LeftLowArm", "-y+x"}, {"left_wrist", "LeftHand", "-y+x"},
         {"right_collar", "RightCollar"}, {"right_shoulder", "RightUpArm", "+y-x"}, {"right_elbow", "RightLowArm", "+y-x"}, {"right_wrist", "RightHand", "+y-x"}}},
+      // SMPL's joints as its add-ons for Blender and engines write them.
+      {"SMPL add-on",
+       {{"pelvis", "Pelvis"}, {"spine1", "Spine1"}, {"spine2", "Spine2"}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+        {"left_hip", "L_Hip"}, {"left_knee", "L_Knee"}, {"left_ankle", "L_Ankle"}, {"left_foot", "L_Foot"},
+        {"right_hip", "R_Hip"}, {"right_knee", "R_Knee"}, {"right_ankle", "R_Ankle"}, {"right_foot", "R_Foot"},
+        {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
+        {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
+       true, true},
+      // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
+      {"Mixamo",
+       {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
+        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+        {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+        {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
+       true, true},
+      {"KayKit",
+       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
+        {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
+        {"right_hip", "upperleg.r"}, {"right_knee", "lowerleg.r"}, {"right_ankle", "foot.r"}, {"right_foot", "toes.r"},
+        {"left_shoulder", "upperarm.l"}, {"left_elbow", "lowerarm.l"}, {"left_wrist", "wrist.l"}, {"left_hand", "hand.l"},
+        {"right_shoulder", "upperarm.r"}, {"right_elbow", "lowerarm.r"}, {"right_wrist", "wrist.r"}, {"right_hand", "hand.r"}},
+       true, true},
+      {"Quaternius",
+       {{"pelvis", "DEF-hips"}, {"spine1", "DEF-spine.001"}, {"spine2", "DEF-spine.002"}, {"spine3", "DEF-spine.003"}, {"neck", "DEF-neck"}, {"head", "DEF-head"},
+        {"left_hip", "DEF-thigh.L"}, {"left_knee", "DEF-shin.L"}, {"left_ankle", "DEF-foot.L"}, {"left_foot", "DEF-toe.L"},
+        {"right_hip", "DEF-thigh.R"}, {"right_knee", "DEF-shin.R"}, {"right_ankle", "DEF-foot.R"}, {"right_foot", "DEF-toe.R"},
+        {"left_collar", "DEF-shoulder.L"}, {"left_shoulder", "DEF-upper_arm.L"}, {"left_elbow", "DEF-forearm.L"}, {"left_wrist", "DEF-hand.L"}, {"left_hand", "DEF-f_middle.01.L"},
+        {"right_collar", "DEF-shoulder.R"}, {"right_shoulder", "DEF-upper_arm.R"}, {"right_elbow", "DEF-forearm.R"}, {"right_wrist", "DEF-hand.R"}, {"right_hand", "DEF-f_middle.01.R"}},
+       true, true},
+      // The mannequins; the fourth has three joints in the spine and one in the neck.
+      {"Unreal 5",
+       {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_03"}, {"spine3", "spine_05"}, {"neck", "neck_01", "+x+y", {}, "neck_02", 0.5}, {"head", "head"},
+        {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+        {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+        {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+        {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+       true, true},
+      {"Unreal 4",
+       {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_02"}, {"spine3", "spine_03"}, {"neck", "neck_01"}, {"head", "head"},
+        {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+        {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+        {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+        {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+       true, true},
+      // The humanoid bones of VRM; the joints of a file have names of their own, VRoid's are below.
+      {"VRM",
+       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
+        {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+        {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+        {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+        {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+       true, true},
+      {"VRM without upper chest",
+       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
+        {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+        {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+        {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+        {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+       true, true},
+      {"VRoid",
+       {{"pelvis", "J_Bip_C_Hips"}, {"spine1", "J_Bip_C_Spine"}, {"spine2", "J_Bip_C_Chest"}, {"spine3", "J_Bip_C_UpperChest"}, {"neck", "J_Bip_C_Neck"}, {"head", "J_Bip_C_Head"},
+        {"left_hip", "J_Bip_L_UpperLeg"}, {"left_knee", "J_Bip_L_LowerLeg"}, {"left_ankle", "J_Bip_L_Foot"}, {"left_foot", "J_Bip_L_ToeBase"},
+        {"right_hip", "J_Bip_R_UpperLeg"}, {"right_knee", "J_Bip_R_LowerLeg"}, {"right_ankle", "J_Bip_R_Foot"}, {"right_foot", "J_Bip_R_ToeBase"},
+        {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
+        {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
+       true, true},
   };
   return tables;
 }
