@@ -1,11 +1,14 @@
 // motionlang convert, strip, view: a file of motion in, another file, a picture or a page out.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <set>
 
+#include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "commands.hpp"
 #include "motion_files.hpp"
@@ -17,8 +20,8 @@ namespace {
 struct Options {
   std::string in, out;
   MotionReadOptions read;
-  double scale = 100, fps = 0, from = 0, to = 0, speed = 1;
-  bool smpl = false, mirror = false, fix_feet = false;
+  double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
+  bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
 };
 
 ml::Motion edited(ml::Motion m, const Options& o) {
@@ -37,10 +40,13 @@ ml::Motion edited(ml::Motion m, const Options& o) {
   if (o.fps > 0) m = ml::resample(m, o.fps);
   if (o.smpl || o.fix_feet) m = on_smpl(m);
   if (o.mirror) m = ml::mirror(m);
+  if (o.smooth) m = ml::smooth_motion(m);
   if (o.fix_feet) {
     ml::place_on_floor(m);
     m = ml::fix_feet(m);
   }
+  if (o.in_place) m = ml::in_place(m);
+  if (o.loop > 0) m = ml::make_loop(m, std::max<ml::Index>(1, std::lround(o.loop * m.fps))).motion;
   return m;
 }
 
@@ -110,6 +116,10 @@ void add_convert(CLI::App& app) {
       ->capture_default_str();
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
+  c->add_flag("--smooth", o->smooth, "Without trembling");
+  c->add_flag("--in-place", o->in_place, "The root stays over the origin");
+  c->add_option("--loop", o->loop, "Makes a loop: so many seconds at the end are blended into the start")
+      ->check(CLI::PositiveNumber);
   c->add_flag("--fix-feet", o->fix_feet, "On SMPL's 24 joints, and feet that stand do not slide");
   c->callback([o] {
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted

@@ -4,6 +4,7 @@
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/io/stmc_file.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "generation.hpp"
 
@@ -30,8 +31,10 @@ class GeneratorOver final : public Generator {
                                                : model_.generate_from(timelines, noise_from(s.noise_file), options);
     std::vector<ml::Motion> motions;
     for (const auto& f : features) {
-      const auto motion = ml::stmc_motion(f, model_.fps);
-      motions.push_back(s.fix_feet ? ml::fix_feet(motion) : motion);
+      ml::Motion motion = ml::stmc_motion(f, model_.fps);
+      if (s.smooth) motion = ml::smooth_motion(motion);
+      if (s.fix_feet) motion = ml::fix_feet(motion);  // last: feet that stand are to be still
+      motions.push_back(std::move(motion));
     }
     return motions;
   }

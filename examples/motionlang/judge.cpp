@@ -187,6 +187,7 @@ void add_judge(CLI::App& app) {
   c->add_option("--sampler", o->settings.sampler, "ddpm or ddim")
       ->check(CLI::IsMember({"ddpm", "ddim"}))
       ->capture_default_str();
+  c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away; on unless switched off");
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Feet that stand do not slide; on unless switched off")
       ->capture_default_str();
   c->add_option("--backend", o->backend, "eigen, xtensor or reference")->capture_default_str();

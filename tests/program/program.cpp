@@ -3,8 +3,9 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
+#include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/captioned_clips.hpp"
 #include "../support/small_model.hpp"
@@ -58,15 +59,15 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const std::map<std::string, std::vector<std::string>> options{
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
-        "--fix-feet", "--backend", "--threads"}},
+        "--smooth", "--fix-feet", "--backend", "--threads"}},
       {"check", {"timeline", "--fps", "--overlap", "--model"}},
       {"info", {"file"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
-        "--fix-feet"}},
+        "--smooth", "--in-place", "--loop", "--fix-feet"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
-      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--fix-feet"}},
+      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet"}},
       {"train", {"--data",        "--captions",      "--out",      "--steps",      "--batch",       "--lr",
                  "--width",       "--feed-forward",  "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
                  "--text-weight", "--text-steps",    "--denoiser", "--seed",       "--license",     "--provenance",
@@ -178,6 +179,26 @@ TEST_CASE("feet are put right unless that is switched off") {
   CHECK(w.generate("off", {"--seed", "4", "--no-fix-feet"}).code == 0);
   const auto on = ml::read_amass(w / "on/two.npz").motion, off = ml::read_amass(w / "off/two.npz").motion;
   CHECK(synthetic::largest_distance(on, ml::fix_feet(off)) < 1e-3);
+}
+
+TEST_CASE("trembling is taken away, and then feet are put right, unless that is switched off") {
+  const Workplace w;
+  CHECK(w.generate("on", {"--seed", "4"}).code == 0);
+  CHECK(w.generate("own", {"--seed", "4", "--no-fix-feet", "--no-smooth"}).code == 0);
+  const auto on = ml::read_amass(w / "on/two.npz").motion, own = ml::read_amass(w / "own/two.npz").motion;
+  CHECK(synthetic::largest_distance(on, ml::fix_feet(ml::smooth_motion(own))) < 1e-3);
+  CHECK(synthetic::largest_distance(on, ml::fix_feet(own)) > 1e-3);
+}
+
+TEST_CASE("convert makes loops in place") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  const auto out = w.run({"convert", "walk.bvh", "loop.bvh", "--in-place", "--loop", "0.3", "--smooth"});
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  const auto walk = ml::read_bvh_motion(w / "walk.bvh"), loop = ml::read_bvh_motion(w / "loop.bvh");
+  CHECK(loop.frames() == 34);
+  const auto expected = ml::make_loop(ml::in_place(ml::smooth_motion(walk)), 6).motion;
+  CHECK(synthetic::largest_distance(loop, expected) < 1e-3);
 }
 
 TEST_CASE("convert: from one format to the others and back, cut, resampled, mirrored; strip and view") {

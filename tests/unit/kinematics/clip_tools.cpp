@@ -173,8 +173,8 @@ TEST_CASE("smoothing leaves even and evenly accelerated movement as it is, at th
   }
 }
 
-TEST_CASE("smoothing damps as it says: 96 % stay at 2.5 Hz, 65 % at 5 Hz, less than a tenth at 10 Hz") {
-  for (const auto& [hertz, kept] : {std::pair{0.0, 1.0}, {2.5, 0.961}, {5.0, 0.650}, {10.0, 0.085}}) {
+TEST_CASE("smoothing damps as it says: 98 % stay at 2.5 Hz, 82 % at 5 Hz, 35 % at 10 Hz") {
+  for (const auto& [hertz, kept] : {std::pair{0.0, 1.0}, {2.5, 0.983}, {5.0, 0.819}, {10.0, 0.354}}) {
     ml::Motion m{ml::Skeleton::from_joints({{"r", "", {0, 1, 0}}}), 20, {}, {}, ""};
     for (int f = 0; f < 81; ++f) {
       const double wave = std::cos(2 * std::numbers::pi * hertz * f / 20.0);
@@ -191,7 +191,7 @@ TEST_CASE("smoothing takes trembling away and keeps the walk") {
   const auto walk = synthetic::walk({.frames = 80});
   const auto rough = trembling(walk, 0.03), smooth = ml::smooth_motion(rough);
   CHECK(jitter(rough) > 3 * jitter(walk));
-  CHECK(jitter(smooth) < 0.4 * jitter(rough));
+  CHECK(jitter(smooth) < 0.6 * jitter(rough));
   CHECK(synthetic::largest_distance(ml::smooth_motion(walk), walk) < 0.02);
   CHECK(ml::smooth_motion(walk, {.sigma = 0}).local == walk.local);
   for (const ml::Index frames : {0, 1, 2}) CHECK(ml::smooth_motion(ml::crop(walk, 0, frames)).frames() == frames);
