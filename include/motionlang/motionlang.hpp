@@ -103,6 +103,7 @@
 #include <motionlang/optim/lr_schedule.hpp>
 
 #include <motionlang/features/amass_resample.hpp>
+#include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>

@@ -15,6 +15,7 @@
 #include <string>       // names
 #include <string_view>  // data sets
 
+#include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/body_model.hpp>
@@ -33,16 +34,6 @@ struct HumanMl3dSource {
 struct HumanMl3dSourceOptions {
   /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant.
   bool drop_last_frame = false;
-};
-
-/// A sequence of AMASS as its file has it.
-struct AmassSequence {
-  Index frames = 0, columns = 0;  // columns: 156 of SMPL-H, 165 of SMPL-X
-  std::vector<double> poses;      // (frames, columns) rotation vectors: root, 21 body joints, hands
-  std::vector<double> trans;      // (frames, 3)
-  std::vector<double> betas;
-  std::string gender;  // "male", "female", "neutral"
-  double fps = 0;
 };
 
 inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }

@@ -9,7 +9,7 @@
 
 #include <numbers>  // pi
 
-#include <motionlang/io/npz.hpp>
+#include <motionlang/io/amass_sequence.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
@@ -53,26 +53,6 @@ inline void require_smpl(const Skeleton& skeleton) {
   }
 }
 
-/// A matrix of numbers with a given or at least a given number of columns.
-struct AmassMatrix {
-  std::vector<double> values;
-  std::size_t rows = 0, columns = 0;
-
-  AmassMatrix(const NpzArchive& npz, std::string_view name) {
-    const NpyArray array = npz.read(name);
-    if (array.shape.size() != 2) {
-      raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
-    }
-    values = array.to<double>();
-    rows = static_cast<std::size_t>(array.shape[0]);
-    columns = static_cast<std::size_t>(array.shape[1]);
-  }
-  Vec3<double> at(std::size_t row, std::size_t column) const {
-    const double* v = values.data() + row * columns + column;
-    return {v[0], v[1], v[2]};
-  }
-};
-
 }  // namespace detail
 
 /// Writes trans (N, 3), poses (N, 156; fingers 0), betas, gender and the frame rate under both of its spellings.
@@ -111,26 +91,22 @@ inline void write_amass(const FilePath& path, const Motion& motion, const AmassB
 /// 406 if an array is missing, 407 if one has another shape, 403 for an impossible frame rate,
 ///         numeric_error 301 if a value is not finite
 inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
-  const NpzArchive npz = NpzArchive::open(path);
-  const detail::AmassMatrix poses(npz, "poses"), trans(npz, "trans");
-  if (poses.columns < 3 * detail::amass_joints || trans.columns != 3 || trans.rows != poses.rows) {
-    raise<io_error>(407, npz.file(), ": poses (", poses.rows, ", ", poses.columns, ") and trans (", trans.rows, ", ",
-                    trans.columns, "), expected (N, 66 or more) and (N, 3)");
-  }
-  AmassClip clip{{smpl24_skeleton(), 0, {}, {}, path.stem()}, {}};
+  AmassSequence sequence = read_amass_sequence(path);
+  AmassClip clip{{smpl24_skeleton(), sequence.fps, {}, {}, path.stem()}, {}};
+  clip.body.gender = std::move(sequence.gender);
+  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
   Motion& motion = clip.motion;
-  motion.fps = npz.read(npz.has("mocap_framerate") ? "mocap_framerate" : "mocap_frame_rate").value<double>();
-  if (!(motion.fps > 0 && motion.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", motion.fps);
-  if (npz.has("gender")) clip.body.gender = npz.read("gender").text();
-  if (npz.has("betas")) clip.body.betas = npz.read("betas").to<double>();
-
+  auto vector_at = [](const std::vector<double>& values, std::size_t at) {
+    return Vec3<double>{values[at], values[at + 1], values[at + 2]};
+  };
+  const auto frames = static_cast<std::size_t>(sequence.frames), columns = static_cast<std::size_t>(sequence.columns);
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  motion.local.assign(poses.rows * joints, Quaternion<double>::identity());
+  motion.local.assign(frames * joints, Quaternion<double>::identity());
   const Quaternion<double> lying = detail::quarter_turn_about_x(-1);
-  for (std::size_t frame = 0; frame < poses.rows; ++frame) {
-    motion.root.push_back(z_up_to_y_up(trans.at(frame, 0) + rest_pelvis));
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    motion.root.push_back(z_up_to_y_up(vector_at(sequence.trans, 3 * frame) + rest_pelvis));
     for (std::size_t j = 0; j < detail::amass_joints; ++j) {
-      const auto q = to_quaternion(AxisAngle<double>{poses.at(frame, 3 * j)});
+      const auto q = to_quaternion(AxisAngle<double>{vector_at(sequence.poses, frame * columns + 3 * j)});
       motion.local[frame * joints + j] = j == 0 ? lying * q : q;
     }
   }

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
+#pragma once
+
+#include <string>  // gender
+#include <vector>  // numbers
+
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct AmassSequence {
+  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
+  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
+  std::vector<double> trans{};    // (frames, 3)
+  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
+  std::string gender = "neutral";
+  double fps = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

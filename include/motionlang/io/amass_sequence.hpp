@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on SMPL's
+/// bones: amass.hpp.
+///
+/// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
+#pragma once
+
+#include <motionlang/features/amass_sequence.hpp>
+#include <motionlang/io/npz.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate). The gender may be a
+/// text or an array of one, as in SSM_synced.
+/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
+///         motion), 407 if one has another shape, 403 for an impossible frame rate
+inline AmassSequence read_amass_sequence(const FilePath& path) {
+  const NpzArchive npz = NpzArchive::open(path);
+  auto matrix = [&](std::string_view name) {
+    NpyArray array = npz.read(name);
+    if (array.shape.size() != 2) {
+      raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
+    }
+    return array;
+  };
+  const NpyArray poses = matrix("poses"), trans = matrix("trans");
+  AmassSequence out{.frames = poses.shape[0], .columns = poses.shape[1]};
+  if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {
+    raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and trans (", trans.shape[0], ", ",
+                    trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
+  }
+  out.poses = poses.to<double>();
+  out.trans = trans.to<double>();
+  out.fps = npz.read(npz.has("mocap_framerate") ? "mocap_framerate" : "mocap_frame_rate").value<double>();
+  if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
+  if (npz.has("gender")) out.gender = npz.read("gender").text();
+  if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

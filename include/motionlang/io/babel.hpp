@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; and the stretches as TEACH and
+/// SINC take them.
+///
+///     const auto file = BabelFile::open("train.json");
+///     for (const std::string& id : file.ids()) {
+///       const BabelSequence sequence = file.load(id);
+///       for (const auto& a : sequence.frame_annotations) use(babel_segments(a.labels, 30, frames, spelling));
+///     }
+///
+/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.4,
+///         teach.md 4, sinc.md 5
+#pragma once
+
+#include <algorithm>      // stable_sort, find
+#include <array>          // excluded labels
+#include <cmath>          // isfinite
+#include <unordered_map>  // spelling
+
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/io/json_members.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BabelLabel {
+  std::string raw_label, proc_label, seg_id;
+  std::vector<std::string> act_cat;  // empty where the file has null
+  double start = 0, end = 0;         // seconds; of a whole sequence: all of it
+  bool operator==(const BabelLabel&) const = default;
+};
+
+/// By one annotator. Labels stand in the order of the file: not sorted, perhaps overlapping, the last one perhaps a few
+/// milliseconds longer than the sequence.
+struct BabelAnnotation {
+  std::string babel_lid, anntr_id;
+  bool mul_act = false;  // several actions
+  std::vector<BabelLabel> labels;
+  bool operator==(const BabelAnnotation&) const = default;
+};
+
+struct BabelSequence {
+  std::string id;
+  std::int64_t babel_sid = 0;
+  std::string url, feat_p;  // feat_p: "CMU/CMU/141/141_05_poses.npz", the folder of the data set twice
+  double dur = 0;           // seconds, rounded to hundredths; 0 if the file has none
+  std::vector<BabelAnnotation> sequence_annotations, frame_annotations;
+  bool operator==(const BabelSequence&) const = default;
+};
+
+/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a sequence).
+class BabelFile {
+ public:
+  /// Throws io_error 401, 403 (JsonMembers).
+  static BabelFile open(const FilePath& path) { return BabelFile(JsonMembers::open(path)); }
+  static BabelFile from_text(std::string text, std::string name = "BABEL") {
+    return BabelFile(JsonMembers::from_text(std::move(text), std::move(name)));
+  }
+
+  /// In the order of the file.
+  const std::vector<std::string>& ids() const { return members_.keys(); }
+  bool has(const std::string& id) const { return members_.has(id); }
+
+  /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
+  /// malformed JSON (with line and column) and for times that are none.
+  BabelSequence load(const std::string& id) const {
+    const nlohmann::json document = members_.load(id);
+    const JsonView view(document, members_.place(id));
+    BabelSequence out{id, view["babel_sid"].as<std::int64_t>(), view.value_or("url", ""), view.value_or("feat_p", ""),
+                      view.value_or("dur", 0.0), {}, {}};
+    if (!(out.dur >= 0 && std::isfinite(out.dur))) raise<io_error>(403, view.path(), ": dur is ", out.dur);
+    for (const char* key : {"seq_ann", "seq_anns"}) read(view, key, {0, out.dur, false}, out.sequence_annotations);
+    for (const char* key : {"frame_ann", "frame_anns"}) read(view, key, {0, 0, true}, out.frame_annotations);
+    return out;
+  }
+
+ private:
+  struct Times {
+    double start, end;
+    bool in_file;
+  };
+
+  explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
+
+  /// An annotation, a list of them, null or nothing.
+  static void read(const JsonView& entry, const std::string& key, const Times& times,
+                   std::vector<BabelAnnotation>& out) {
+    if (!entry.contains(key) || entry[key].is_null()) return;
+    const JsonView view = entry[key];
+    if (!view.is_array()) return out.push_back(annotation(view, times));
+    for (Index i = 0; i < view.size(); ++i) {
+      if (!view[i].is_null()) out.push_back(annotation(view[i], times));
+    }
+  }
+  static BabelAnnotation annotation(const JsonView& view, const Times& times) {
+    BabelAnnotation out{view.value_or("babel_lid", ""), view.value_or("anntr_id", ""), view.value_or("mul_act", false),
+                        {}};
+    const JsonView labels = view["labels"];
+    for (Index i = 0; i < labels.size(); ++i) out.labels.push_back(label(labels[i], times));
+    return out;
+  }
+  static BabelLabel label(const JsonView& view, const Times& times) {
+    BabelLabel out{view.value_or("raw_label", ""), view.value_or("proc_label", ""), view.value_or("seg_id", ""),
+                   view.value_or("act_cat", std::vector<std::string>{}), times.start, times.end};
+    if (times.in_file) {
+      out.start = view["start_t"].as<double>();
+      out.end = view["end_t"].as<double>();
+      if (!(out.start >= 0 && out.start <= out.end && std::isfinite(out.end)))
+        raise<io_error>(403, view.path(), ": from ", out.start, " to ", out.end, " seconds");
+    }
+    return out;
+  }
+
+  JsonMembers members_;
+};
+
+/// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
+using SpellingTable = std::unordered_map<std::string, std::string>;
+
+/// The label word by word through the table, joined by single blanks. The published table is the user's to supply.
+inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
+  std::string out;
+  for (label = detail::trim(label); !label.empty(); label = detail::trim(label)) {
+    std::string word(label.substr(0, std::min(label.find_first_of(" \t\r\n\v\f"), label.size())));
+    label.remove_prefix(word.size());
+    if (const auto found = spelling.find(word); found != spelling.end()) word = found->second;
+    if (!out.empty()) out += ' ';
+    out += word;
+  }
+  return out;
+}
+
+/// Labels that TEACH and SINC train nothing on.
+inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
+                                                                       "tpose",  "apose",  "transition"};
+inline bool is_babel_excluded(std::string_view label) {
+  return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
+}
+
+/// Frames [start, end) with their text.
+struct BabelSegment {
+  Index start = 0, end = 0;
+  std::string text;
+  bool operator==(const BabelSegment&) const = default;
+};
+
+struct BabelSegmentOptions {
+  bool keep_transitions = false;  // TEACH pairs actions by the transition between them
+};
+
+/// The stretches of an annotation in a motion of `frames` frames, sorted by start and end: int(start fps) up to
+/// int(end fps), cut at the end of the motion. Without empty ones, those without text and excluded labels.
+/// Throws config_error 101 for a rate that is none.
+inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labels, double fps, Index frames,
+                                                const SpellingTable& spelling = {},
+                                                const BabelSegmentOptions& options = {}) {
+  if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "babel_segments: ", fps, " frames per second");
+  const auto frame = [&](double seconds) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
+  };
+  std::vector<BabelSegment> out;
+  for (const BabelLabel& label : labels) {
+    BabelSegment segment{frame(label.start), frame(label.end), clean_babel_label(label.proc_label, spelling)};
+    const bool transition = options.keep_transitions && segment.text == "transition";
+    if (segment.end > segment.start && !segment.text.empty() && (transition || !is_babel_excluded(segment.text)))
+      out.push_back(std::move(segment));
+  }
+  std::stable_sort(out.begin(), out.end(), [](const BabelSegment& a, const BabelSegment& b) {
+    return std::pair(a.start, a.end) < std::pair(b.start, b.end);
+  });
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
