@@ -57,6 +57,7 @@
 #include <motionlang/backend/reference.hpp>
 
 #include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/body.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
@@ -76,6 +77,7 @@
 #include <motionlang/kinematics/skeleton.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
+#include <motionlang/kinematics/skinning.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>

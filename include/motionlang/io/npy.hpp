@@ -196,19 +196,51 @@ inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, 
   return out;
 }
 
-/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits.
-inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, const NpyHeader& header,
-                                std::string_view file) {
+/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no size.
+inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, std::string_view where) {
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
   std::uint64_t size = item_size;
-  if (size == 0) header.unsupported("elements of no size");
+  if (size == 0) raise<io_error>(404, where, ": elements of no size");
   for (const Index n : shape) {
     if (size > static_cast<std::uint64_t>(INT64_MAX) / static_cast<std::uint64_t>(n)) {
-      raise<io_error>(405, file, ": npy header: the product of the shape is too large");
+      raise<io_error>(405, where, ": the product of the shape is too large");
     }
     size *= static_cast<std::uint64_t>(n);
   }
   return static_cast<std::size_t>(size);
+}
+
+/// An array as NumPy stores it, in .npy files and in pickles. `type` is NumPy's, for instance ">f8"; `raw` are all its bytes;
+/// `where` is for messages.
+/// Throws  io_error 402 if there are too few bytes, 403 if there are too many, 404 for other element types, 405 for impossible
+///         sizes
+inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
+                             std::span<const std::byte> raw, std::string_view where) {
+  NpyArray array;
+  array.shape = std::move(shape);
+  std::size_t digits = 0;
+  const char* end = type.data() + type.size();
+  if (type.size() < 3 || std::from_chars(type.data() + 2, end, digits).ptr != end || digits > 1'000'000'000) {
+    raise<io_error>(404, where, ": element type '", type, "'");
+  }
+  array.kind = type[1];
+  array.item_size = array.kind == 'U' ? 4 * digits : digits;
+  const bool known_order = type[0] == '<' || type[0] == '>' || type[0] == '|' || type[0] == '=';
+  if (!known_order || !(array.is_text() || with_npy_number(array.kind, digits, [](auto) {}))) {
+    raise<io_error>(404, where, ": element type '", type, "'");
+  }
+  const std::size_t needed = checked_size(array.shape, array.item_size, where);
+  if (raw.size() < needed) raise<io_error>(402, where, ": array data of ", raw.size(), " bytes, ", needed, " needed");
+  if (raw.size() > needed) raise<io_error>(403, where, ": ", raw.size() - needed, " bytes after the array data");
+  array.data = fortran_order ? from_fortran_order(raw, array.shape, array.item_size)
+                             : std::vector<std::byte>(raw.begin(), raw.end());
+  const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
+  if (type[0] == '>') {
+    for (auto at = array.data.begin(); at != array.data.end(); at += static_cast<std::ptrdiff_t>(unit)) {
+      std::reverse(at, at + static_cast<std::ptrdiff_t>(unit));
+    }
+  }
+  return array;
 }
 
 }  // namespace detail
@@ -230,35 +262,8 @@ inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view fil
   const std::size_t start = major == 1 ? 10 : 12;
   const detail::NpyHeader header(detail::as_text(detail::slice(bytes, start, length, file, "npy header")), start, file);
 
-  const std::string& type = header.descr;
-  NpyArray array;
-  array.shape = header.shape;
-  std::size_t digits = 0;
-  const char* end = type.data() + type.size();
-  if (type.size() < 3 || std::from_chars(type.data() + 2, end, digits).ptr != end || digits > 1'000'000'000) {
-    header.unsupported("element type '", type, "'");
-  }
-  array.kind = type[1];
-  array.item_size = array.kind == 'U' ? 4 * digits : digits;
-  const bool known_order = type[0] == '<' || type[0] == '>' || type[0] == '|' || type[0] == '=';
-  if (!known_order || !(array.is_text() || detail::with_npy_number(array.kind, digits, [](auto) {}))) {
-    header.unsupported("element type '", type, "'");
-  }
-
-  const std::size_t needed = detail::checked_size(array.shape, array.item_size, header, file);
-  const auto raw = bytes.subspan(start + length);
-  if (raw.size() < needed)
-    raise<io_error>(402, file, ": array data end at byte ", bytes.size(), ", ", needed, " needed");
-  if (raw.size() > needed) raise<io_error>(403, file, ": ", raw.size() - needed, " bytes after the array data");
-  array.data = header.fortran_order ? detail::from_fortran_order(raw, array.shape, array.item_size)
-                                    : std::vector<std::byte>(raw.begin(), raw.end());
-  const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
-  if (type[0] == '>') {
-    for (auto at = array.data.begin(); at != array.data.end(); at += static_cast<std::ptrdiff_t>(unit)) {
-      std::reverse(at, at + static_cast<std::ptrdiff_t>(unit));
-    }
-  }
-  return array;
+  return detail::stored_array(header.descr, header.fortran_order, header.shape, bytes.subspan(start + length),
+                              concat_text(file, ": npy at byte ", start));
 }
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.

@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: MIT
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file.
+/// On a bare backend the chain goes pose by pose and vertices through the kernel of skinning.hpp, on all threads (`prepare` the
+/// model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
+/// so that vertices and joints can be differentiated by shape, rotations and translation.
+///
+/// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
+///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
 /// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions, which is
 ///           the same sum in another order
 #pragma once
 
+#include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/fields.hpp>
+#include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/forward.hpp>
+#include <motionlang/kinematics/skinning.hpp>
+#include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/ops.hpp>
@@ -21,12 +30,64 @@ struct PosedBody {
   Tensor<B, 3> vertices, joints, extra;
 };
 
+/// Rotation vectors (N, J, 3) as the matrices that a body model takes: (N, J, 9), row by row. Differentiable, also at 0.
+template <Backend B>
+Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
+  const Index n = axis_angles.size(0), j = axis_angles.size(1);
+  const auto flat = reshape<2>(axis_angles, {n * j, 3});
+  auto component = [&](Index c) { return slice(flat, 1, c, c + 1); };
+  const auto m = to_matrix(AxisAngle<Tensor<B, 2>>{{component(0), component(1), component(2)}}).m;
+  return reshape<3>(concat(std::span<const Tensor<B, 2>>(m), 1), {n, j, 9});
+}
+
+namespace detail {
+
+/// A tensor whose numbers fill(S*) writes.
+template <Backend B, int R, class F>
+Tensor<B, R> written_tensor(const Shape& shape, F fill) {
+  using S = typename B::scalar;
+  if constexpr (requires(typename B::tensor t, const Shape& s) {
+                  { t.data() } -> std::same_as<S*>;
+                  t = typename B::tensor(s);
+                }) {
+    typename B::tensor t(shape);
+    fill(t.data());
+    return Tensor<B, R>(std::move(t));
+  } else {
+    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+    fill(values.data());
+    return Tensor<B, R>::from(std::span<const S>(values), shape);
+  }
+}
+
+/// The kinematic chain, joint after joint. rest(j) and local(j) give a joint's rest position and rotation;
+/// put(j, R, p, t) takes its world rotation, its position, and t = p - R rest(j), which skinning needs.
+template <class S, class Rest, class Local, class Put>
+void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest rest, Local local, Put put) {
+  world.rotation.resize(parents.size());
+  world.position.resize(parents.size());
+  for (std::size_t j = 0; j < parents.size(); ++j) {
+    const Vec3<S> own = rest(j);
+    if (parents[j] < 0) {
+      world.rotation[j] = local(j);
+      world.position[j] = own;
+    } else {
+      const auto p = static_cast<std::size_t>(parents[j]);
+      world.rotation[j] = world.rotation[p] * local(j);
+      world.position[j] = world.position[p] + world.rotation[p] * (own - rest(p));
+    }
+    put(j, world.rotation[j], world.position[j], world.position[j] - world.rotation[j] * own);
+  }
+}
+
+}  // namespace detail
+
 template <Backend B>
 struct BodyModel {
   static constexpr bool trainable = false;
   Tensor<B, 2> v_template;   // (V, 3)
-  Tensor<B, 2> shapedirs;    // (3 V, K)
-  Tensor<B, 2> posedirs;     // (3 V, 9 (J - 1))
+  Tensor<B, 2> shapedirs;    // (3 V, K); K may be 0
+  Tensor<B, 2> posedirs;     // (3 V, 9 (J - 1)), or (3 V, 0): no pose blend shapes
   Tensor<B, 2> J_regressor;  // (J, V)
   Tensor<B, 2> weights;      // (V, J)
   std::vector<int> parents;  // -1 for the root
@@ -45,7 +106,8 @@ struct BodyModel {
   /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child.
   void validate() const {
     const Index v = vertices(), j = joints();
-    if (shapedirs.size(0) != 3 * v || posedirs.shape() != Shape{3 * v, 9 * (j - 1)} ||
+    const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
+    if (shapedirs.size(0) != 3 * v || !blends ||
         J_regressor.shape() != Shape{j, v} || weights.shape() != Shape{v, j}) {
       raise<shape_error>(204, "BodyModel: ", v, " vertices, ", j, " joints, but shapedirs ", shapedirs.shape(),
                          ", posedirs ", posedirs.shape(), ", J_regressor ", J_regressor.shape(), ", weights ",
@@ -68,39 +130,31 @@ struct BodyModel {
       return reshape<2>(matmul(J_regressor, reshape<2>(t, {v, 3 * columns})), {3 * j, columns});
     };
     const auto mean = reshape<2>(regress(reshape<2>(v_template, {3 * v, 1}), 1), {1, 3 * j});
+    if (k == 0) return mean + Tensor<B, 2>::zeros({betas.size(0), 1});
     return matmul(betas, regress(shapedirs, k), {.transpose_b = true}) + mean;
   }
 
   /// betas (N, K), rotations (N, J, 9) local and row by row, translation (N, 3).
   PosedBody<B> operator()(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                           const Tensor<B, 2>& translation) const {
-    const Index n = rotations.size(0), j = joints(), v = vertices();
-    if (rotations.shape() != Shape{n, j, 9} || betas.shape() != Shape{n, shapedirs.size(1)} ||
-        translation.shape() != Shape{n, 3}) {
-      raise<shape_error>(204, "BodyModel: betas ", betas.shape(), ", rotations ", rotations.shape(), ", translation ",
-                         translation.shape(), " for ", j, " joints and ", shapedirs.size(1), " shape coefficients");
-    }
+    check(betas, rotations, translation);
     const auto rest = rest_joints(betas);
-    const Chain chain = posed_chain(rest, rotations);
-
-    const auto feature = reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)});
-    const auto shaped = matmul(betas, shapedirs, {.transpose_b = true}) + reshape<2>(v_template, {1, 3 * v});
-    const auto posed = reshape<3>(shaped + matmul(feature, posedirs, {.transpose_b = true}), {n, v, 3});
-
-    // Transform of every vertex: (V, J) (J, N 12) -> (V, N, 12)
-    const auto transforms = permute(chain.skinning, {1, 0, 2});  // (J, N, 12)
-    const auto blended =
-        permute(reshape<3>(matmul(weights, reshape<2>(transforms, {j, n * 12})), {v, n, 12}), {1, 0, 2});
-    std::vector<Tensor<B, 3>> axes;
-    for (Index row = 0; row < 3; ++row) {
-      auto entry = [&](Index column) { return slice(blended, 2, 4 * row + column, 4 * row + column + 1); };
-      axes.push_back(entry(0) * slice(posed, 2, 0, 1) + entry(1) * slice(posed, 2, 1, 2) +
-                     entry(2) * slice(posed, 2, 2, 3) + entry(3));
-    }
-    const auto tau = reshape<3>(translation, {n, 1, 3});
+    const auto before = blended_shapes(betas, rotations);
     PosedBody<B> out;
-    out.vertices = concat(std::span<const Tensor<B, 3>>(axes), 2) + tau;
-    out.joints = chain.positions + tau;
+    if constexpr (AutodiffBackend<B>) {
+      const Chain chain = posed_chain(rest, rotations);
+      const auto tau = reshape<3>(translation, {translation.size(0), 1, 3});
+      out.vertices = skinned(before, chain.transforms) + tau;
+      out.joints = chain.positions + tau;
+    } else {
+      const Chain chain = posed_chain(rest, rotations, translation);
+      const Index n = rotations.size(0);
+      out.joints = chain.positions;
+      out.vertices = detail::written_tensor<B, 3>({n, vertices(), 3}, [&](auto* to) {
+        skin_vertices(SkinWeights(weights.span(), joints()), before.span().data(), chain.transforms.span().data(), n,
+                      joints(), to);
+      });
+    }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
   }
@@ -108,53 +162,127 @@ struct BodyModel {
   /// Joints only: no vertex is touched. (N, J, 3)
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                             const Tensor<B, 2>& translation) const {
-    return posed_chain(rest_joints(betas), rotations).positions + reshape<3>(translation, {translation.size(0), 1, 3});
+    check(betas, rotations, translation);
+    if constexpr (AutodiffBackend<B>) {
+      return posed_chain(rest_joints(betas), rotations).positions +
+             reshape<3>(translation, {translation.size(0), 1, 3});
+    } else {
+      return posed_chain(rest_joints(betas), rotations, translation).positions;
+    }
   }
 
  private:
+  using S = typename B::scalar;
   struct Chain {
-    Tensor<B, 3> positions;  // (N, J, 3)
-    Tensor<B, 3> skinning;   // (N, J, 12): [R | t - R J], row by row
+    Tensor<B, 3> positions;   // (N, J, 3)
+    Tensor<B, 3> transforms;  // [R | p - R rest]: (N, J, 12) row by row with a tape, else (N, J, 16) for skin_vertices
   };
-  static Tensor<B, 1> identity_row() {
-    return Tensor<B, 1>::from(std::vector<typename B::scalar>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
-  }
-  /// The chain, one joint after the other, all poses at once: every number is a tensor (N, 1).
-  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations) const {
-    using S = Tensor<B, 2>;
-    const Index n = rotations.size(0);
-    auto rest_of = [&](std::size_t j) {
-      auto c = [&](Index axis) {
-        return slice(rest, 1, 3 * static_cast<Index>(j) + axis, 3 * static_cast<Index>(j) + axis + 1);
-      };
-      return Vec3<S>{c(0), c(1), c(2)};
-    };
-    std::vector<Matrix3<S>> rotation(parents.size());
-    std::vector<Vec3<S>> position(parents.size());
-    std::vector<S> points, transforms;
-    for (std::size_t j = 0; j < parents.size(); ++j) {
-      const auto flat = reshape<2>(slice(rotations, 1, static_cast<Index>(j), static_cast<Index>(j) + 1), {n, 9});
-      Matrix3<S> local;
-      for (Index i = 0; i < 9; ++i) local.m[static_cast<std::size_t>(i)] = slice(flat, 1, i, i + 1);
-      const Vec3<S> own = rest_of(j);
-      if (parents[j] < 0) {
-        rotation[j] = local;
-        position[j] = own;
-      } else {
-        const auto p = static_cast<std::size_t>(parents[j]);
-        rotation[j] = rotation[p] * local;
-        position[j] = position[p] + rotation[p] * (own - rest_of(p));
-      }
-      const Vec3<S> shift = position[j] - rotation[j] * own;
-      points.insert(points.end(), {position[j].x, position[j].y, position[j].z});
-      const std::array<S, 3> t{shift.x, shift.y, shift.z};
-      for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) transforms.push_back(rotation[j](row, column));
-        transforms.push_back(t[static_cast<std::size_t>(row)]);
-      }
+
+  void check(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
+    const Index n = rotations.size(0), j = joints();
+    if (rotations.shape() != Shape{n, j, 9} || betas.shape() != Shape{n, shapedirs.size(1)} ||
+        translation.shape() != Shape{n, 3}) {
+      raise<shape_error>(204, "BodyModel: betas ", betas.shape(), ", rotations ", rotations.shape(), ", translation ",
+                         translation.shape(), " for ", j, " joints and ", shapedirs.size(1), " shape coefficients");
     }
-    return {reshape<3>(concat(std::span<const S>(points), 1), {n, joints(), 3}),
-            reshape<3>(concat(std::span<const S>(transforms), 1), {n, joints(), 12})};
+  }
+  static Tensor<B, 1> identity_row() {
+    return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
+  }
+
+  /// The vertices in the rest pose with blend shapes: (N, 3 V).
+  Tensor<B, 2> blended_shapes(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
+    const Index n = rotations.size(0), j = joints(), v = vertices();
+    const auto mean = reshape<1>(v_template, {3 * v});
+    const auto shaped = shapedirs.size(1) == 0 ? reshape<2>(mean, {1, 3 * v}) + Tensor<B, 2>::zeros({n, 1})
+                                               : linear(betas, shapedirs, &mean);
+    if (posedirs.size(1) == 0) return shaped;
+    const auto feature = reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)});
+    const Tensor<B, 1>* const no_bias = nullptr;
+    return linear(feature, posedirs, no_bias, Activation::none, &shaped);
+  }
+
+  /// All poses at once: every number is a tensor (N, 1).
+  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations) const {
+    using T = Tensor<B, 2>;
+    const Index n = rotations.size(0);
+    JointTransforms<T> world;
+    std::vector<T> points, transforms;
+    detail::walk_chain(
+        std::span(parents), world,
+        [&](std::size_t j) {
+          auto c = [&](Index axis) {
+            return slice(rest, 1, 3 * static_cast<Index>(j) + axis, 3 * static_cast<Index>(j) + axis + 1);
+          };
+          return Vec3<T>{c(0), c(1), c(2)};
+        },
+        [&](std::size_t j) {
+          const auto flat = reshape<2>(slice(rotations, 1, static_cast<Index>(j), static_cast<Index>(j) + 1), {n, 9});
+          Matrix3<T> local;
+          for (Index i = 0; i < 9; ++i) local.m[static_cast<std::size_t>(i)] = slice(flat, 1, i, i + 1);
+          return local;
+        },
+        [&](std::size_t, const Matrix3<T>& r, const Vec3<T>& p, const Vec3<T>& t) {
+          points.insert(points.end(), {p.x, p.y, p.z});
+          transforms.insert(transforms.end(), {r.m[0], r.m[1], r.m[2], t.x, r.m[3], r.m[4], r.m[5], t.y, r.m[6], r.m[7],
+                                               r.m[8], t.z});
+        });
+    return {reshape<3>(concat(std::span<const T>(points), 1), {n, joints(), 3}),
+            reshape<3>(concat(std::span<const T>(transforms), 1), {n, joints(), 12})};
+  }
+
+  /// (N, V, 3) from the vertices before skinning, (N, 3 V), and the joints' transforms, (N, J, 12).
+  Tensor<B, 3> skinned(const Tensor<B, 2>& before, const Tensor<B, 3>& transforms) const {
+    const Index n = before.size(0), j = joints(), v = vertices();
+    const auto posed = reshape<3>(before, {n, v, 3});
+    // Transform of every vertex: (V, J) (J, N 12) -> (N, V, 12)
+    const auto by_joint = reshape<2>(permute(transforms, {1, 0, 2}), {j, n * 12});
+    const auto blended = permute(reshape<3>(matmul(weights, by_joint), {v, n, 12}), {1, 0, 2});
+    std::vector<Tensor<B, 3>> axes;
+    for (Index row = 0; row < 3; ++row) {
+      auto entry = [&](Index column) { return slice(blended, 2, 4 * row + column, 4 * row + column + 1); };
+      axes.push_back(entry(0) * slice(posed, 2, 0, 1) + entry(1) * slice(posed, 2, 1, 2) +
+                     entry(2) * slice(posed, 2, 2, 3) + entry(3));
+    }
+    return concat(std::span<const Tensor<B, 3>>(axes), 2);
+  }
+
+  /// Pose by pose, moved by the translation.
+  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
+    const Index n = rotations.size(0), j = joints();
+    const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
+    Chain chain;
+    chain.positions = detail::written_tensor<B, 3>({n, j, 3}, [&](S* positions) {
+      chain.transforms = detail::written_tensor<B, 3>({n, j, skin_transform_size}, [&](S* transforms) {
+        constexpr Index block = 64;
+        parallel_for((n + block - 1) / block, [&](Index b) {
+          JointTransforms<S> world;
+          for (Index pose = b * block; pose < std::min(n, (b + 1) * block); ++pose) {
+            const S *own_rest = rest_at + pose * 3 * j, *own = rotation_at + pose * 9 * j, *tau = tau_at + 3 * pose;
+            detail::walk_chain(
+                std::span(parents), world,
+                [&](std::size_t i) {
+                  const S* r = own_rest + 3 * i;
+                  return Vec3<S>{r[0], r[1], r[2]};
+                },
+                [&](std::size_t i) {
+                  Matrix3<S> local;
+                  std::copy_n(own + 9 * i, 9, local.m.begin());
+                  return local;
+                },
+                [&](std::size_t i, const Matrix3<S>& r, const Vec3<S>& p, const Vec3<S>& t) {
+                  const Index at = pose * j + static_cast<Index>(i);
+                  const S moved[3] = {p.x + tau[0], p.y + tau[1], p.z + tau[2]};
+                  std::copy_n(moved, 3, positions + 3 * at);
+                  const S columns[] = {r.m[0], r.m[3], r.m[6], 0, r.m[1], r.m[4], r.m[7], 0, r.m[2], r.m[5],
+                                       r.m[8], 0, t.x + tau[0], t.y + tau[1], t.z + tau[2], 0};
+                  std::copy_n(columns, skin_transform_size, transforms + skin_transform_size * at);
+                });
+          }
+        });
+      });
+    });
+    return chain;
   }
 };
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+/// Arrays in pickles: NumPy's arrays and scalars, SciPy's compressed matrices, chumpy's nodes (which SMPL's first files hold).
+///
+/// Source  spec weights.md, sections 5.2, 6, 8.2
+#pragma once
+
+#include <motionlang/io/npy.hpp>
+#include <motionlang/io/pickle.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline bool is_numpy(const PickleValue& v, std::string_view function) {
+  const std::string name = v.name();
+  for (const std::string_view module : {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.",
+                                        "numpy._core.numeric.", "numpy."}) {
+    if (name.starts_with(module) && std::string_view(name).substr(module.size()) == function) return true;
+  }
+  return false;
+}
+
+inline std::vector<Index> shape_of(const PickleValue& sizes) {
+  std::vector<Index> shape;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const std::int64_t n = sizes[i].integer();
+    if (n < 0 || i >= 32) sizes.fail(403, "not the shape of an array");
+    shape.push_back(static_cast<Index>(n));
+  }
+  return shape;
+}
+
+/// numpy.dtype('f8', False, True) with the state (3, '<', None, ...): "<f8".
+inline std::string dtype_of(const PickleValue& v) {
+  if (!is_numpy(v, "dtype")) v.fail(407, "an element type expected");
+  std::string type(v.arguments()[0].text());
+  if (type.starts_with('<') || type.starts_with('>') || type.starts_with('|')) return type;
+  return concat_text(v.has_state() ? v.state()[1].text() : "=", type);
+}
+
+inline NpyArray array_from(const PickleValue& v, std::string_view type, bool fortran_order, const PickleValue& shape,
+                           std::span<const std::byte> raw) {
+  return stored_array(type, fortran_order, shape_of(shape), raw, concat_text(v.file(), ": array at byte ", v.at()));
+}
+
+inline NpyArray numpy_array(const PickleValue& v) {
+  if (is_numpy(v, "_reconstruct")) {  // state: version, shape, element type, whether the first index is the fastest, bytes
+    const PickleValue state = v.state();
+    return array_from(v, dtype_of(state[2]), state[3].boolean(), state[1], state[4].bytes());
+  }
+  const PickleValue given = v.arguments();
+  if (is_numpy(v, "_frombuffer")) {  // bytes, element type, shape, order
+    return array_from(v, dtype_of(given[1]), given[3].text() == "F", given[2], given[0].bytes());
+  }
+  return stored_array(dtype_of(given[0]), false, {}, given[1].bytes(), concat_text(v.file(), ": scalar at byte ", v.at()));
+}
+
+inline bool is_compressed_matrix(const PickleValue& v) {
+  const std::string name = v.name();
+  return name.starts_with("scipy.sparse.") && (name.ends_with(".csc_matrix") || name.ends_with(".csr_matrix"));
+}
+
+/// A compressed matrix in full: entries indptr[c] ... indptr[c + 1] - 1 lie in column (csr: row) c at row (column) indices[k].
+inline NpyArray dense_matrix(const PickleValue& v) {
+  const PickleValue state = v.state();
+  const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
+  const auto numbers = [&](const char* name) { return numpy_array(state[name]); };
+  const auto data = numbers("data").to<double>();
+  const auto indices = numbers("indices").to<std::int64_t>(), starts = numbers("indptr").to<std::int64_t>();
+  constexpr Index most = 10'000'000;
+  if (shape.size() != 2) v.fail(403, "a sparse matrix with ", shape.size(), " sizes");
+  const Index rows = shape[0], columns = shape[1];
+  if (rows > most || columns > most || rows * columns > most) {
+    v.fail(405, "a sparse matrix of ", rows, " x ", columns, " is too large");
+  }
+  const bool by_column = v.name().ends_with("csc_matrix");
+  const Index major = by_column ? columns : rows, minor = by_column ? rows : columns;
+  if (std::ssize(starts) != major + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
+      indices.size() != data.size() || !std::is_sorted(starts.begin(), starts.end())) {
+    v.fail(403, "a sparse matrix whose arrays do not fit together");
+  }
+  std::vector<double> dense(static_cast<std::size_t>(rows * columns), 0.0);
+  for (Index c = 0; c < major; ++c) {
+    for (auto k = static_cast<std::size_t>(starts[static_cast<std::size_t>(c)]);
+         k < static_cast<std::size_t>(starts[static_cast<std::size_t>(c) + 1]); ++k) {
+      if (indices[k] < 0 || indices[k] >= minor) v.fail(403, "index ", indices[k], " in a sparse matrix of ", minor);
+      dense[static_cast<std::size_t>(by_column ? indices[k] * columns + c : c * columns + indices[k])] += data[k];
+    }
+  }
+  return NpyArray::of(std::span<const double>(dense), {rows, columns});
+}
+
+inline NpyArray to_array(const PickleValue& v, int depth);
+
+/// Select: a flattened, elements idxs of it, in the shape preferred_shape.
+inline NpyArray selected_array(const PickleValue& v, int depth) {
+  const PickleValue state = v.state();
+  const auto values = to_array(state["a"], depth).to<double>();
+  const auto indices = to_array(state["idxs"], depth).to<std::int64_t>();
+  std::vector<double> out;
+  for (const std::int64_t i : indices) {
+    if (i < 0 || i >= std::ssize(values)) v.fail(403, "index ", i, " into ", values.size(), " values");
+    out.push_back(values[static_cast<std::size_t>(i)]);
+  }
+  const auto preferred = state.find("preferred_shape");
+  const bool has_shape = preferred && !preferred->is(PickleKind::none);
+  auto shape = has_shape ? shape_of(*preferred) : std::vector<Index>{std::ssize(out)};
+  if (static_cast<std::size_t>(checked_size(shape, 1, "chumpy")) != out.size()) {
+    v.fail(403, out.size(), " selected values for another shape");
+  }
+  return NpyArray::of(std::span<const double>(out), std::move(shape));
+}
+
+/// Any other node of chumpy: its only value, called x or a.
+inline NpyArray node_array(const PickleValue& v, int depth) {
+  if (!v.has_state()) v.fail(404, "an array of class ", v.name());
+  const auto x = v.state().find("x"), a = v.state().find("a");
+  if (x.has_value() == a.has_value()) v.fail(404, "an array of class ", v.name());
+  return to_array(x ? *x : *a, depth);
+}
+
+inline NpyArray to_array(const PickleValue& v, int depth) {
+  constexpr int deepest = 32;
+  if (depth > deepest) v.fail(405, "arrays in arrays, more than ", deepest, " deep");
+  if (v.is(PickleKind::integer) || v.is(PickleKind::boolean)) return NpyArray::scalar(v.integer());
+  if (v.is(PickleKind::real)) return NpyArray::scalar(v.real());
+  if (is_numpy(v, "_reconstruct") || is_numpy(v, "_frombuffer") || is_numpy(v, "scalar")) return numpy_array(v);
+  if (is_compressed_matrix(v)) return dense_matrix(v);
+  const std::string name = v.name();
+  if (name == "chumpy.reordering.Select") return selected_array(v, depth + 1);
+  if (name.starts_with("chumpy.")) return node_array(v, depth + 1);
+  v.fail(407, "an array expected, found ", name.empty() ? to_string(v.kind()) : name);
+}
+
+}  // namespace detail
+
+/// The array that a value of a pickle means: of NumPy, a single number, a compressed matrix of SciPy in full (as real numbers),
+/// or the value of a chumpy node.
+/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
+///         the value is no array
+inline NpyArray to_array(const PickleValue& value) { return detail::to_array(value, 0); }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
