@@ -3,6 +3,8 @@
 /// metres, seconds, facing +Z: the library's own conventions.
 #pragma once
 
+#include <numeric>  // iota
+
 #include <motionlang/io/detail/figure_mesh.hpp>
 #include <motionlang/io/detail/glb_container.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -29,6 +31,11 @@ class GlbBuilder {
                                   {"animations", nlohmann::ordered_json::array()},
                                   {"accessors", nlohmann::ordered_json::array()},
                                   {"bufferViews", nlohmann::ordered_json::array()}};
+
+  GlbBuilder() = default;
+  /// Goes on with a file that is there: its document, whose only buffer in the file is the first, and its binary data.
+  GlbBuilder(nlohmann::ordered_json file, std::span<const std::byte> binary)
+      : document(std::move(file)), binary_(binary.begin(), binary.end()) {}
 
   enum Target { none = 0, attributes = 34962, indices = 34963 };
   template <class T>
@@ -73,7 +80,8 @@ class GlbBuilder {
   }
 
   std::vector<std::byte> finish() {
-    document["buffers"].push_back({{"byteLength", binary_.size()}});
+    if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
+    document["buffers"][0]["byteLength"] = binary_.size();
     constexpr auto repair = nlohmann::ordered_json::error_handler_t::replace;  // names that are not UTF-8
     return glb_file(document.dump(-1, ' ', false, repair), std::move(binary_));
   }
@@ -150,8 +158,9 @@ inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint
   return out;
 }
 
-/// Throws config_error 101 if two frames fall on the same time in single precision.
-inline void add_animation(GlbBuilder& glb, const Motion& motion) {
+/// nodes   that of every joint, -1 for a joint that gets no channel; rotations are relative to the node's parent
+/// Throws  config_error 101 if two frames fall on the same time in single precision
+inline void add_animation(GlbBuilder& glb, const Motion& motion, std::span<const int> nodes) {
   std::vector<float> times;
   for (Index frame = 0; frame < motion.frames(); ++frame) {
     times.push_back(static_cast<float>(static_cast<double>(frame) / motion.fps));
@@ -164,17 +173,18 @@ inline void add_animation(GlbBuilder& glb, const Motion& motion) {
   nlohmann::ordered_json animation{{"name", motion.name.empty() ? "motion" : motion.name},
                                    {"channels", nlohmann::ordered_json::array()},
                                    {"samplers", nlohmann::ordered_json::array()}};
-  auto add_channel = [&](std::size_t node, const char* path, std::size_t output) {
+  auto add_channel = [&](int node, const char* path, std::size_t output) {
     animation["channels"].push_back(
         {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
     animation["samplers"].push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
   };
   std::vector<Vec3<float>> root;
   for (const Vec3<double>& p : motion.root) root.push_back(vec_cast<float>(p));
-  add_channel(0, "translation", glb.add(root, GlbBuilder::none));
-  for (std::size_t j = 0; j < motion.skeleton.parents.size(); ++j) {
+  add_channel(nodes[0], "translation", glb.add(root, GlbBuilder::none));
+  for (std::size_t j = 0; j < nodes.size(); ++j) {
+    if (nodes[j] < 0) continue;
     const std::vector<float> track = rotation_track(motion, j);
-    add_channel(j, "rotation", glb.add(std::span<const float>(track), "VEC4", GlbBuilder::none));
+    add_channel(nodes[j], "rotation", glb.add(std::span<const float>(track), "VEC4", GlbBuilder::none));
   }
   glb.document["animations"].push_back(std::move(animation));
 }
@@ -199,7 +209,9 @@ inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const G
   if (skeleton.size() > 65535) raise<config_error>(101, "GLB: ", skeleton.size(), " joints");
   detail::add_joints(glb, skeleton);
   detail::add_figure(glb, skeleton, options);
-  for (const Motion& motion : motions) detail::add_animation(glb, motion);
+  std::vector<int> nodes(skeleton.parents.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  for (const Motion& motion : motions) detail::add_animation(glb, motion, nodes);
   return glb.finish();
 }
 

@@ -6,6 +6,7 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
+#include "../../support/rigs.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
@@ -239,51 +240,15 @@ TEST_CASE("what is missing is named") {
   }
 }
 
-namespace {
-
-using Turns = std::map<std::string, ml::Quaternion<double>>;
-
-/// SMPL's figure as another program has it: names of a table (one joint for each role), facing elsewhere, in units of
-/// its own, and with limbs in another rest pose (`turns`, of whole limbs, by role). Local axes are the world's.
-ml::Skeleton rig_of(const ml::SkeletonTable& table, double facing, double unit, const Turns& turns,
-                    const std::string& prefix = {}) {
-  const ml::Skeleton& smpl = ml::smpl24_skeleton();
-  std::vector<ml::Joint> joints{{"root_on_floor", "", {0, 0, 0}}};
-  std::map<std::string, std::string> name_of;
-  std::vector<ml::Quaternion<double>> turn(24, ml::Quaternion<double>::identity());
-  for (int j = 0; j < 24; ++j) {
-    const auto* row = table.find(smpl.name(j));
-    int p = smpl.parent(j);
-    if (p >= 0) turn[static_cast<std::size_t>(j)] = turn[static_cast<std::size_t>(p)];
-    const auto known = turns.find(smpl.name(j));
-    if (known != turns.end()) turn[static_cast<std::size_t>(j)] = known->second;
-    if (row == nullptr) continue;
-    const bool taken =
-        std::any_of(joints.begin(), joints.end(), [&](auto& k) { return k.name == prefix + row->source; });
-    if (taken) continue;
-    ml::Vec3<double> offset = p < 0 ? smpl.offset(j) : rotate(turn[static_cast<std::size_t>(p)], smpl.offset(j));
-    for (; p >= 0 && !name_of.contains(smpl.name(p)); p = smpl.parent(p)) offset = offset + smpl.offset(p);
-    name_of[smpl.name(j)] = prefix + row->source;
-    joints.push_back({prefix + row->source, p < 0 ? "root_on_floor" : name_of[smpl.name(p)],
-                      unit * rotate(synthetic::about_y(facing), offset)});
-    const bool two = !row->second.empty() && row->target == "neck";  // a second joint at the same place
-    if (two) joints.push_back({prefix + row->second, prefix + row->source, {0, 0, 0}});
-  }
-  joints.push_back({"left_thumb", name_of["left_wrist"], {0, 0, 0.02 * unit}});  // of which no table knows
-  return ml::Skeleton::from_joints(joints);
-}
-
-}  // namespace
-
 TEST_CASE("to every rig and back: A-poses, figures that face elsewhere, other units, prefixes") {
   const auto walk = synthetic::walk({.frames = 25, .turn = 0.5});
-  const Turns a_pose{{"left_shoulder", synthetic::about_z(-0.8)}, {"right_shoulder", synthetic::about_z(0.8)},
+  const rigs::Turns a_pose{{"left_shoulder", synthetic::about_z(-0.8)}, {"right_shoulder", synthetic::about_z(0.8)},
                      {"left_hip", synthetic::about_z(0.1)},       {"right_hip", synthetic::about_z(-0.1)},
                      {"left_ankle", synthetic::about_z(0)},       {"right_ankle", synthetic::about_z(0)}};
   struct Rig {
     const char* table;
     double facing, unit;
-    Turns turns;
+    rigs::Turns turns;
     const char* prefix;
   };
   const double half = std::numbers::pi;
@@ -295,7 +260,7 @@ TEST_CASE("to every rig and back: A-poses, figures that face elsewhere, other un
         Rig{"KayKit", 0, 0.5, {}, ""}, Rig{"SMPL add-on", 0, 1, a_pose, ""}}) {
     CAPTURE(rig.table);
     CAPTURE(rig.prefix);
-    const ml::Skeleton skeleton = rig_of(ml::skeleton_table(rig.table), rig.facing, rig.unit, rig.turns, rig.prefix);
+    const ml::Skeleton skeleton = rigs::skeleton_of(ml::skeleton_table(rig.table), rig.facing, rig.unit, rig.turns, rig.prefix);
     CHECK(ml::detect_skeleton_table(skeleton).name == rig.table);
     const ml::SkeletonMap there(walk.skeleton, skeleton), back(skeleton);
     CHECK(there.report().leg_ratio == Approx(rig.unit));
@@ -328,8 +293,8 @@ TEST_CASE("to every rig and back: A-poses, figures that face elsewhere, other un
 
 TEST_CASE("from a known rig to another, and to skeletons with axes of their own") {
   const auto walk = synthetic::walk({.frames = 10});
-  const auto mixamo = rig_of(ml::skeleton_table("Mixamo"), 0, 100, {}),
-             vrm = rig_of(ml::skeleton_table("VRM"), std::numbers::pi, 1, {});
+  const auto mixamo = rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 100, {}),
+             vrm = rigs::skeleton_of(ml::skeleton_table("VRM"), std::numbers::pi, 1, {});
   const auto direct = ml::retarget(walk, vrm), by_way = ml::retarget(ml::retarget(walk, mixamo), vrm);
   CHECK(synthetic::largest_distance(direct, by_way) < 1e-6);
 

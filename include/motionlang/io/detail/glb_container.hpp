@@ -12,6 +12,7 @@ namespace detail {
 inline constexpr std::uint32_t glb_magic = 0x46546C67u, glb_json = 0x4E4F534Au, glb_binary = 0x004E4942u;
 
 struct GlbChunks {
+  std::string_view text;  // of the document, in the bytes that were parsed
   nlohmann::json document;
   std::span<const std::byte> binary;  // of the bytes that were parsed
 };
@@ -32,7 +33,7 @@ inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_
     const auto chunk = slice(bytes, at + 8, number(at), file, "GLB chunk");
     const std::uint32_t kind = number(at + 4);
     if (i == 0 && kind != glb_json) raise<io_error>(403, file, ": the first chunk at byte ", at, " is not JSON");
-    if (i == 0) chunks.document = parse_json(as_text(chunk), file);
+    if (i == 0) chunks.text = as_text(chunk), chunks.document = parse_json(chunks.text, file);
     if (i == 1 && kind == glb_binary) chunks.binary = chunk;
     at += 8 + chunk.size();
   }

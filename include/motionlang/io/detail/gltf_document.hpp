@@ -41,6 +41,13 @@ class GltfDocument {
   /// Bytes of the file.
   std::size_t size() const { return size_; }
   JsonView root() const { return JsonView(chunks_.document, file_); }
+  /// The binary data that the file's own buffer has, without what fills the chunk up. Throws io_error 402, 404.
+  std::span<const std::byte> buffer() const {
+    if (count("buffers") == 0) return {};
+    const JsonView b = element("buffers", 0);
+    if (b.contains("uri")) raise<io_error>(404, b.path(), ": the buffer is not in this file");
+    return slice(chunks_.binary, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
+  }
   /// The elements of a top-level array; none if it is missing.
   Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
   JsonView element(const std::string& array, Index i) const { return root()[array][i]; }
@@ -202,6 +209,28 @@ class GltfDocument {
   std::vector<GltfNode> nodes_;
   std::vector<int> order_;
 };
+
+inline Vec3<double> scaled(const Vec3<double>& s, const Vec3<double>& v) { return {s.x * v.x, s.y * v.y, s.z * v.z}; }
+
+/// World transforms of all nodes at rest. Scales are multiplied axis by axis: exact unless an uneven scale stands above
+/// a rotation. Throws io_error 403 for a node that is infinitely far away.
+inline std::vector<GltfTransform> world_at_rest(const GltfDocument& document) {
+  std::vector<GltfTransform> world(document.nodes().size());
+  for (const int n : document.depth_first()) {
+    const GltfNode& node = document.node(n);
+    GltfTransform& w = world[static_cast<std::size_t>(n)];
+    w = node.rest;
+    if (node.parent >= 0) {
+      const GltfTransform& p = world[static_cast<std::size_t>(node.parent)];
+      w = {p.translation + rotate(p.rotation, scaled(p.scale, node.rest.translation)),
+           normalized(p.rotation * node.rest.rotation), scaled(p.scale, node.rest.scale)};
+    }
+    if (!std::isfinite(norm(w.translation) + norm(w.scale))) {
+      raise<io_error>(403, document.file(), ": node ", n, " '", node.name, "' is infinitely far away");
+    }
+  }
+  return world;
+}
 
 /// Accessors that are used several times (the times of an animation), each read once. A small file whose objects all
 /// point to the same place could ask for much more work than it has bytes: that is refused.

@@ -15,8 +15,6 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-inline Vec3<double> scaled(const Vec3<double>& s, const Vec3<double>& v) { return {s.x * v.x, s.y * v.y, s.z * v.z}; }
-
 /// Which nodes become joints, and how they stand at rest.
 class GltfSkeleton {
  public:
@@ -116,26 +114,6 @@ class GltfSkeleton {
       if (hips >= 0 && a.moves_away(hips, document.node(hips).rest.translation)) return hips;
     }
     return -1;
-  }
-
-  /// World transforms of all nodes at rest. Scales are multiplied axis by axis: exact unless an uneven scale stands
-  /// above a rotation. Throws io_error 403 for a node that is infinitely far away.
-  static std::vector<GltfTransform> world_at_rest(const GltfDocument& document) {
-    std::vector<GltfTransform> world(document.nodes().size());
-    for (const int n : document.depth_first()) {
-      const GltfNode& node = document.node(n);
-      GltfTransform& w = world[slot(n)];
-      w = node.rest;
-      if (node.parent >= 0) {
-        const GltfTransform& p = world[slot(node.parent)];
-        w = {p.translation + rotate(p.rotation, scaled(p.scale, node.rest.translation)),
-             normalized(p.rotation * node.rest.rotation), scaled(p.scale, node.rest.scale)};
-      }
-      if (!std::isfinite(norm(w.translation) + norm(w.scale))) {
-        raise<io_error>(403, document.file(), ": node ", n, " '", node.name, "' is infinitely far away");
-      }
-    }
-    return world;
   }
 
   /// The skeleton from `root` down: parents before children, else in the order of the skin.

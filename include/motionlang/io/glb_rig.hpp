@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+/// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
+///
+/// The binary data of the file are kept byte for byte and new ones are put behind them; of the document only the arrays
+/// of animations, accessors and buffer views grow, and the length of the buffer. The joint that is the pelvis moves;
+/// what stands above it (armature, root) stays as it is at rest.
+#pragma once
+
+#include <set>  // names of animations
+
+#include <motionlang/io/glb_reader.hpp>
+#include <motionlang/io/glb_writer.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct GlbRigOptions {
+  bool keep_animations = true;  // of the character's file; without them their data stay in the file, unused
+};
+
+class GlbRig {
+ public:
+  /// Of several skins, the first whose joints one of the skeleton tables knows.
+  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits
+  static GlbRig open(const FilePath& path) { return GlbRig(MappedFile::open(path)->bytes(), path.string()); }
+  GlbRig(std::span<const std::byte> bytes, std::string name)
+      : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
+        document_(*bytes_, std::move(name)) {
+    const Index skins = document_.count("skins");
+    for (Index skin = 0;; ++skin) {
+      try {
+        find_joints(skin);
+        return;
+      } catch (const config_error&) {
+        if (skin + 1 >= skins) throw;
+      }
+    }
+  }
+
+  const std::string& file() const { return document_.file(); }
+  /// From the pelvis down; a root position is that of the pelvis in the world.
+  const Skeleton& skeleton() const { return skeleton_; }
+  /// The kind of skeleton that it is.
+  const SkeletonTable& table() const { return *table_; }
+
+  /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
+  /// gets a number.
+  /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 103 where a motion's
+  ///         skeleton is of no known kind; what Motion::validate throws; io_error 405 from 4 GiB on
+  std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const {
+    if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
+    const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
+    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
+    nlohmann::ordered_json& animations = glb.document["animations"];
+    if (!options.keep_animations) animations.clear();
+    std::set<std::string> taken;
+    for (const auto& a : animations) taken.insert(a.value("name", std::string()));
+    for (const Motion& motion : motions) {
+      motion.validate();
+      if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
+      Motion added = in_nodes(motion.skeleton == skeleton_ ? motion : retarget(motion, skeleton_));
+      const std::string name = motion.name.empty() ? "motion" : motion.name;
+      added.name = name;
+      for (int k = 2; !taken.insert(added.name).second; ++k) added.name = concat_text(name, "_", k);
+      detail::add_animation(glb, added, moved_nodes(added));
+    }
+    return glb.finish();
+  }
+
+ private:
+  void find_joints(Index skin) {
+    std::vector<detail::GltfAnimation> animations;
+    detail::SharedAccessors keys(document_);
+    if (document_.count("skins") == 0) {  // then joints are what moves
+      for (Index i = 0; i < document_.count("animations"); ++i) animations.emplace_back(keys, i);
+    }
+    const detail::GltfSkeleton all(document_, animations, skin);
+    table_ = &detect_skeleton_table(all.skeleton);
+    const int pelvis = find_joint(all.skeleton, table_->find("pelvis")->source);
+
+    std::vector<int> number(all.nodes.size(), -1);  // of a joint of `all` in the skeleton from the pelvis down
+    for (std::size_t j = 0; j < all.nodes.size(); ++j) {
+      const int parent = all.skeleton.parents[j];
+      const bool root = static_cast<int>(j) == pelvis;
+      if (!root && (parent < 0 || number[static_cast<std::size_t>(parent)] < 0)) continue;
+      number[j] = static_cast<int>(nodes_.size());
+      nodes_.push_back(all.nodes[j]);
+      rest_rotations_.push_back(all.rest_rotations[j]);
+      skeleton_.names.push_back(all.skeleton.names[j]);
+      skeleton_.parents.push_back(root ? -1 : number[static_cast<std::size_t>(parent)]);
+      skeleton_.offsets.push_back(root ? all.skeleton.rest_positions()[j] : all.skeleton.offsets[j]);
+    }
+    skeleton_.validate();
+    const std::vector<detail::GltfTransform> world = detail::world_at_rest(document_);
+    const int above = document_.node(nodes_.front()).parent;
+    if (above >= 0) above_ = world[static_cast<std::size_t>(above)];
+    if (const auto& s = above_.scale; !(s.x > 0 && s.y > 0 && s.z > 0)) {
+      raise<io_error>(404, file(), ": the scale above '", skeleton_.name(0), "' is not positive");
+    }
+  }
+
+  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the world rotations at rest, and the place of the
+  /// pelvis as seen from the node above it.
+  Motion in_nodes(Motion motion) const {
+    const auto undo = inverse(above_.rotation);
+    for (Index f = 0; f < motion.frames(); ++f) {
+      const auto local = motion.rotations(f);
+      for (std::size_t j = 0; j < local.size(); ++j) {
+        const int parent = skeleton_.parents[j];
+        const auto up = parent < 0 ? above_.rotation : rest_rotations_[static_cast<std::size_t>(parent)];
+        local[j] = inverse(up) * local[j] * rest_rotations_[j];
+      }
+      Vec3<double>& root = motion.root[static_cast<std::size_t>(f)];
+      const Vec3<double> seen = rotate(undo, root - above_.translation);
+      root = {seen.x / above_.scale.x, seen.y / above_.scale.y, seen.z / above_.scale.z};
+    }
+    return motion;
+  }
+  /// The nodes of joints that ever leave the pose at rest; -1 for fingers and the like, which need no keys.
+  std::vector<int> moved_nodes(const Motion& motion) const {
+    std::vector<int> nodes = nodes_;
+    for (std::size_t j = 1; j < nodes.size(); ++j) {
+      const auto& rest = document_.node(nodes_[j]).rest.rotation;
+      bool moves = false;
+      for (Index f = 0; f < motion.frames() && !moves; ++f) moves = distance(motion.rotations(f)[j], rest) > 1e-6;
+      if (!moves) nodes[j] = -1;
+    }
+    return nodes;
+  }
+
+  std::shared_ptr<const std::vector<std::byte>> bytes_;
+  detail::GltfDocument document_;
+  const SkeletonTable* table_ = nullptr;
+  Skeleton skeleton_;
+  std::vector<int> nodes_;  // of the joints
+  std::vector<Quaternion<double>> rest_rotations_;
+  detail::GltfTransform above_;  // of the pelvis' parent in the world, at rest
+};
+
+/// Throws io_error 401, and what GlbRig::with throws. The file is whole or not there at all.
+inline void write_glb(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
+                      const GlbRigOptions& options = {}) {
+  write_file(path, rig.with(motions, options));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,115 @@
+// A character's GLB file with motions added: what was there stays, and the figure moves as the motion says.
+#include <doctest/doctest.h>
+
+#include <motionlang/io/glb_rig.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/rigs.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+using nlohmann::ordered_json;
+
+namespace {
+
+const ml::Skeleton& mixamo() {
+  static const ml::Skeleton skeleton = rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:");
+  return skeleton;
+}
+ml::GlbRig rig_of(const std::vector<std::byte>& bytes) { return {bytes, "rig.glb"}; }
+ordered_json document_of(std::span<const std::byte> bytes) {
+  return ordered_json::parse(ml::detail::parse_glb_chunks(bytes, "test").text);
+}
+
+}  // namespace
+
+TEST_CASE("the file that is written moves as the retargeted motion does") {
+  const auto bytes = rigs::glb_of(mixamo());
+  const auto rig = rig_of(bytes);
+  CHECK(rig.table().name == "Mixamo");
+  CHECK(rig.skeleton().names.front() == "mixamorig:Hips");  // not what is above it
+  CHECK(norm(rig.skeleton().offset(0) - ml::Vec3{0.0, 0.95, 0.0}) < 1e-9);
+
+  const auto walk = synthetic::walk({.frames = 31, .turn = 0.4});
+  const auto want = ml::retarget(walk, rig.skeleton());
+  const auto made = rig.with(std::span(&walk, 1));
+  const ml::GlbFile file(made, "made");
+  CHECK(file.animation_names() == std::vector<std::string>{"idle", "walk"});
+  const auto got = file.motion("walk", walk.fps);
+  REQUIRE(got.frames() == walk.frames());
+  const auto p = want.positions(), q = got.positions();
+  double worst = 0;
+  for (int j = 0; j < want.skeleton.size(); ++j) {
+    const int k = got.skeleton[want.skeleton.name(j)];
+    for (ml::Index f = 0; f < want.frames(); ++f) {
+      worst = std::max(worst, norm(p[static_cast<std::size_t>(f * want.skeleton.size() + j)] -
+                                   q[static_cast<std::size_t>(f * got.skeleton.size() + k)]));
+    }
+  }
+  CHECK(worst < 1e-5);
+  // A motion that is on the rig's skeleton already is not changed on the way.
+  const auto again = ml::GlbFile(rig.with(std::span(&want, 1)), "again").motion("walk", walk.fps);
+  CHECK(synthetic::largest_distance(got, again) < 1e-5);
+}
+
+TEST_CASE("all that was in the file stays") {
+  const auto bytes = rigs::glb_of(mixamo());
+  const auto rig = rig_of(bytes);
+  std::vector<ml::Motion> walks(2, synthetic::walk({.frames = 5}));
+  const auto made = rig.with(walks);
+  const auto before = ml::detail::parse_glb_chunks(bytes, "before").binary,
+             after = ml::detail::parse_glb_chunks(made, "after").binary;
+  REQUIRE(after.size() > before.size());
+  CHECK(std::equal(before.begin(), before.end(), after.begin()));
+  const ordered_json old = document_of(bytes), now = document_of(made);
+  for (const auto& [key, value] : old.items()) {
+    CAPTURE(key);
+    if (key == "buffers") continue;
+    if (key != "animations" && key != "accessors" && key != "bufferViews") CHECK(now.at(key) == value);
+    for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) CHECK(now.at(key).at(i) == value[i]);
+  }
+  CHECK(now["buffers"][0]["byteLength"] == after.size());
+  CHECK(ml::GlbFile(made, "made").animation_names() == std::vector<std::string>{"idle", "walk", "walk_2"});
+  // Joints of which no table knows (root, thumb) get no keys.
+  for (const auto& channel : now["animations"][1]["channels"]) {
+    const std::string name = now["nodes"][channel["target"]["node"].get<std::size_t>()]["name"];
+    CHECK(name.starts_with("mixamorig:"));
+  }
+  const auto only = rig.with(walks, {.keep_animations = false});
+  CHECK(ml::GlbFile(only, "only").animation_names() == std::vector<std::string>{"walk", "walk_2"});
+  const auto no_walk = rig_of(only).with(std::span(walks).first(1));  // and the result is a rig again
+  CHECK(ml::GlbFile(no_walk, "third").animation_names() == std::vector<std::string>{"walk", "walk_2", "walk_3"});
+}
+
+TEST_CASE("several skins: the one with a body is taken") {
+  const auto bytes = rigs::glb_of(mixamo());
+  const auto chunks = ml::detail::parse_glb_chunks(bytes, "rig");
+  auto document = document_of(bytes);
+  ordered_json hair = document["skins"][0];
+  hair["joints"] = ordered_json::array({document["nodes"].size() - 2});
+  hair.erase("inverseBindMatrices");
+  document["skins"].insert(document["skins"].begin(), hair);
+  document["nodes"].back()["skin"] = 1;
+  const auto two = ml::detail::glb_file(document.dump(), {chunks.binary.begin(), chunks.binary.end()});
+  CHECK(rig_of(two).table().name == "Mixamo");
+}
+
+TEST_CASE("what cannot be done is an error, and nothing is written") {
+  const auto rig = rig_of(rigs::glb_of(mixamo()));
+  const TemporaryFolder folder;
+  std::vector<ml::Motion> motions;
+  CHECK_ERROR(ml::write_glb(folder / "out.glb", rig, motions), "no motion to add");
+  motions.push_back(synthetic::walk({.frames = 2}));
+  motions[0].root[1].x = std::nan("");
+  CHECK_ERROR(ml::write_glb(folder / "out.glb", rig, motions), "[motionlang.numeric.301]");
+  motions[0] = synthetic::walk({.frames = 0});
+  CHECK_ERROR(ml::write_glb(folder / "out.glb", rig, motions), "has no frames");
+  motions[0] = synthetic::walk({.frames = 2});
+  motions[0].skeleton.names[4] = "kneecap";
+  CHECK_ERROR(ml::write_glb(folder / "out.glb", rig, motions), "needs a joint 'left_knee'");
+  CHECK(std::filesystem::is_empty(folder.path));
+
+  auto names = mixamo();
+  names.names[2] = "Tail";
+  CHECK_ERROR(rig_of(rigs::glb_of(names)), "no table fits a skeleton");
+}
