@@ -148,7 +148,7 @@ inline std::string annotations_json(std::span<const AnnotatedMotion> motions) {
       if (c == '\n') out += "  ";
     }
   }
-  return out + (motions.empty() ? "}\n" : "\n}\n");
+  return out + (motions.empty() ? "}" : "\n}");
 }
 /// Throws io_error 401 and as annotations_json.
 inline void write_annotations(const FilePath& path, std::span<const AnnotatedMotion> motions) {

@@ -14,7 +14,9 @@ using B = ml::ReferenceBackend<double>;
 
 namespace {
 
-ml::HumanMl3dSource row(std::string path, ml::Index start, ml::Index end) { return {std::move(path), start, end, "000000.npy"}; }
+ml::HumanMl3dSource row(std::string path, ml::Index start, ml::Index end) {
+  return {std::move(path), start, end, "000000.npy"};
+}
 
 /// J joints a frame, joint j of frame f at (f, j, 7).
 auto grid(std::size_t joints) {
@@ -38,12 +40,9 @@ TEST_CASE("humanml3d source: frames are picked, leads dropped, and then the inde
   CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 4, 20, {.drop_last_frame = true}) == Frames{0, 1, 2});
   CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 0, 20, {.drop_last_frame = true}).empty());
 
-  const std::pair<const char*, ml::Index> leads[] = {{"Eyes_Japan_Dataset", 60},
-                                                     {"MPI_HDM05", 60},
-                                                     {"TotalCapture", 20},
-                                                     {"MPI_Limits", 20},
-                                                     {"Transitions_mocap", 10},
-                                                     {"CMU", 0}};
+  const std::pair<const char*, ml::Index> leads[] = {{"Eyes_Japan_Dataset", 60}, {"MPI_HDM05", 60},
+                                                     {"TotalCapture", 20},       {"MPI_Limits", 20},
+                                                     {"Transitions_mocap", 10},  {"CMU", 0}};
   for (const auto& [data_set, lead] : leads) {
     const std::string path = "./pose_data/" + std::string(data_set) + "/s/a_poses.npy";
     CHECK(ml::humanml3d_lead(path) == lead);
@@ -55,7 +54,7 @@ TEST_CASE("humanml3d source: frames are picked, leads dropped, and then the inde
 TEST_CASE("humanml3d source: joints turn upright, HumanAct12 stays") {
   const auto joints = ml::humanml3d_source_joints<double>(row("CMU/a.npy", 1, 3), 9, 40, grid(52));
   REQUIRE(joints.size() == 2 * 22);
-  CHECK(joints[0] == ml::Vec3<double>{-2, 7, 0});        // (x, y, z) -> (-x, z, y), frame 2
+  CHECK(joints[0] == ml::Vec3<double>{-2, 7, 0});         // (x, y, z) -> (-x, z, y), frame 2
   CHECK(joints[22 + 21] == ml::Vec3<double>{-4, 7, 21});  // the 22nd joint of frame 4, no finger
   const auto act = ml::humanml3d_source_joints<double>(row("pose_data/humanact12/a.npy", 1, 2), 3, 20, grid(24));
   REQUIRE(act.size() == 3 * 22);  // the index is not applied
@@ -97,5 +96,6 @@ TEST_CASE("posed_joints: a body model poses the frames of a sequence that are as
   const std::vector<ml::Index> beyond{3};
   CHECK_ERROR(ml::posed_joints(body, sequence, beyond), "[motionlang.shape.203] posed_joints: frame 3 of 3");
   sequence.betas.clear();
-  CHECK_ERROR(ml::posed_joints(body, sequence, frames), "[motionlang.shape.205] posed_joints: 6 pose values and 0 shape");
+  CHECK_ERROR(ml::posed_joints(body, sequence, frames),
+              "[motionlang.shape.205] posed_joints: 6 pose values and 0 shape");
 }
