@@ -1,6 +1,6 @@
-"""The peer in PyTorch: the same work as bench_denoiser and bench_kinematics, with random weights.
+"""The peer in PyTorch: the same work as bench_denoiser, bench_kinematics and bench_body, with random weights.
 
-usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk]
+usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl]
 Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster.
 """
 import os, sys, time
@@ -104,5 +104,45 @@ def fk():
         report("fk", "100000 frames 24 joints 6D", "torch", run, 5)
 
 
-for wanted in sys.argv[2:] or ["mdm_step", "mdm_ragged", "train_mdm", "fk"]:
-    {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk}[wanted]()
+def rodrigues(v):
+    """(N, 3) -> (N, 3, 3), as smplx."""
+    angle = (v + 1e-8).norm(dim=1, keepdim=True)
+    x, y, z = (v / angle).split(1, 1)
+    c, s, o = torch.cos(angle)[..., None], torch.sin(angle)[..., None], torch.zeros_like(x)
+    k = torch.cat([o, -z, y, z, o, -x, -y, x, o], 1).view(-1, 3, 3)
+    return torch.eye(3)[None] + s * k + (1 - c) * torch.bmm(k, k)
+
+
+def smpl_forward(template, shapes, poses, regressor, weights, betas, pose):
+    """The formulation of the smplx package."""
+    n = pose.shape[0]
+    v = template + torch.einsum("bl,mkl->bmk", betas, shapes)
+    joints = torch.einsum("bik,ji->bjk", v, regressor)
+    rotations = rodrigues(pose.view(-1, 3)).view(n, 24, 3, 3)
+    relative = joints.clone()
+    relative[:, 1:] -= joints[:, PARENTS[1:]]
+    local = torch.cat([F.pad(rotations.reshape(-1, 3, 3), [0, 0, 0, 1]), F.pad(relative.reshape(-1, 3, 1), [0, 0, 0, 1], value=1)], 2).view(n, 24, 4, 4)
+    chain = [local[:, 0]]
+    for i in range(1, 24):
+        chain.append(chain[PARENTS[i]] @ local[:, i])
+    world = torch.stack(chain, 1)
+    v = v + ((rotations[:, 1:] - torch.eye(3)).reshape(n, -1) @ poses).view(n, -1, 3)
+    skin = world - F.pad(world @ F.pad(joints[..., None], [0, 0, 0, 1]), [3, 0])
+    per_vertex = (weights[None].expand(n, -1, -1) @ skin.view(n, 24, 16)).view(n, -1, 4, 4)
+    return (per_vertex @ F.pad(v, [0, 1], value=1.0)[..., None])[:, :, :3, 0]
+
+
+def smpl():
+    vertices = 6890
+    weights = torch.zeros(vertices, 24).scatter_(1, torch.randint(0, 24, (vertices, 4)), torch.rand(vertices, 4))
+    model = (torch.randn(vertices, 3), torch.randn(vertices, 3, 10) * 0.01, torch.randn(207, vertices * 3) * 0.01,
+             torch.rand(24, vertices) / vertices, weights / weights.sum(1, keepdim=True))
+    with torch.no_grad():
+        for n in (200, 1):
+            betas, pose = torch.randn(n, 10), torch.randn(n, 72) * 0.3
+            report("smpl", f"B={n}", "torch", lambda: smpl_forward(*model, betas, pose), 4)
+
+
+WORKS = {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl}
+for wanted in sys.argv[2:] or WORKS:
+    WORKS[wanted]()

@@ -16,7 +16,7 @@ using ml::Index;
 /// s(k, i) = 0.3 sin(0.7 k + 0.31 i + 0.01 i^2) for i = 0 ... count-1
 inline std::vector<double> wave(int k, int count) {
   std::vector<double> out;
-  for (int i = 0; i < count; ++i) out.push_back(0.3 * std::sin(0.7 * k + 0.31 * i + 0.01 * i * i));
+  for (int i = 0; i < count; ++i) out.push_back(0.3 * std::sin(0.7 * k + 0.31 * i + 0.01 * (i * i)));
   return out;
 }
 /// |s| + 0.05, every row divided by its sum.

@@ -21,8 +21,8 @@ enum class PickleKind : std::uint8_t {
   boolean,
   integer,
   real,
-  text,
-  bytes,       // also the texts of Python 2, and whole numbers of more than 64 bits (little-endian)
+  text,        // also whole numbers of more than 64 bits in protocol 0: their digits
+  bytes,       // also the texts of Python 2, and such numbers in other protocols: little-endian
   list,        // also sets
   tuple,
   dict,
@@ -204,13 +204,18 @@ class PickleMachine {
   T parse(std::string_view digits, const char* what) {
     T value{};
     const char* const end = digits.data() + digits.size();
-    const auto [stop, problem] = std::from_chars(digits.data() + (digits.starts_with('+') ? 1 : 0), end, value);
+    const auto [stop, problem] = std::from_chars(digits.data(), end, value);
     if (problem != std::errc() || stop != end) fail(403, "not ", what, ": '", digits, "'");
     return value;
   }
   void push_decimal(std::string_view digits) {
     if (digits.ends_with('L')) digits.remove_suffix(1);
-    push_integer(parse<std::int64_t>(digits, "a whole number of 64 bits"));
+    std::int64_t value = 0;
+    const char* const end = digits.data() + digits.size();
+    const auto [stop, problem] = std::from_chars(digits.data(), end, value);
+    if (problem == std::errc::invalid_argument || stop != end) fail(403, "not a whole number: '", digits, "'");
+    if (problem != std::errc()) return push_text(PickleKind::text, digits);
+    push_integer(value);
   }
   /// UTF-8, or with surrogates of their own, which Python writes as three bytes each.
   void push_utf8(std::string_view text) {
@@ -348,7 +353,9 @@ class PickleMachine {
                          (nodes_[given[1]].text == "latin1" || nodes_[given[1]].text == "latin-1");
     if (encode && !encoded) fail(404, "an encoding other than Latin-1");
     if (named && is_builtin(module)) {
-      if ((attribute == "bytes" || attribute == "bytearray") && encoded) return push_bytes(given[0]);
+      const bool bytes = attribute == "bytes" || attribute == "bytearray";
+      if (bytes && encoded) return push_bytes(given[0]);
+      if (bytes && given.empty()) return push_text(PickleKind::bytes, {});
       const bool collection = attribute == "list" || attribute == "tuple" || attribute == "set" || attribute == "frozenset";
       if (collection && given.empty()) return push_items(PickleKind::list, {});
       if (collection && given.size() == 1 && is_sequence(given[0])) return push(given[0]);
