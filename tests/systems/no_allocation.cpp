@@ -5,10 +5,9 @@
 #include <cstdlib>
 #include <new>
 
-#include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/xtensor.hpp>
 
-#include "../support/small_model.hpp"
+#include "../support/small_denoisers.hpp"
 #include "../support/threads.hpp"
 
 namespace {
@@ -86,6 +85,18 @@ TEST_CASE_TEMPLATE("no step after the second takes memory", B, ml::EigenBackend<
         }
       }
     }
+  }
+}
+
+TEST_CASE_TEMPLATE("the other denoisers take none either", D, ml::MdmDenoiser<small::B>,
+                   ml::MotionDiffuseDenoiser<small::B>) {
+  const auto model = small::model_of<D>();
+  for (int threads : {1, 2}) {
+    const Threads scope(threads);
+    ml::BufferPool::local().trim();
+    Counter counter;
+    model.generate(small::one_text(20), ml::Philox{.seed = 1}, {.guidance = 2.5, .progress = counter});
+    counter.check(6);
   }
 }
 

@@ -1,75 +1,13 @@
 // STMC over each of the three published denoisers, where windows around cuts have no frames.
 #include <doctest/doctest.h>
 
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/diffusion/mdm.hpp>
-#include <motionlang/diffusion/motiondiffuse.hpp>
-
-#include "../support/small_model.hpp"
+#include "../support/small_denoisers.hpp"
 
 namespace ml = motionlang;
 using ml::BodyParts, ml::Index, ml::Timeline;
-using B = ml::EigenBackend<float>;
+using small::B, small::crop_frames;
 
 namespace {
-
-/// Says where the end token stands, as MotionDiffuse wants to know, and gives "" a vector of choice.
-struct Encoder {
-  ml::CaptionEncoder<B> captions;
-  double empty = 1;  // factor of the features of ""
-
-  template <ml::Backend C>
-  ml::TextFeatures<C> encode(std::span<const std::string> texts) const {
-    auto features = captions.template encode<C>(texts);
-    features.end_position.assign(texts.size(), 0);
-    std::vector<float> factors;
-    for (const std::string& t : texts) factors.push_back(t.empty() ? static_cast<float>(empty) : 1);
-    features.tokens.rows = features.tokens.rows * ml::Tensor<C, 2>::from(factors, {std::ssize(factors), 1});
-    return features;
-  }
-};
-
-constexpr Index crop_frames = 24;
-
-template <class D>
-D denoiser_of(ml::Philox rng) {
-  if constexpr (std::same_as<D, ml::MdmSmplDenoiser<B>>) {
-    return D(small::config().denoiser, rng);
-  } else if constexpr (std::same_as<D, ml::MdmDenoiser<B>>) {
-    return D({.nfeats = 205,
-              .text_dim = 12,
-              .latent_dim = 32,
-              .ff_size = 48,
-              .num_layers = 2,
-              .num_heads = 4,
-              .crop_frames = crop_frames},
-             rng);
-  } else {
-    return D({.input_feats = 205,
-              .num_frames = crop_frames,
-              .latent_dim = 32,
-              .ff_size = 48,
-              .num_layers = 2,
-              .num_heads = 4,
-              .clip_dim = 12,
-              .text_latent_dim = 16,
-              .num_text_layers = 1,
-              .text_num_heads = 2,
-              .text_ff_size = 24},
-             rng);
-  }
-}
-
-template <class D>
-ml::Stmc<B, D, Encoder> model_of(double empty = 1) {
-  const ml::Philox rng{.seed = 5};
-  auto text_rng = rng.split("text");
-  return {.denoiser = denoiser_of<D>(rng.split("denoiser")),
-          .text_encoder = {ml::CaptionEncoder<B>(small::config().text, small::tokenizer(), text_rng), empty},
-          .motion_normalizer = ml::Normalizer<B>::identity(205),
-          .text_normalizer = ml::Normalizer<B>::identity(12),
-          .diffusion = ml::GaussianDiffusion(ml::CosineSchedule{.steps = 6})};
-}
 
 constexpr ml::Philox noise_rng{.seed = 11};
 
@@ -77,7 +15,7 @@ constexpr ml::Philox noise_rng{.seed = 11};
 
 TEST_CASE_TEMPLATE("without overlap, neighbours know nothing of each other", D, ml::MdmSmplDenoiser<B>,
                    ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
-  const auto model = model_of<D>();
+  const auto model = small::model_of<D>();
   const Timeline timeline{{{"walk forward", 0, 9, BodyParts::all()},
                            {"sit down", 9, 20, BodyParts::all()},
                            {"wave the right hand", 20, 32, BodyParts::all()}}};
@@ -101,7 +39,7 @@ TEST_CASE_TEMPLATE("without overlap, neighbours know nothing of each other", D, 
 
 TEST_CASE_TEMPLATE("every mode and overlap gives a motion, on intervals of a single frame too", D,
                    ml::MdmSmplDenoiser<B>, ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
-  const auto model = model_of<D>();
+  const auto model = small::model_of<D>();
   const Timeline tiny{{{"walk forward", 0, 1, BodyParts::all()},
                        {"sit down", 1, 2, BodyParts{}.with(ml::BodyPart::legs)},
                        {"raise both arms", 4, 9, BodyParts{}.with(ml::BodyPart::left_arm)}}};
@@ -115,7 +53,7 @@ TEST_CASE_TEMPLATE("every mode and overlap gives a motion, on intervals of a sin
 }
 
 TEST_CASE_TEMPLATE("crops that are too long are refused", D, ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
-  const auto model = model_of<D>();
+  const auto model = small::model_of<D>();
   CHECK(model.generate(small::one_text(crop_frames), noise_rng, {.steps = 1}).size(0) == crop_frames);
   CHECK_THROWS_WITH_AS(model.generate(small::one_text(crop_frames + 1), noise_rng),
                        doctest::Contains("[motionlang.timeline.508] timeline: 'wave the right hand' needs a crop of 25 "
@@ -125,9 +63,9 @@ TEST_CASE_TEMPLATE("crops that are too long are refused", D, ml::MdmDenoiser<B>,
 
 TEST_CASE("MDM's unconditional text is zero, whatever the encoder says about \"\"") {
   const auto timeline = small::one_text(20);
-  auto motion_of = [&]<class D>(const ml::Stmc<B, D, Encoder>& model) {
+  auto motion_of = [&]<class D>(const ml::Stmc<B, D, small::Encoder>& model) {
     return small::numbers(model.generate(timeline, noise_rng));
   };
-  CHECK(motion_of(model_of<ml::MdmDenoiser<B>>(1)) == motion_of(model_of<ml::MdmDenoiser<B>>(0)));
-  CHECK(motion_of(model_of<ml::MotionDiffuseDenoiser<B>>(1)) != motion_of(model_of<ml::MotionDiffuseDenoiser<B>>(0)));
+  CHECK(motion_of(small::model_of<ml::MdmDenoiser<B>>(1)) == motion_of(small::model_of<ml::MdmDenoiser<B>>(0)));
+  CHECK(motion_of(small::model_of<ml::MotionDiffuseDenoiser<B>>(1)) != motion_of(small::model_of<ml::MotionDiffuseDenoiser<B>>(0)));
 }

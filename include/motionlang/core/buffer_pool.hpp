@@ -167,25 +167,29 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of plain values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
-/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
+/// std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
-  static_assert(std::is_trivially_copyable_v<T>, "motionlang::PoolVector: plain values only");
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64);
 
  public:
   using value_type = T;
 
   PoolVector() = default;
-  explicit PoolVector(std::size_t size, T value = T{}) {
+  explicit PoolVector(std::size_t size, const T& value = T{}) {
     reserve(size);
-    for (; size_ < size; ++size_) data_[size_] = value;
+    while (size_ < size) push_back(value);
   }
   PoolVector(PoolVector&& o) noexcept
       : memory_(std::move(o.memory_)),
         data_(std::exchange(o.data_, nullptr)),
         size_(std::exchange(o.size_, 0)),
         capacity_(std::exchange(o.capacity_, 0)) {}
+  PoolVector& operator=(PoolVector&&) = delete;
+  ~PoolVector() {
+    for (std::size_t i = 0; i < size_; ++i) data_[i].~T();
+  }
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -201,14 +205,18 @@ class PoolVector {
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
     detail::BufferHandle larger(capacity * sizeof(T));
-    if (size_ > 0) std::memcpy(larger.data(), data_, size_ * sizeof(T));
+    T* to = static_cast<T*>(larger.data());
+    for (std::size_t i = 0; i < size_; ++i) {
+      ::new (static_cast<void*>(to + i)) T(std::move(data_[i]));
+      data_[i].~T();
+    }
     memory_ = std::move(larger);
-    data_ = static_cast<T*>(memory_.data());
+    data_ = to;
     capacity_ = capacity;
   }
   void push_back(T value) {
     if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
-    data_[size_++] = value;
+    ::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
   }
 
  private:

@@ -198,7 +198,7 @@ struct MotionDiffuseDenoiser {
   Tensor<B, 2> time_embedding(std::span<const Index> t) const {
     using S = typename B::scalar;
     const Index half = config.latent_dim / 2;
-    std::vector<S> values(t.size() * static_cast<std::size_t>(2 * half));
+    PoolVector<S> values(t.size() * static_cast<std::size_t>(2 * half));
     for (std::size_t s = 0; s < t.size(); ++s) {
       for (Index k = 0; k < half; ++k) {
         const float w =
@@ -209,7 +209,7 @@ struct MotionDiffuseDenoiser {
             static_cast<S>(std::sin(angle));
       }
     }
-    return time_out(time_in(Tensor<B, 2>::from(values, {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
+    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values.begin(), values.size()), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
   }
   Sequences<B> embed_frames(const Sequences<B>& x) const {
     PoolVector<Index> position;

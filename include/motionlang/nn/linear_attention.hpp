@@ -15,19 +15,19 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
   detail::check_attention(q, k, v, q_offsets, k_offsets, {.heads = heads});
   const Index d = q.size(1), width = d / heads;
   const auto channels = reshape<2>(softmax(reshape<2>(q, {q.size(0) * heads, width})), {q.size(0), d});
-  std::vector<Tensor<B, 2>> sequences;
+  PoolVector<Tensor<B, 2>> sequences;
   for (Index s = 0; s < q_offsets.count(); ++s) {
     const auto qs = slice(channels, 0, q_offsets.begin(s), q_offsets.end(s));
     const auto kt = softmax(transpose(slice(k, 0, k_offsets.begin(s), k_offsets.end(s))));  // (width, time)
     const auto vs = slice(v, 0, k_offsets.begin(s), k_offsets.end(s));
-    std::vector<Tensor<B, 2>> parts;
+    PoolVector<Tensor<B, 2>> parts;
     for (Index h = 0; h < heads; ++h) {
       const auto a = matmul(slice(kt, 0, h * width, (h + 1) * width), slice(vs, 1, h * width, (h + 1) * width));
       parts.push_back(matmul(slice(qs, 1, h * width, (h + 1) * width), a));
     }
-    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
+    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts.begin(), parts.size()), 1));
   }
-  return concat(std::span<const Tensor<B, 2>>(sequences), 0);
+  return concat(std::span<const Tensor<B, 2>>(sequences.begin(), sequences.size()), 0);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -63,7 +63,7 @@ template <Backend B, int R>
 Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
   if (list.empty()) raise<shape_error>(205, "concat: nothing to join");
   axis = normalize_axis(axis, R, "concat");
-  std::vector<typename B::tensor> data;
+  PoolVector<typename B::tensor> data;
   data.reserve(list.size());
   for (const auto& t : list) {
     if (t.shape().without(axis) != list.front().shape().without(axis)) {
@@ -71,7 +71,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     }
     data.push_back(t.data());
   }
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
 }
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
@@ -84,7 +84,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
 }
 
 namespace detail {
