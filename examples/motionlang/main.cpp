@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   program::add_train(app);
   program::add_judge(app);
   program::add_convert(app);
+  program::add_doctor(app);
   try {
     app.parse(argc, argv);
     return program::ok;

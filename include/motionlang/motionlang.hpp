@@ -58,6 +58,7 @@
 
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/body.hpp>
+#include <motionlang/kinematics/body_joints.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
@@ -76,8 +77,8 @@
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
-#include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/kinematics/skinning.hpp>
+#include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
@@ -134,6 +135,7 @@
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
+#include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include <motionlang/compose/baselines.hpp>

@@ -1,0 +1,144 @@
+// motionlang doctor: what is wrong with the motions of a folder, and a cleaned copy of them.
+#include <algorithm>
+#include <cstdio>
+
+#include <motionlang/io/inspection_page.hpp>
+
+#include "commands.hpp"
+#include "motion_files.hpp"
+#include "progress_bar.hpp"
+
+namespace program {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string folder, report, clean;
+  MotionReadOptions read;
+  int strips = 3;
+  bool all = false;
+};
+
+std::vector<fs::path> motion_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string kind = kind_of(entry.path());
+    if (entry.is_regular_file() && (kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb"))
+      files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+class Doctor {
+ public:
+  explicit Doctor(const Options& options) : o_(options), folder_(options.folder) {}
+
+  void run() {
+    const auto files = motion_files(folder_);
+    if (files.empty())
+      ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz or .glb file below '", o_.folder, "'");
+    {
+      ProgressBar bar("inspecting");
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        look_at(files[i]);
+        if (!bar(static_cast<std::ptrdiff_t>(i) + 1, std::ssize(files))) throw ml::cancelled();
+      }
+    }
+    say();
+    if (o_.report.empty()) return;
+    ml::write_file(o_.report, ml::inspection_html(found_, "motionlang doctor: " + o_.folder));
+    std::printf("Open %s in a browser to see them.\n", fs::absolute(o_.report).c_str());
+  }
+
+ private:
+  void look_at(const fs::path& file) {
+    const std::string name = file.lexically_relative(folder_).string();
+    try {
+      const auto motions = read_motions(file, o_.read);
+      for (const ml::Motion& m : motions) {
+        const bool glb = kind_of(file) == ".glb";
+        ml::Inspection seen = ml::inspect_motion(m);
+        char about[96];
+        std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %d joints", m.seconds(), m.fps,
+                      m.skeleton.size());
+        if (!o_.clean.empty()) clean(m, seen, glb ? name + " " + m.name : name);
+        found_.push_back({glb ? name + " " + m.name : name, about, {}, std::move(seen.findings), {}});
+        if (!o_.report.empty() && wants_strip(found_.back()))
+          found_.back().strip = ml::film_strip_svg(m, {}, {.title = found_.back().name});
+      }
+    } catch (const ml::error& e) {
+      found_.push_back({name, "", e.what(), {}, {}});
+    }
+  }
+
+  /// The first few motions of every fault get a picture.
+  bool wants_strip(const ml::InspectedMotion& m) {
+    bool wanted = false;
+    for (const ml::Finding& f : m.findings) {
+      const bool drawable = f.fault != ml::Fault::not_finite && f.fault != ml::Fault::empty;
+      if (drawable && drawn_[static_cast<std::size_t>(f.fault)]++ < o_.strips) wanted = true;
+    }
+    return wanted;
+  }
+
+  /// A copy as BVH, unless there is nothing that could be written.
+  void clean(const ml::Motion& motion, const ml::Inspection& seen, const std::string& name) const {
+    if (seen.has(ml::Fault::not_finite) || seen.has(ml::Fault::empty)) return;
+    fs::path path = fs::path(o_.clean) / name;
+    path += path.extension() == ".bvh" ? "" : ".bvh";
+    fs::create_directories(path.parent_path());
+    write_motion(path, ml::mended(motion, seen.cure));
+  }
+
+  void say() const {
+    for (const ml::InspectedMotion& m : found_) {
+      if (m.good() && !o_.all) continue;
+      std::string text = m.unreadable.empty() ? "" : "unreadable: " + m.unreadable;
+      for (const ml::Finding& f : m.findings)
+        text += (text.empty() ? "" : "; ") + std::string(ml::info(f.fault).name) + ": " + f.text;
+      std::printf("%s: %s\n", m.name.c_str(), text.empty() ? "good" : text.c_str());
+    }
+    const auto good = std::count_if(found_.begin(), found_.end(), [](const auto& m) { return m.good(); });
+    std::printf("\n%zu motions, %td without a finding\n", found_.size(), good);
+    const auto unreadable =
+        std::count_if(found_.begin(), found_.end(), [](const auto& m) { return !m.unreadable.empty(); });
+    if (unreadable > 0) std::printf("%6td  %-14s no reader understands the file\n", unreadable, "unreadable");
+    const auto count = ml::count_faults(found_);
+    for (std::size_t i = 0; i < count.size(); ++i) {
+      if (count[i] == 0) continue;
+      std::printf("%6td  %-14s %s%s\n", count[i], std::string(ml::fault_info[i].name).c_str(),
+                  std::string(ml::fault_info[i].meaning).c_str(), ml::fault_info[i].mendable ? " (--clean mends)" : "");
+    }
+  }
+
+  const Options& o_;
+  fs::path folder_;
+  std::vector<ml::InspectedMotion> found_;
+  std::array<int, ml::fault_info.size()> drawn_{};  // strips so far
+};
+
+}  // namespace
+
+void add_doctor(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand(
+      "doctor", "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, jumps, feet, ...");
+  c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS) and .glb files, searched to the bottom")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--report", o->report, "A page (HTML) with the findings and film strips");
+  c->add_option("--clean", o->clean, "Folder for copies (.bvh) in which is mended what can be mended");
+  c->add_option("--strips", o->strips, "Film strips for each kind of finding on the page")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  c->add_flag("--all", o->all, "Lists motions without a finding, too");
+  c->callback([o] { Doctor(*o).run(); });
+}
+
+}  // namespace program

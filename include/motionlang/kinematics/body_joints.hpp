@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+/// Which joints of a known skeleton are the hips, knees, feet, shoulders and the head. The tables of retargeting say so.
+#pragma once
+
+#include <optional>  // unknown skeletons
+
+#include <motionlang/kinematics/skeleton_tables.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Numbers of joints; -1 where the skeleton has none.
+struct BodyJoints {
+  struct Pair {
+    int left = -1, right = -1;
+    bool known() const { return left >= 0 && right >= 0; }
+  };
+  int pelvis = -1, head = -1;
+  Pair hip, knee, ankle, toe, shoulder;
+};
+
+/// Nothing for a skeleton that no table fits.
+inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
+  const SkeletonTable* best = nullptr;
+  for (const SkeletonTable& table : skeleton_tables()) {
+    const bool fits = table.missing(skeleton).empty();
+    if (fits && (best == nullptr || table.found(skeleton) > best->found(skeleton))) best = &table;
+  }
+  if (best == nullptr) return std::nullopt;
+  auto joint = [&](std::string_view smpl) {
+    const MappedJoint* row = best->find(smpl);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  };
+  auto pair = [&](const std::string& smpl) { return BodyJoints::Pair{joint("left_" + smpl), joint("right_" + smpl)}; };
+  return BodyJoints{joint("pelvis"), joint("head"), pair("hip"),     pair("knee"),
+                    pair("ankle"),   pair("foot"),  pair("shoulder")};
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

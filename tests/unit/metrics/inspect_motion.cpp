@@ -1,0 +1,228 @@
+// The data doctor: a clean clip has no finding; a broken copy of it has exactly the one that belongs to it, and the
+// mended copy is the clean clip again.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include <motionlang/io/inspection_page.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/markup.hpp"
+#include "../../support/synthetic_motion.hpp"
+
+namespace ml = motionlang;
+using doctest::Approx, doctest::Contains;
+using Vec = ml::Vec3<double>;
+
+namespace {
+
+ml::Motion walk() { return synthetic::walk({.frames = 60, .fps = 30}); }
+
+/// The faults of a clip, each once, in order.
+std::vector<ml::Fault> faults(const ml::Motion& motion) {
+  std::vector<ml::Fault> out;
+  for (const ml::Finding& f : ml::inspect_motion(motion).findings) out.push_back(f.fault);
+  return out;
+}
+std::vector<ml::Fault> only(ml::Fault fault) { return {fault}; }
+
+ml::Motion scaled(ml::Motion m, double factor) {
+  for (Vec& o : m.skeleton.offsets) o = factor * o;
+  for (Vec& r : m.root) r = factor * r;
+  return m;
+}
+/// The same in a world that is turned; `rest` too, or the root only.
+ml::Motion turned(ml::Motion m, const ml::Quaternion<double>& q, bool rest) {
+  for (Vec& r : m.root) r = rotate(q, r);
+  for (Vec& o : m.skeleton.offsets) o = rest ? rotate(q, o) : o;
+  for (std::size_t i = 0; i < m.local.size(); ++i) {
+    if (rest)
+      m.local[i] = q * m.local[i] * inverse(q);
+    else if (i % m.skeleton.parents.size() == 0)
+      m.local[i] = q * m.local[i];
+  }
+  return m;
+}
+
+double difference_when_mended(const ml::Motion& broken, const ml::Motion& sound) {
+  return synthetic::largest_distance(ml::mended(broken, ml::inspect_motion(broken).cure), sound);
+}
+
+}  // namespace
+
+TEST_CASE("sound clips have no finding") {
+  CHECK(faults(walk()).empty());
+  CHECK(faults(synthetic::walk({.frames = 100, .turn = 1})).empty());
+  CHECK(faults(ml::mirror(walk())).empty());
+  CHECK(faults(ml::resample(walk(), 120)).empty());
+  CHECK(difference_when_mended(walk(), walk()) == 0);
+}
+
+TEST_CASE("a scale that is not human: the factor that fits, and its unit") {
+  struct Unit {
+    double factor;
+    const char* text;
+  };
+  for (const auto& [factor, text] : {Unit{0.01, "in metres"},
+                                     {100, "centimetres"},
+                                     {10, "millimetres"},
+                                     {1 / 2.54, "inches"},
+                                     {0.45 / 2.54, "CMU"},
+                                     {1000, "millimetres"}}) {
+    const auto broken = scaled(walk(), factor);
+    REQUIRE(faults(broken) == only(ml::Fault::scale));
+    const auto seen = ml::inspect_motion(broken);
+    CHECK(seen.cure.scale == Approx(1 / factor));
+    CHECK_MESSAGE(seen.findings[0].text.find(text) != std::string::npos, seen.findings[0].text);
+    CHECK(difference_when_mended(broken, walk()) < 1e-9);
+  }
+  CHECK(ml::inspect_motion(scaled(walk(), 3.9)).cure.scale == Approx(1.7 / (1.728 * 3.9)).epsilon(0.001));
+}
+
+TEST_CASE("a figure that stands along another axis, with its rest pose or without") {
+  for (const auto& q : {synthetic::about_x(std::numbers::pi / 2), synthetic::about_x(-std::numbers::pi / 2),
+                        synthetic::about_z(std::numbers::pi / 2), synthetic::about_z(std::numbers::pi)}) {
+    for (const bool rest : {true, false}) {
+      const auto broken = turned(walk(), q, rest);
+      REQUIRE(faults(broken) == only(ml::Fault::up_axis));
+      const auto better = ml::mended(broken, ml::inspect_motion(broken).cure);
+      CHECK(faults(better).empty());
+      CHECK(better.skeleton.rest_positions()[15].y > 1.4);  // the head
+    }
+  }
+  const auto z_up = turned(walk(), synthetic::about_x(std::numbers::pi / 2), true);
+  CHECK_MESSAGE(ml::inspect_motion(z_up).findings[0].text.find("+Z") != std::string::npos,
+                ml::inspect_motion(z_up).findings[0].text);
+  CHECK(difference_when_mended(z_up, walk()) < 1e-9);
+  CHECK(faults(turned(walk(), synthetic::about_y(2), true)).empty());
+}
+
+TEST_CASE("exchanged sides: of the whole body, of the arms, of the legs") {
+  const auto partners = ml::mirror_partners(walk().skeleton);
+  auto exchanged = [&](auto&& is_meant) {
+    auto m = walk();
+    for (std::size_t j = 0; j < partners.size(); ++j) {
+      const auto& name = walk().skeleton.names[j];
+      if (is_meant(name)) m.skeleton.names[static_cast<std::size_t>(partners[j])] = name;
+    }
+    return m;
+  };
+  auto is_leg = [](const std::string& n) {
+    return n.ends_with("hip") || n.ends_with("knee") || n.ends_with("ankle") || n.ends_with("foot");
+  };
+  auto text = [](const ml::Motion& m) {
+    const auto found = ml::inspect_motion(m).findings;
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].fault == ml::Fault::swapped_sides);
+    return found[0].text;
+  };
+  CHECK(text(exchanged([](const auto&) { return true; })).starts_with("left and right are"));
+  CHECK(text(exchanged(is_leg)).starts_with("the legs are"));
+  CHECK(text(exchanged([&](const auto& n) { return !is_leg(n); })).starts_with("the arms are"));
+}
+
+TEST_CASE("values that are none") {
+  auto m = walk();
+  m.local[7 * 24 + 4].x = std::numeric_limits<double>::quiet_NaN();
+  CHECK(faults(m) == only(ml::Fault::not_finite));
+  CHECK(ml::inspect_motion(m).findings[0].text == "frame 7, joint 'left_knee': not a number");
+  m = walk();
+  m.root[3].y = std::numeric_limits<double>::infinity();
+  CHECK(ml::inspect_motion(m).findings[0].text == "frame 3, joint 'pelvis': not a number");
+  CHECK(faults(ml::crop(walk(), 0, 1)) == only(ml::Fault::empty));
+  m.root.pop_back();
+  CHECK_ERROR(ml::inspect_motion(m), "[motionlang.shape.205]");
+}
+
+TEST_CASE("an odd frame rate") {
+  auto m = walk();
+  for (const double good : {12.5, 23.976, 29.97, 60.0, 119.88, 120.0}) {
+    m.fps = good;
+    CHECK(ml::inspect_motion(m).has(ml::Fault::frame_rate) == false);
+  }
+  for (const double odd : {1.0, 31.3, 66.0, 5000.0}) {
+    m.fps = odd;
+    CHECK(ml::inspect_motion(m).has(ml::Fault::frame_rate));
+  }
+}
+
+TEST_CASE("a T-pose in front") {
+  auto m = walk();
+  m.root.insert(m.root.begin(), m.root[0]);
+  m.local.insert(m.local.begin(), 24, ml::Quaternion<double>::identity());
+  REQUIRE(faults(m) == only(ml::Fault::lead_in));
+  CHECK(difference_when_mended(m, walk()) == 0);
+}
+
+TEST_CASE("spikes of one frame are found and mended") {
+  auto m = walk();
+  m.root[30].x += 0.5;
+  m.rotations(45)[16] = synthetic::about_z(1.5) * m.rotations(45)[16];  // the left arm
+  REQUIRE(faults(m) == only(ml::Fault::spike));
+  CHECK(ml::inspect_motion(m).cure.spikes == std::vector<ml::Index>{30, 45});
+  CHECK(ml::inspect_motion(m).findings[0].moment == Approx(1));
+  CHECK(difference_when_mended(m, walk()) < 0.02);  // a frame of the walk against the middle of its neighbours
+  CHECK_ERROR(ml::mended(ml::crop(m, 0, 9), ml::inspect_motion(m).cure), "[motionlang.shape.203]");
+}
+
+TEST_CASE("a jump to another place is found at its moment") {
+  auto m = walk();
+  for (ml::Index f = 20; f < m.frames(); ++f) m.root[static_cast<std::size_t>(f)].x += 0.6;
+  REQUIRE(faults(m) == only(ml::Fault::jump));
+  CHECK(ml::inspect_motion(m).findings[0].moment == Approx(20.0 / 30));
+  CHECK(ml::inspect_motion(m).findings[0].text.find("1 jump;") == 0);
+}
+
+TEST_CASE("feet that slide: a walk on the spot, a path that is too long") {
+  auto treadmill = walk(), stretched = walk();
+  for (Vec& r : treadmill.root) r.x = r.z = 0;
+  for (Vec& r : stretched.root) r.z *= 1.5;
+  CHECK(faults(treadmill) == only(ml::Fault::sliding_feet));
+  CHECK(faults(stretched) == only(ml::Fault::sliding_feet));
+}
+
+TEST_CASE("feet that are not on the floor") {
+  for (const double lift : {-0.9, -0.1, 0.2, 3.0}) {
+    auto m = walk();
+    for (Vec& r : m.root) r.y += lift;
+    REQUIRE(faults(m) == only(ml::Fault::floor));
+    const auto text = ml::inspect_motion(m).findings[0].text;
+    CHECK_MESSAGE((text.find(lift < 0 ? "below" : "above") != std::string::npos), text);
+    CHECK(difference_when_mended(m, walk()) < 0.02);
+  }
+}
+
+TEST_CASE("several faults at once are told apart and mended together") {
+  auto m = scaled(turned(walk(), synthetic::about_x(std::numbers::pi / 2), true), 100);
+  m.root.insert(m.root.begin(), m.root[0]);
+  m.local.insert(m.local.begin(), 24, ml::Quaternion<double>::identity());
+  CHECK(faults(m) == std::vector<ml::Fault>{ml::Fault::lead_in, ml::Fault::scale, ml::Fault::up_axis});
+  CHECK(difference_when_mended(m, walk()) < 1e-9);
+}
+
+TEST_CASE("a skeleton that nobody knows: values, rates, spikes and jumps are still checked") {
+  ml::Motion m{ml::Skeleton::from_joints({{"stem", "", {0, 1, 0}}, {"twig", "stem", {0, 50, 0}}}), 31, {}, {}, ""};
+  m.root.assign(20, Vec{0.0, 1.0, 0.0});
+  m.local.assign(40, ml::Quaternion<double>::identity());
+  CHECK(faults(m) == only(ml::Fault::frame_rate));
+  m.root[9].z = 4;
+  CHECK(faults(m) == std::vector<ml::Fault>{ml::Fault::frame_rate, ml::Fault::spike});
+}
+
+TEST_CASE("the page: a row for every kind of finding, a section for every motion that has one") {
+  const auto broken = scaled(walk(), 0.01);
+  const std::vector<ml::InspectedMotion> motions{
+      {"a/<good>.bvh", "2 s"},
+      {"b & c.bvh", "2 s", {}, ml::inspect_motion(broken).findings, ml::film_strip_svg(broken)},
+      {"d.bvh", "", "line 3: 'nan' is no number"}};
+  const auto page = ml::inspection_html(motions, "walks");
+  CHECK(is_well_formed(page.substr(page.find("<body>"))));
+  CHECK(page.find("3 motions: 1 without a finding, 1 with findings, 1 unreadable.") != std::string::npos);
+  CHECK(occurrences(page, "<h2>") == 2);
+  CHECK(occurrences(page, "<svg") == 1);
+  CHECK(page.find("b &amp; c.bvh") != std::string::npos);
+  CHECK(page.find("good>") == std::string::npos);
+  CHECK(page.find("<td>scale</td><td class=\"n\">1</td>") != std::string::npos);
+  CHECK(page.find("line 3: &#39;nan&#39;") != std::string::npos);
+  CHECK(ml::count_faults(motions)[static_cast<std::size_t>(ml::Fault::scale)] == 1);
+}
