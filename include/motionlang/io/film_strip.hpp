@@ -122,8 +122,8 @@ class FilmStrip {
 
   /// Chooses the scale so that figures fit into their cells, and the places of the floor and of everything below it.
   void measure() {
-    const auto [low, high] = heights(motion_, figure_);
-    ground_ = low;
+    const auto [floor, high] = heights(motion_, figure_);
+    ground_ = floor;
     nearest_ = farthest_ = depth_of_root(0);
     for (Index frame = 1; frame < motion_.frames(); ++frame) {
       nearest_ = std::min(nearest_, depth_of_root(frame));
@@ -140,12 +140,12 @@ class FilmStrip {
         }
       }
     }
-    const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - low);
+    const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - floor);
     scale_ = std::min({1.25 * cell_ / (2 * half_width), tallest_figure, tallest_picture});
     const double depth = farthest_ - nearest_, tallest = 0.45 * figure_.size;  // of the floor in the picture
     depth_scale_ = depth * view_.sine > tallest ? scale_ * tallest / (depth * view_.sine) : scale_;
     const double rise = depth * view_.sine * depth_scale_;
-    floor_ = header + (high - low) * view_.cosine * scale_ + rise + 0.08 * figure_.size * scale_;
+    floor_ = header + (high - floor) * view_.cosine * scale_ + rise + 0.08 * figure_.size * scale_;
     labels_ = floor_ + 0.16 * figure_.size * scale_ + 14;
   }
 
@@ -316,7 +316,7 @@ class FilmStrip {
   double last_;  // time of the last frame
   int poses_ = 1;
   double cell_ = 0, scale_ = 1, depth_scale_ = 1;  // pixels per cell, per metre, per metre of depth of the floor
-  double ground_ = 0;                              // lowest point of the motion
+  double ground_ = 0;                              // height of the floor
   double nearest_ = 0, farthest_ = 0;              // depth of the root
   double floor_ = 0, labels_ = 0;                  // y of the nearest root's floor, of the time labels
 };

@@ -68,7 +68,7 @@ inline nlohmann::ordered_json viewer_json(const Motion& motion, std::span<const 
           {"note", note},
           {"fps", motion.fps},
           {"frames", motion.frames()},
-          {"floor", rounded(heights(motion, figure).low)},
+          {"floor", rounded(heights(motion, figure).floor)},
           {"size", rounded(figure.size)},
           {"parents", motion.skeleton.parents},
           {"offsets", std::move(offsets)},

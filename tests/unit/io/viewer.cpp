@@ -61,6 +61,16 @@ TEST_CASE("the motion is in the page to a tenth of a millimetre") {
   }
 }
 
+TEST_CASE("the floor is where the figure stands, not the lowest point that a foot ever touches") {
+  ml::Motion motion = synthetic::walk({.frames = 60});
+  auto floor = [&] { return data_of(ml::viewer_html(motion))["motions"][0]["floor"].get<double>(); };
+  const double standing = floor();
+  motion.root[20].y -= 0.2;
+  CHECK(std::abs(floor() - standing) < 0.005);
+  for (auto& root : motion.root) root.y += 1;
+  CHECK(std::abs(floor() - standing - 1) < 0.005);
+}
+
 TEST_CASE("one file that asks for nothing, and small") {
   const TemporaryFolder folder;
   const ml::Motion motion = synthetic::walk({.frames = 600, .fps = 60});  // ten seconds

@@ -2,7 +2,8 @@
 /// A figure in the pose of a frame: where its cones are, and the floor on which it stands.
 #pragma once
 
-#include <limits>  // heights
+#include <algorithm>  // nth_element
+#include <limits>     // heights
 
 #include <motionlang/io/figure.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -20,21 +21,29 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
   return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
 }
 
-/// Lowest and highest point of the body in all frames.
+/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in most
+/// frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
 struct Heights {
-  double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+  double floor = 0, high = std::numeric_limits<double>::lowest();
 };
 inline Heights heights(const Motion& motion, const Figure& figure) {
   Heights h;
+  std::vector<double> lows;
   JointTransforms<double> world;
   for (Index frame = 0; frame < motion.frames(); ++frame) {
     motion.world(frame, world);
+    double low = std::numeric_limits<double>::max();
     for (const RoundCone& c : figure.cones) {
       const auto [from, to] = cone_ends(world, c);
-      h.low = std::min({h.low, from.y - c.radius_from, to.y - c.radius_to});
+      low = std::min({low, from.y - c.radius_from, to.y - c.radius_to});
       h.high = std::max({h.high, from.y + c.radius_from, to.y + c.radius_to});
     }
+    lows.push_back(low);
   }
+  if (lows.empty()) return h;
+  const auto quartile = lows.begin() + std::ssize(lows) / 4;
+  std::nth_element(lows.begin(), quartile, lows.end());
+  h.floor = *quartile;
   return h;
 }
 
