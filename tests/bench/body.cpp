@@ -47,8 +47,8 @@ int main(int argc, char** argv) {
     const auto betas = ml::Tensor<B, 2>::randn({poses, shapes}, rng), tau = ml::Tensor<B, 2>::randn({poses, 3}, rng);
     const auto pose = ml::Tensor<B, 3>::randn({poses, joints, 3}, rng) * 0.3;
     const std::string config = ml::concat_text("B=", poses);
-    const double seconds = bench::report(work, config, "motionlang", gflop,
-                                         [&] { f(betas, ml::rotation_rows(pose), tau); });
+    const double seconds =
+        bench::report(work, config, "motionlang", gflop, [&] { f(betas, ml::rotation_rows(pose), tau); });
     std::fprintf(stderr, "%s %s: %.0f poses/s\n", work, config.c_str(), static_cast<double>(poses) / seconds);
   };
   run("smpl", 200, 200 * flop * 1e-9, [&](const auto&... a) { return body(a...); });

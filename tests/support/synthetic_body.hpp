@@ -24,7 +24,7 @@ inline std::vector<double> shares(int k, int rows, int columns) {
   auto out = wave(k, rows * columns);
   for (auto row = out.begin(); row != out.end(); row += columns) {
     double sum = 0;
-    for (auto x = row; x != row + columns; ++x) sum += *x = std::abs(*x) + 0.05;
+    for (auto x = row; x != row + columns; ++x) sum += * x = std::abs(*x) + 0.05;
     for (auto x = row; x != row + columns; ++x) *x /= sum;
   }
   return out;
@@ -40,8 +40,12 @@ ml::BodyModel<B> body() {
   auto matrix = [](const std::vector<double>& v, Index rows, Index columns) {
     return ml::Tensor<B, 2>::from(std::vector<typename B::scalar>(v.begin(), v.end()), {rows, columns});
   };
-  return {matrix(template_points(), 5, 3), matrix(wave(1, 30), 15, 2),     matrix(wave(2, 405), 15, 27),
-          matrix(shares(3, 4, 5), 4, 5),   matrix(shares(4, 5, 4), 5, 4), {-1, 0, 1, 1},
+  return {matrix(template_points(), 5, 3),
+          matrix(wave(1, 30), 15, 2),
+          matrix(wave(2, 405), 15, 27),
+          matrix(shares(3, 4, 5), 4, 5),
+          matrix(shares(4, 5, 4), 5, 4),
+          {-1, 0, 1, 1},
           {}};
 }
 

@@ -21,9 +21,10 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct BodyFileOptions {
-  Index betas = 10;          // coefficients of shape
-  Index expressions = 10;    // SMPL-X: coefficients of expression, which follow those of shape
-  bool extra_points = true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
+  Index betas = 10;        // coefficients of shape
+  Index expressions = 10;  // SMPL-X: coefficients of expression, which follow those of shape
+  bool extra_points =
+      true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
 };
 
 namespace detail {
@@ -60,7 +61,8 @@ class BodyArrays {
  private:
   static std::variant<NpzArchive, Pickle> open(const FilePath& path) {
     auto file = MappedFile::open(path);
-    if (as_text(file->bytes()).starts_with("PK\x03\x04")) return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
+    if (as_text(file->bytes()).starts_with("PK\x03\x04"))
+      return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
     return Pickle(file->bytes(), path.string(), {}, file);
   }
   static std::string shape(const std::vector<Index>& sizes) {
@@ -109,8 +111,8 @@ void check_weights(const BodyArrays& arrays, const std::vector<S>& weights, Inde
     double sum = 0;
     for (Index j = 0; j < joints; ++j) sum += static_cast<double>(weights[at + static_cast<std::size_t>(j)]);
     if (std::abs(sum - 1) > 1e-3) {
-      raise<io_error>(403, arrays.file(), ": 'weights' of vertex ", at / static_cast<std::size_t>(joints), " sum up to ",
-                      sum);
+      raise<io_error>(403, arrays.file(), ": 'weights' of vertex ", at / static_cast<std::size_t>(joints),
+                      " sum up to ", sum);
     }
   }
 }
@@ -227,8 +229,8 @@ inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender g
     if (detail::readable(c)) return c;
   }
   const BodyKindInfo& info = body_kinds[static_cast<std::size_t>(kind)];
-  raise<io_error>(401, "no ", info.name, " file such as ", usual, kind == BodyKind::smpl ? ".pkl" : ".npz", ": register at ",
-                  info.site, " to download it (free for research, no redistribution)");
+  raise<io_error>(401, "no ", info.name, " file such as ", usual, kind == BodyKind::smpl ? ".pkl" : ".npz",
+                  ": register at ", info.site, " to download it (free for research, no redistribution)");
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

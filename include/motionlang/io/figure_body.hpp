@@ -55,8 +55,8 @@ Body<B> figure_body(const Skeleton& skeleton) {
   Body<B> body;
   body.model.v_template = Tensor<B, 2>::from(points, {vertices, 3});
   body.model.shapedirs = body.model.posedirs = Tensor<B, 2>::zeros({3 * vertices, 0});
-  body.model.J_regressor = Tensor<B, 2>::from(detail::rest_regressor<S>(mesh.positions, skeleton.rest_positions()),
-                                              {joints, vertices});
+  body.model.J_regressor =
+      Tensor<B, 2>::from(detail::rest_regressor<S>(mesh.positions, skeleton.rest_positions()), {joints, vertices});
   body.model.weights = Tensor<B, 2>::from(weights, {vertices, joints});
   body.model.parents = skeleton.parents;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {

@@ -13,8 +13,8 @@ namespace detail {
 
 inline bool is_numpy(const PickleValue& v, std::string_view function) {
   const std::string name = v.name();
-  for (const std::string_view module : {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.",
-                                        "numpy._core.numeric.", "numpy."}) {
+  for (const std::string_view module :
+       {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.", "numpy._core.numeric.", "numpy."}) {
     if (name.starts_with(module) && std::string_view(name).substr(module.size()) == function) return true;
   }
   return false;
@@ -44,7 +44,8 @@ inline NpyArray array_from(const PickleValue& v, std::string_view type, bool for
 }
 
 inline NpyArray numpy_array(const PickleValue& v) {
-  if (is_numpy(v, "_reconstruct")) {  // state: version, shape, element type, whether the first index is the fastest, bytes
+  if (is_numpy(v,
+               "_reconstruct")) {  // state: version, shape, element type, whether the first index is the fastest, bytes
     const PickleValue state = v.state();
     return array_from(v, dtype_of(state[2]), state[3].boolean(), state[1], state[4].bytes());
   }
@@ -52,7 +53,8 @@ inline NpyArray numpy_array(const PickleValue& v) {
   if (is_numpy(v, "_frombuffer")) {  // bytes, element type, shape, order
     return array_from(v, dtype_of(given[1]), given[3].text() == "F", given[2], given[0].bytes());
   }
-  return stored_array(dtype_of(given[0]), false, {}, given[1].bytes(), concat_text(v.file(), ": scalar at byte ", v.at()));
+  return stored_array(dtype_of(given[0]), false, {}, given[1].bytes(),
+                      concat_text(v.file(), ": scalar at byte ", v.at()));
 }
 
 inline bool is_compressed_matrix(const PickleValue& v) {

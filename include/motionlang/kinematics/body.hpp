@@ -113,7 +113,8 @@ struct Body {
 /// they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames, none means zeros.
 /// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204
 template <Backend B>
-PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion, std::span<const typename B::scalar> betas = {}) {
+PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
+                       std::span<const typename B::scalar> betas = {}) {
   using S = typename B::scalar;
   const std::vector<int>& own = motion.skeleton.parents;
   if (own.size() > model.parents.size() || !std::equal(own.begin(), own.end(), model.parents.begin())) {

@@ -30,16 +30,6 @@ struct PosedBody {
   Tensor<B, 3> vertices, joints, extra;
 };
 
-/// Rotation vectors (N, J, 3) as the matrices that a body model takes: (N, J, 9), row by row. Differentiable, also at 0.
-template <Backend B>
-Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
-  const Index n = axis_angles.size(0), j = axis_angles.size(1);
-  const auto flat = reshape<2>(axis_angles, {n * j, 3});
-  auto component = [&](Index c) { return slice(flat, 1, c, c + 1); };
-  const auto m = to_matrix(AxisAngle<Tensor<B, 2>>{{component(0), component(1), component(2)}}).m;
-  return reshape<3>(concat(std::span<const Tensor<B, 2>>(m), 1), {n, j, 9});
-}
-
 namespace detail {
 
 /// A tensor whose numbers fill(S*) writes.
@@ -81,6 +71,29 @@ void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest re
 }
 
 }  // namespace detail
+
+/// Rotation vectors (N, J, 3) as the matrices that a body model takes: (N, J, 9), row by row. Differentiable, also at 0.
+template <Backend B>
+Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
+  const Index n = axis_angles.size(0), j = axis_angles.size(1);
+  if constexpr (AutodiffBackend<B>) {
+    const auto flat = reshape<2>(axis_angles, {n * j, 3});
+    auto component = [&](Index c) { return slice(flat, 1, c, c + 1); };
+    const auto m = to_matrix(AxisAngle<Tensor<B, 2>>{{component(0), component(1), component(2)}}).m;
+    return reshape<3>(concat(std::span<const Tensor<B, 2>>(m), 1), {n, j, 9});
+  } else {
+    using S = typename B::scalar;
+    const S* const from = axis_angles.span().data();
+    return detail::written_tensor<B, 3>({n, j, 9}, [&](S* to) {
+      parallel_for(n, [&](Index pose) {
+        for (Index i = pose * j; i < (pose + 1) * j; ++i) {
+          const auto m = to_matrix(AxisAngle<S>{{from[3 * i], from[3 * i + 1], from[3 * i + 2]}}).m;
+          std::copy_n(m.begin(), 9, to + 9 * i);
+        }
+      });
+    });
+  }
+}
 
 template <Backend B>
 struct BodyModel {

@@ -95,7 +95,8 @@ TEST_CASE("SMPL-X: coefficients of expression follow those of shape, in old and 
     CHECK(body.kind == ml::BodyKind::smplx);
     CHECK(body.expressions == 3);
     const auto all = ml::Tensor<B, 2>::from(numbers(6 * directions), {6, directions});
-    CHECK(distance(body.model.shapedirs, ml::concat(1, ml::slice(all, 1, 0, 4), ml::slice(all, 1, first, first + 3))) == 0);
+    CHECK(distance(body.model.shapedirs, ml::concat(1, ml::slice(all, 1, 0, 4), ml::slice(all, 1, first, first + 3))) ==
+          0);
   }
   CHECK_ERROR(BodyFolder().read(chain(55, 2, 20), {.betas = 10, .expressions = 11}), "the file has 10 and 10");
 }
@@ -140,7 +141,8 @@ TEST_CASE("what is not a body is refused") {
     CHECK_ERROR(folder.read(arrays), "[motionlang.io.406]");
   }
   refuse("kintree_table", array({-1, 0, 1, 1, 0, 1, 3, 2}, {2, 4}), "'kintree_table' calls joint 2 3");
-  refuse("kintree_table", array({-1, 2, 1, 1, 0, 1, 2, 3}, {2, 4}), "joint 1 has parent 2, which does not come before it");
+  refuse("kintree_table", array({-1, 2, 1, 1, 0, 1, 2, 3}, {2, 4}),
+         "joint 1 has parent 2, which does not come before it");
   refuse("kintree_table", array({-1, -1, 1, 1, 0, 1, 2, 3}, {2, 4}), "joint 1 has parent -1");
   refuse("kintree_table", array({}, {2, 0}), "has no joints");
   refuse("v_template", array(numbers(12), {4, 3}), "[motionlang.io.407]");

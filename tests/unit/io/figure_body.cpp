@@ -23,7 +23,8 @@ ml::Motion motion_of(const ml::Skeleton& skeleton, Index frames) {
   auto next = [&, at = std::size_t{0}]() mutable { return static_cast<double>(n[at++]); };
   for (Index f = 0; f < frames; ++f) {
     m.root.push_back({next(), next(), next()});
-    for (int j = 0; j < skeleton.size(); ++j) m.local.push_back(ml::to_quaternion(ml::AxisAngle<double>{{next(), next(), next()}}));
+    for (int j = 0; j < skeleton.size(); ++j)
+      m.local.push_back(ml::to_quaternion(ml::AxisAngle<double>{{next(), next(), next()}}));
   }
   return m;
 }
@@ -51,7 +52,9 @@ TEST_CASE("its surface is closed: every edge of two triangles, once in each dire
   const auto body = ml::figure_body<B>(ml::smpl24_skeleton());
   const auto points = body.model.v_template.span();
   auto place = [&](Index v) { return points.data() + 3 * v; };
-  auto same = [&](Index a, Index b) { return std::equal(place(a), place(a) + 3, place(b), [](double x, double y) { return std::abs(x - y) < 1e-7; }); };
+  auto same = [&](Index a, Index b) {
+    return std::equal(place(a), place(a) + 3, place(b), [](double x, double y) { return std::abs(x - y) < 1e-7; });
+  };
   std::vector<std::pair<Index, Index>> open;
   auto pole = [&](Index v) {  // the first vertex at the same place in a ring of 16
     const Index ring = v / 16 * 16;
@@ -61,8 +64,10 @@ TEST_CASE("its surface is closed: every edge of two triangles, once in each dire
     for (std::size_t c = 0; c < 3; ++c) {
       const std::pair edge{pole(f[c]), pole(f[(c + 1) % 3])};
       const auto back = std::find(open.begin(), open.end(), std::pair{edge.second, edge.first});
-      if (back != open.end()) open.erase(back);
-      else open.push_back(edge);
+      if (back != open.end())
+        open.erase(back);
+      else
+        open.push_back(edge);
     }
   }
   CHECK(open.empty());
@@ -78,10 +83,14 @@ TEST_CASE("vertices keep their distance to the joint that they follow") {
   double worst = 0;
   for (Index f = 0; f < 2; ++f) {
     for (Index v = 0; v < vertices; ++v) {
-      const auto weights = body.model.weights.span().subspan(static_cast<std::size_t>(v * joints), static_cast<std::size_t>(joints));
+      const auto weights =
+          body.model.weights.span().subspan(static_cast<std::size_t>(v * joints), static_cast<std::size_t>(joints));
       const Index j = std::max_element(weights.begin(), weights.end()) - weights.begin();
       auto reach = [&](const ml::PosedBody<B>& p) {
-        auto at = [&](const auto& t, Index i) { const double* x = t.span().data() + 3 * i; return ml::Vec3<double>{x[0], x[1], x[2]}; };
+        auto at = [&](const auto& t, Index i) {
+          const double* x = t.span().data() + 3 * i;
+          return ml::Vec3<double>{x[0], x[1], x[2]};
+        };
         return norm(at(p.vertices, f * vertices + v) - at(p.joints, f * joints + j));
       };
       worst = std::max(worst, std::abs(reach(moved) - reach(still)));
@@ -94,7 +103,8 @@ TEST_CASE("a motion poses a larger body that begins with its joints; others are 
   const auto body = ml::figure_body<B>(ml::smpl24_skeleton());
   const ml::Motion motion = motion_of(ml::humanml3d22_skeleton(), 1);
   CHECK(ml::pose_body(body.model, motion).joints.shape() == ml::Shape{1, 24, 3});
-  CHECK_ERROR(ml::pose_body(ml::figure_body<B>(ml::humanml3d22_skeleton()).model, motion_of(ml::smpl24_skeleton(), 1)), "[motionlang.config.106] pose_body: the 24 joints");
+  CHECK_ERROR(ml::pose_body(ml::figure_body<B>(ml::humanml3d22_skeleton()).model, motion_of(ml::smpl24_skeleton(), 1)),
+              "[motionlang.config.106] pose_body: the 24 joints");
   CHECK_ERROR(ml::pose_body(body.model, motion_of(ml::kit21_skeleton(), 1)), "[motionlang.config.106]");
   const double one[] = {1};
   CHECK_ERROR(ml::pose_body(body.model, motion, one), "[motionlang.shape.204] pose_body");

@@ -79,9 +79,15 @@ TEST_CASE("Python 2: texts in quotes, numbers as lines, instances") {
 TEST_CASE("dictionaries in disguise") {
   CHECK(parse("ccollections\nOrderedDict\n((l(lS'a'\naI1\naatR.").root()["a"].integer() == 1);
   CHECK(parse("ccollections\nOrderedDict\n((S'a'\nI1\nt(S'b'\nI3\ntt\x85R.").root()["b"].integer() == 3);
-  const auto ordered = parse("\x80\x02" "ccollections\nOrderedDict\n)RX\x01\0\0\0kK\x05s}b."sv);
+  const auto ordered = parse(
+      "\x80\x02"
+      "ccollections\nOrderedDict\n)RX\x01\0\0\0kK\x05s}b."sv);
   CHECK((ordered.root().size() == 1 && ordered.root().key(0).text() == "k" && ordered.root().value(0).integer() == 5));
-  const auto subclass = parse("\x80\x02" "cm\nC\n)\x81K\x01" "aK\x02" "a."sv);  // a list of a class that nobody knows
+  const auto subclass = parse(
+      "\x80\x02"
+      "cm\nC\n)\x81K\x01"
+      "aK\x02"
+      "a."sv);  // a list of a class that nobody knows
   CHECK((subclass.root().size() == 2 && subclass.root()[1].integer() == 2));
   CHECK(parse("\x80\x02}X\x01\0\0\0aK\x01sX\x01\0\0\0aK\x02s."sv).root()["a"].integer() == 2);
 }
@@ -90,7 +96,9 @@ TEST_CASE("several pickles in a row") {
   const auto bytes = "K\x01.K\x02."sv;
   const auto first = parse(bytes);
   CHECK(first.end() == 3);
-  CHECK(ml::Pickle(std::as_bytes(std::span(bytes.data(), bytes.size())), "x", {}, nullptr, first.end()).root().integer() == 2);
+  CHECK(ml::Pickle(std::as_bytes(std::span(bytes.data(), bytes.size())), "x", {}, nullptr, first.end())
+            .root()
+            .integer() == 2);
 }
 
 TEST_CASE("persistent ids, where they are expected") {
@@ -110,7 +118,8 @@ TEST_CASE("a list of allowed names") {
 TEST_CASE("what executes code is refused") {
   CHECK_ERROR(ml::Pickle::open(sample("os_system.pkl")), "posix.system: the file tries to execute code at byte 2");
   CHECK_ERROR(ml::Pickle::open(sample("eval_p0.pkl")), "__builtin__.eval: the file tries to execute code");
-  CHECK_ERROR(parse("\x80\x04\x8c\x0asubprocess\x8c\x05Popen\x93."), "[motionlang.io.404] x.pkl: pickle: names subprocess.Popen");
+  CHECK_ERROR(parse("\x80\x04\x8c\x0asubprocess\x8c\x05Popen\x93."),
+              "[motionlang.io.404] x.pkl: pickle: names subprocess.Popen");
   CHECK_ERROR(parse("(ios.path\njoin\n."), "[motionlang.io.404]");
 }
 
@@ -127,7 +136,10 @@ TEST_CASE("damaged files are refused with the place") {
   refuse("}K\x01\x85u.", "no mark");
   refuse("}(K\x01u.", "a key without a value");
   refuse("](K\x01K\x02u.", "entries for a list");
-  refuse("}K\x01" "a.", "elements for a dictionary");
+  refuse(
+      "}K\x01"
+      "a.",
+      "elements for a dictionary");
   refuse("K\x01}b.", "a state for a whole number");
   refuse("I12x\n.", "[motionlang.io.403] x.pkl: pickle: not a whole number: '12x' at byte 0");
   refuse("L\n.", "not a whole number: ''");

@@ -47,19 +47,20 @@ TEST_CASE("the tiny body of the spec: forward pass") {
   const auto model = synthetic::body<B>();
   model.validate();
   CHECK(worst(model(betas, no_turn, nowhere).vertices,
-              {-0.17147317, 0.94372122, 0.14975905, 0.37978999, 1.49366835, 0.37852485, 0.10362983, 0.92847348, 0.00988467,
-               0.09923233, 0.83754289, -0.53103147, -0.37079238, 1.09752595, 0.04067955}) < printed);
-  CHECK(worst(model.rest_joints(betas), {0.00653226, 1.10695049, 0.12694635, 0.0463721, 1.06323954, 0.00594164, 0.00530353,
-                                         1.02884853, -0.07638043, -0.02988772, 0.99698726, -0.08638118}) < printed);
+              {-0.17147317, 0.94372122, 0.14975905, 0.37978999, 1.49366835, 0.37852485, 0.10362983, 0.92847348,
+               0.00988467, 0.09923233, 0.83754289, -0.53103147, -0.37079238, 1.09752595, 0.04067955}) < printed);
+  CHECK(worst(model.rest_joints(betas), {0.00653226, 1.10695049, 0.12694635, 0.0463721, 1.06323954, 0.00594164,
+                                         0.00530353, 1.02884853, -0.07638043, -0.02988772, 0.99698726, -0.08638118}) <
+        printed);
   const auto rotations = ml::rotation_rows(pose);
   CHECK(worst(ml::slice(rotations, 1, 1, 2), {0.75626097, 0.61965651, 0.20998848, -0.43216495, 0.71407536, -0.55075388,
                                               -0.49122583, 0.325764, 0.80782115}) < printed);
   const auto posed = model(betas, rotations, tau);
   CHECK(worst(posed.vertices,
-              {0.39408069, 0.04068567, 1.17517253, 0.67585068, 0.47502815, 1.51829971, 0.08600855, 0.84886045, 1.52032372,
-               0.48577741, -0.12630197, 0.28413713, -0.11322719, 0.5604682, 1.53812443}) < printed);
-  CHECK(worst(posed.joints, {0.25653226, 0.60695049, 1.62694635, 0.32890026, 0.59208904, 1.51433192, 0.26243415, 0.61631631,
-                             1.44620272, 0.21791833, 0.60080977, 1.43473677}) < printed);
+              {0.39408069, 0.04068567, 1.17517253, 0.67585068, 0.47502815, 1.51829971, 0.08600855, 0.84886045,
+               1.52032372, 0.48577741, -0.12630197, 0.28413713, -0.11322719, 0.5604682, 1.53812443}) < printed);
+  CHECK(worst(posed.joints, {0.25653226, 0.60695049, 1.62694635, 0.32890026, 0.59208904, 1.51433192, 0.26243415,
+                             0.61631631, 1.44620272, 0.21791833, 0.60080977, 1.43473677}) < printed);
 }
 
 TEST_CASE("the tiny body of the spec: loss and gradients") {
@@ -91,8 +92,8 @@ TEST_CASE("gradients are slopes") {
     const double slope = (loss(model, betas + db * h, pose + dw * h, tau + dt * h).item() -
                           loss(model, betas - db * h, pose - dw * h, tau - dt * h).item()) /
                          (2 * h);
-    const double expected = ml::sum(g[shape] * db).item() + ml::sum(g[axis_angles] * dw).item() +
-                            ml::sum(g[translation] * dt).item();
+    const double expected =
+        ml::sum(g[shape] * db).item() + ml::sum(g[axis_angles] * dw).item() + ml::sum(g[translation] * dt).item();
     CHECK(std::abs(slope - expected) < 1e-6 * std::abs(expected));
   }
 }
@@ -121,7 +122,8 @@ TEST_CASE("properties of every body") {
   const auto q = ml::reshape<2>(ml::slice(ml::rotation_rows(only_root), 1, 0, 1), {3, 3});
   const auto pelvis = ml::reshape<2>(ml::slice(rest.joints, 1, 0, 1), {1, 3});
   const auto turned = ml::matmul(model.v_template - pelvis, q, {.transpose_b = true}) + pelvis;
-  CHECK(distance(model(no_shape, ml::rotation_rows(only_root), nowhere).vertices, ml::reshape<3>(turned, {1, 5, 3})) < 1e-14);
+  CHECK(distance(model(no_shape, ml::rotation_rows(only_root), nowhere).vertices, ml::reshape<3>(turned, {1, 5, 3})) <
+        1e-14);
 
   // Translation moves everything alike.
   const auto here = model(betas, ml::rotation_rows(pose), nowhere), there = model(betas, ml::rotation_rows(pose), tau);
@@ -134,4 +136,30 @@ TEST_CASE("properties of every body") {
   const auto moved = model(no_shape, ml::rotation_rows(leaf), nowhere);
   CHECK(distance(moved.joints, rest.joints) < 1e-15);
   CHECK(distance(moved.vertices, rest.vertices) > 0.01);
+}
+
+TEST_CASE("a mirrored pose of a symmetric body gives mirrored vertices") {
+  const ml::BodyModel<B> model{tensor<2>({0.2, 0, 0.1, -0.2, 0, 0.1, 0.5, 1, -0.1, -0.5, 1, -0.1}, {4, 3}),
+                               ml::Tensor<B, 2>::zeros({12, 0}),
+                               ml::Tensor<B, 2>::zeros({12, 0}),
+                               tensor<2>({0.25, 0.25, 0.25, 0.25, 0.5, 0, 0.5, 0, 0, 0.5, 0, 0.5}, {3, 4}),
+                               tensor<2>({0.4, 0.5, 0.1, 0.4, 0.1, 0.5, 0, 1, 0, 0, 0, 1}, {4, 3}),
+                               {-1, 0, 0},
+                               {}};
+  model.validate();
+  auto posed = [&](const std::vector<double>& axis_angles, double x) {
+    const auto turns = ml::rotation_rows(tensor<3>(axis_angles, {1, 3, 3}));
+    return model(ml::Tensor<B, 2>::zeros({1, 0}), turns, tensor<2>({x, 0.3, 0.6}, {1, 3})).vertices.to_vector();
+  };
+  // Left and right change places; rotations about y and z, and x itself, change sign.
+  const auto one = posed({0.3, -0.8, 0.5, 1.1, 0.2, -0.4, -0.6, 0.9, 0.1}, 0.7);
+  const auto other = posed({0.3, 0.8, -0.5, -0.6, -0.9, -0.1, 1.1, -0.2, 0.4}, -0.7);
+  double worst = 0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    const std::size_t partner = v % 2 == 0 ? v + 1 : v - 1;
+    for (std::size_t c = 0; c < 3; ++c) {
+      worst = std::max(worst, std::abs(one[3 * v + c] - (c == 0 ? -1 : 1) * other[3 * partner + c]));
+    }
+  }
+  CHECK(worst < 1e-15);
 }

@@ -21,9 +21,9 @@ enum class PickleKind : std::uint8_t {
   boolean,
   integer,
   real,
-  text,        // also whole numbers of more than 64 bits in protocol 0: their digits
-  bytes,       // also the texts of Python 2, and such numbers in other protocols: little-endian
-  list,        // also sets
+  text,   // also whole numbers of more than 64 bits in protocol 0: their digits
+  bytes,  // also the texts of Python 2, and such numbers in other protocols: little-endian
+  list,   // also sets
   tuple,
   dict,
   name,        // of a class or a function
@@ -31,8 +31,9 @@ enum class PickleKind : std::uint8_t {
   persistent,  // something outside the pickle, known by an id
 };
 inline std::string_view name_of(PickleKind k) {
-  constexpr std::string_view names[] = {"None", "a truth value", "a whole number", "a real number", "a text", "bytes",
-                                        "a list", "a tuple", "a dictionary", "a name", "an object", "a persistent id"};
+  constexpr std::string_view names[] = {"None",         "a truth value", "a whole number", "a real number",
+                                        "a text",       "bytes",         "a list",         "a tuple",
+                                        "a dictionary", "a name",        "an object",      "a persistent id"};
   return names[static_cast<std::size_t>(k)];
 }
 inline std::string to_string(PickleKind k) { return std::string(name_of(k)); }
@@ -229,7 +230,10 @@ class PickleMachine {
   }
 
   static int hexadecimal(char c) {
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
   }
   /// The number of `count` hexadecimal digits from text[at].
   char32_t code(std::string_view text, std::size_t at, std::size_t count) {
@@ -243,7 +247,8 @@ class PickleMachine {
   }
   /// 'text' in quotes, with the escapes of Python's repr.
   std::string unquoted(std::string_view text) {
-    const bool quoted = text.size() >= 2 && text.front() == text.back() && (text.front() == '\'' || text.front() == '"');
+    const bool quoted =
+        text.size() >= 2 && text.front() == text.back() && (text.front() == '\'' || text.front() == '"');
     if (!quoted) fail(403, "a text without quotes");
     text = text.substr(1, text.size() - 2);
     constexpr std::string_view letters = "abfnrtv\\'\"", meanings = "\a\b\f\n\r\t\v\\'\"";
@@ -293,10 +298,11 @@ class PickleMachine {
   // Names and calls.
 
   static bool executes(std::string_view module, std::string_view attribute) {
-    constexpr std::string_view modules[] = {"os", "posix", "nt", "subprocess", "sys", "socket", "shutil", "runpy",
-                                            "importlib", "pty", "ctypes", "commands", "popen2", "code"};
-    constexpr std::string_view builtins[] = {"eval", "exec", "execfile", "compile", "open", "file", "__import__",
-                                             "getattr", "setattr", "delattr", "apply", "input", "breakpoint"};
+    constexpr std::string_view modules[] = {"os",    "posix",     "nt",  "subprocess", "sys",      "socket", "shutil",
+                                            "runpy", "importlib", "pty", "ctypes",     "commands", "popen2", "code"};
+    constexpr std::string_view builtins[] = {"eval",  "exec",       "execfile",  "compile", "open",
+                                             "file",  "__import__", "getattr",   "setattr", "delattr",
+                                             "apply", "input",      "breakpoint"};
     const std::string_view package = module.substr(0, module.find('.'));
     if (std::find(std::begin(modules), std::end(modules), package) != std::end(modules)) return true;
     return is_builtin(module) && std::find(std::begin(builtins), std::end(builtins), attribute) != std::end(builtins);
@@ -356,7 +362,8 @@ class PickleMachine {
       const bool bytes = attribute == "bytes" || attribute == "bytearray";
       if (bytes && encoded) return push_bytes(given[0]);
       if (bytes && given.empty()) return push_text(PickleKind::bytes, {});
-      const bool collection = attribute == "list" || attribute == "tuple" || attribute == "set" || attribute == "frozenset";
+      const bool collection =
+          attribute == "list" || attribute == "tuple" || attribute == "set" || attribute == "frozenset";
       if (collection && given.empty()) return push_items(PickleKind::list, {});
       if (collection && given.size() == 1 && is_sequence(given[0])) return push(given[0]);
       if (attribute == "bytearray" && given.size() == 1 && nodes_[given[0]].kind == PickleKind::bytes) {
