@@ -1,0 +1,116 @@
+// What was written is read again, on real motions: BVH, AMASS and joint positions of every .bvh and .amc file below the
+// folder that the environment variable MOTIONLANG_MOTIONS names. The motions are not part of the repository.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include <motionlang/io/amass.hpp>
+#include <motionlang/io/amc.hpp>
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+#include "../../support/lists.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Of two motions whose joints correspond: order[k] of `a` is joint k of `b`. Infinite if they differ in size.
+struct Difference {
+  double degrees = 0, metres = 0;  // of local rotations; of root positions and bones
+
+  void add(const Difference& other) {
+    degrees = std::max(degrees, other.degrees);
+    metres = std::max(metres, other.metres);
+  }
+};
+Difference difference(const ml::Motion& a, const ml::Motion& b, const std::vector<int>& order) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  if (a.frames() != b.frames() || a.skeleton.size() != b.skeleton.size()) return {never, never};
+  Difference worst{0, lists::largest_distance(a.root, b.root)};
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto j = static_cast<std::size_t>(order[k]);
+    if (j != 0) worst.metres = std::max(worst.metres, ml::norm(a.skeleton.offsets[j] - b.skeleton.offsets[k]));
+    for (ml::Index f = 0; f < a.frames(); ++f) {
+      const auto turn = ml::inverse(a.rotations(f)[j]) * b.rotations(f)[k];
+      const double angle = 2 * std::atan2(ml::norm(turn.vec()), std::abs(turn.w));
+      worst.degrees = std::max(worst.degrees, angle * 180 / std::numbers::pi);
+    }
+  }
+  return worst;
+}
+
+/// What an AMASS file keeps: the joints of SMPL without the hands.
+std::vector<int> body_joints() {
+  std::vector<int> order(ml::detail::amass_joints);
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
+/// Largest difference of a number of the file from itself after writing; infinity if the tables differ in size.
+double table_difference(const fs::path& path) {
+  const ml::Bvh file = ml::read_bvh(path), again = ml::parse_bvh(ml::format_bvh(file));
+  double worst = lists::largest_difference(file.values, again.values);
+  for (std::size_t n = 0; n < file.nodes.size(); ++n)
+    worst = std::max(worst, ml::norm(file.nodes[n].offset - again.nodes[n].offset));
+  return again.nodes.size() == file.nodes.size() ? worst : std::numeric_limits<double>::infinity();
+}
+
+/// The motion of a file, nothing of other files and of .amc without the .asf of their subject.
+std::optional<ml::Motion> read(const fs::path& path) {
+  if (path.extension() == ".bvh") return ml::read_bvh_motion(path);
+  const std::string stem = path.stem().string();
+  const auto asf = path.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
+  if (path.extension() != ".amc" || !fs::exists(asf)) return std::nullopt;
+  return ml::read_amc(path, ml::read_asf(asf));
+}
+
+}  // namespace
+
+TEST_CASE("round trips: every motion of a folder") {
+  const char* folder = std::getenv("MOTIONLANG_MOTIONS");
+  if (folder == nullptr) {
+    MESSAGE("skipped: MOTIONLANG_MOTIONS names no folder of motions");
+    return;
+  }
+  const TemporaryFolder temporary;
+  int files = 0;
+  double table = 0, joints = 0;
+  Difference bvh, amass;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    CAPTURE(entry.path().string());
+    const auto motion = read(entry.path());
+    if (!motion) continue;
+    ++files;
+    if (entry.path().extension() == ".bvh") table = std::max(table, table_difference(entry.path()));
+
+    ml::write_bvh(temporary / "m.bvh", *motion);
+    const ml::Motion from_bvh = ml::read_bvh_motion(temporary / "m.bvh");
+    CHECK(from_bvh.fps == doctest::Approx(motion->fps).epsilon(1e-6));
+    bvh.add(difference(*motion, from_bvh, ml::detail::depth_first_order(motion->skeleton)));
+
+    const ml::Motion body = ml::retarget(*motion);
+    ml::write_amass(temporary / "m.npz", body);
+    amass.add(difference(body, ml::read_amass(temporary / "m.npz").motion, body_joints()));
+
+    ml::write_joints_npy(temporary / "m.npy", *motion);
+    joints = std::max(joints,
+                      lists::largest_distance(motion->positions(), ml::read_joints_npy(temporary / "m.npy").positions));
+  }
+  MESSAGE(files, " files; BVH tables: ", table, " units or degrees; BVH motions: ", bvh.degrees, " degrees, ",
+          100 * bvh.metres, " units; AMASS: ", amass.degrees, " degrees, ", amass.metres, " m; joints: ", joints, " m");
+  CHECK(files > 0);
+  CHECK(table <= 1e-6);  // six decimals
+  CHECK(bvh.degrees < 1e-4);
+  CHECK(100 * bvh.metres < 1e-4);  // centimetres
+  CHECK(amass.degrees < 1e-6);
+  CHECK(amass.metres < 1e-9);
+  CHECK(joints < 1e-5);  // float32
+}
