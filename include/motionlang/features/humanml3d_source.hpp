@@ -129,9 +129,9 @@ std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, co
     const double* t = sequence.trans.data() + 3 * frame;
     for (int k = 0; k < 3; ++k) translations.push_back(static_cast<S>(t[k]));
   }
-  const auto posed = model.posed_joints(Tensor<B, 2>::from(betas, {n, shapes}),
-                                        Tensor<B, 3>::from(rotations, {n, joints, 9}),
-                                        Tensor<B, 2>::from(translations, {n, 3}));
+  const auto posed =
+      model.posed_joints(Tensor<B, 2>::from(betas, {n, shapes}), Tensor<B, 3>::from(rotations, {n, joints, 9}),
+                         Tensor<B, 2>::from(translations, {n, 3}));
   const auto values = posed.to_vector();
   std::vector<Vec3<S>> out;
   for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.push_back({values[i], values[i + 1], values[i + 2]});

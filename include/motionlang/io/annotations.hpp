@@ -35,7 +35,7 @@ struct Annotation {
 
 struct AnnotatedMotion {
   std::string id;
-  std::string path;     // AMASS-relative, without extension; "M/..." of mirrored motions, "humanact12/..." of HumanAct12
+  std::string path;  // AMASS-relative, without extension; "M/..." of mirrored motions, "humanact12/..." of HumanAct12
   double duration = 0;  // seconds
   std::vector<Annotation> annotations;
   bool operator==(const AnnotatedMotion&) const = default;
@@ -74,8 +74,8 @@ class AnnotationFile {
     const JsonView list = view["annotations"];
     for (Index i = 0; i < list.size(); ++i) {
       const JsonView a = list[i];
-      motion.annotations.push_back({a["seg_id"].as<std::string>(), a["text"].as<std::string>(),
-                                    a["start"].as<double>(), a["end"].as<double>()});
+      motion.annotations.push_back(
+          {a["seg_id"].as<std::string>(), a["text"].as<std::string>(), a["start"].as<double>(), a["end"].as<double>()});
       detail::require_times(a.path(), motion.annotations.back().start, motion.annotations.back().end);
     }
     return motion;

@@ -65,8 +65,13 @@ class BabelFile {
   BabelSequence load(const std::string& id) const {
     const nlohmann::json document = members_.load(id);
     const JsonView view(document, members_.place(id));
-    BabelSequence out{id, view["babel_sid"].as<std::int64_t>(), view.value_or("url", ""), view.value_or("feat_p", ""),
-                      view.value_or("dur", 0.0), {}, {}};
+    BabelSequence out{id,
+                      view["babel_sid"].as<std::int64_t>(),
+                      view.value_or("url", ""),
+                      view.value_or("feat_p", ""),
+                      view.value_or("dur", 0.0),
+                      {},
+                      {}};
     if (!(out.dur >= 0 && std::isfinite(out.dur))) raise<io_error>(403, view.path(), ": dur is ", out.dur);
     for (const char* key : {"seq_ann", "seq_anns"}) read(view, key, {0, out.dur, false}, out.sequence_annotations);
     for (const char* key : {"frame_ann", "frame_anns"}) read(view, key, {0, 0, true}, out.frame_annotations);
@@ -92,15 +97,19 @@ class BabelFile {
     }
   }
   static BabelAnnotation annotation(const JsonView& view, const Times& times) {
-    BabelAnnotation out{view.value_or("babel_lid", ""), view.value_or("anntr_id", ""), view.value_or("mul_act", false),
-                        {}};
+    BabelAnnotation out{
+        view.value_or("babel_lid", ""), view.value_or("anntr_id", ""), view.value_or("mul_act", false), {}};
     const JsonView labels = view["labels"];
     for (Index i = 0; i < labels.size(); ++i) out.labels.push_back(label(labels[i], times));
     return out;
   }
   static BabelLabel label(const JsonView& view, const Times& times) {
-    BabelLabel out{view.value_or("raw_label", ""), view.value_or("proc_label", ""), view.value_or("seg_id", ""),
-                   view.value_or("act_cat", std::vector<std::string>{}), times.start, times.end};
+    BabelLabel out{view.value_or("raw_label", ""),
+                   view.value_or("proc_label", ""),
+                   view.value_or("seg_id", ""),
+                   view.value_or("act_cat", std::vector<std::string>{}),
+                   times.start,
+                   times.end};
     if (times.in_file) {
       out.start = view["start_t"].as<double>();
       out.end = view["end_t"].as<double>();

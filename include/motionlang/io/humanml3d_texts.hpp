@@ -49,7 +49,8 @@ inline std::vector<TaggedWord> tagged_words(std::string_view field) {
   for (field = trim(field); !field.empty();) {
     const std::string_view token = field.substr(0, std::min(field.find(' '), field.size()));
     const std::size_t slash = token.rfind('/');
-    words.push_back({std::string(token.substr(0, slash)), std::string(slash == token.npos ? "" : token.substr(slash + 1))});
+    words.push_back(
+        {std::string(token.substr(0, slash)), std::string(slash == token.npos ? "" : token.substr(slash + 1))});
     field = trim(field.substr(token.size()));
   }
   return words;
@@ -99,9 +100,9 @@ inline std::string format_captions(std::span<const MotionCaption> captions) {
     for (std::size_t i = 0; i < c.words.size(); ++i) {
       const auto& [word, tag] = c.words[i];
       const bool plain = (word + tag).find_first_of("# \t\r\n\v\f") == word.npos;
-      require(plain && !(word + tag).empty() && tag.find('/') == tag.npos &&
-                  (!tag.empty() || word.find('/') == word.npos),
-              word + "/" + tag);
+      require(
+          plain && !(word + tag).empty() && tag.find('/') == tag.npos && (!tag.empty() || word.find('/') == word.npos),
+          word + "/" + tag);
       out += (i > 0 ? " " : "") + word + (tag.empty() ? "" : "/" + tag);
     }
     for (const double seconds : {c.start, c.end}) {
@@ -118,8 +119,8 @@ inline MotionCaption mirrored(MotionCaption caption) {
   caption.text = mirror_caption(caption.text);
   std::vector<TaggedWord> words;
   for (TaggedWord& w : std::exchange(caption.words, {})) {
-    const bool in_parts = !words.empty() && w.word == "clockwise" &&
-                          (words.back().word == "counter" || words.back().word == "anti");
+    const bool in_parts =
+        !words.empty() && w.word == "clockwise" && (words.back().word == "counter" || words.back().word == "anti");
     if (in_parts) {
       words.back() = std::move(w);  // "counter clockwise" becomes "clockwise"
     } else {

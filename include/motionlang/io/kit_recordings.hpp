@@ -72,7 +72,8 @@ class KitRecordings {
     std::vector<std::string> out;
     while (const dirent* entry = ::readdir(folder)) {
       const std::string_view name = entry->d_name;
-      if (name.size() > ending.size() && name.ends_with(ending)) out.emplace_back(name.substr(0, name.size() - ending.size()));
+      if (name.size() > ending.size() && name.ends_with(ending))
+        out.emplace_back(name.substr(0, name.size() - ending.size()));
     }
     ::closedir(folder);
     std::sort(out.begin(), out.end());
