@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -107,4 +108,35 @@ TEST_CASE("joint positions") {
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(ml::norm(back.positions[i] - expected[i]) < 1e-6);
   ml::write_npy(folder / "flat.npy", matrix(3, 3));
   CHECK_THROWS_WITH_AS(ml::read_joints_npy(folder / "flat.npy"), doctest::Contains("407"), ml::io_error);
+}
+
+TEST_CASE("sequences for a body model: every number of the file, in its own world") {
+  const TemporaryFolder folder;
+  std::vector<double> poses(2 * 156);
+  std::iota(poses.begin(), poses.end(), 0.5);
+  const std::vector<double> trans{1, 2, 3, 4, 5, 6}, betas{0.1, 0.2};
+  const std::string male = "male";
+  const ml::NpyArray list_of_one{
+      'S', 4, {1}, {std::as_bytes(std::span(male)).begin(), std::as_bytes(std::span(male)).end()}};
+  std::vector<ml::NamedArray> arrays{{"poses", ml::NpyArray::of(std::span<const double>(poses), {2, 156})},
+                                     {"trans", ml::NpyArray::of(std::span<const double>(trans), {2, 3})},
+                                     {"betas", ml::NpyArray::of(std::span<const double>(betas), {2})},
+                                     {"gender", list_of_one},  // SSM_synced
+                                     {"mocap_framerate", ml::NpyArray::scalar(59.0)}};
+  ml::write_npz(folder / "a.npz", arrays);
+  const ml::AmassSequence sequence = ml::read_amass_sequence(folder / "a.npz");
+  CHECK(sequence.frames == 2);
+  CHECK(sequence.columns == 156);
+  CHECK(sequence.poses == poses);
+  CHECK(sequence.trans == trans);
+  CHECK(sequence.betas == betas);
+  CHECK(sequence.gender == "male");
+  CHECK(sequence.fps == 59);
+
+  ml::write_npz(folder / "shape.npz", std::span(arrays).subspan(2, 2));  // lies beside the sequences
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "shape.npz"),
+                       doctest::Contains("shape.npz: no array 'poses' in the archive"), ml::io_error);
+  arrays[0].array = matrix(2, 157);
+  ml::write_npz(folder / "b.npz", arrays);
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"), doctest::Contains("poses (2, 157)"), ml::io_error);
 }
