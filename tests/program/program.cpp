@@ -3,11 +3,13 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
+#include <motionlang/io/glb_reader.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/captioned_clips.hpp"
+#include "../support/rigs.hpp"
 #include "../support/small_model.hpp"
 #include "process.hpp"
 
@@ -53,7 +55,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const TemporaryFolder folder;
   const auto all = run({"--help"}, folder.path);
   CHECK(all.code == 0);
-  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "strip", "view", "Exit codes: 0 ",
+  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "doctor", "strip", "view", "Exit codes: 0 ",
                            "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
@@ -65,6 +67,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
         "--smooth", "--in-place", "--loop", "--fix-feet"}},
+      {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--all"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
       {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet"}},
@@ -231,6 +234,59 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   CHECK(empty.code == 1);
   CHECK_MESSAGE(contains(empty.text, "nothing of the 2 s is between 5 and"), empty.text);
   CHECK(!std::filesystem::exists(w / "none.bvh"));
+}
+
+TEST_CASE("convert and generate put motions on a character") {
+  const Workplace w;
+  ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  const auto out = w.run({"convert", "walk.bvh", "walk.glb", "--rig", "rig.glb"});
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  CHECK_MESSAGE(contains(out.text, "SMPL -> Mixamo: 24 of"), out.text);
+  CHECK(ml::GlbFile::open(w / "walk.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
+  const auto alone = w.run({"convert", "walk.glb", "alone.glb", "--rig", "rig.glb", "--drop-animations"});
+  REQUIRE_MESSAGE(alone.code == 0, alone.text);
+  CHECK(ml::GlbFile::open(w / "alone.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
+  CHECK(contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text, "is written to .glb, not '.npz'"));
+  CHECK(!std::filesystem::exists(w / "walk.npz"));
+
+  const auto made = w.generate("out", {"--rig", "rig.glb"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  CHECK(ml::GlbFile::open(w / "out/two.glb").animation_names() == std::vector<std::string>{"idle", "two"});
+}
+
+TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended copy") {
+  const Workplace w;
+  const auto walk = synthetic::walk({.frames = 60, .fps = 30});
+  std::filesystem::create_directories(w / "data/deep");
+  ml::write_bvh(w / "data/sound.bvh", walk);
+  ml::write_bvh(w / "data/deep/large.bvh", walk, {.scale = 10000});
+  auto spiked = walk;
+  spiked.root[30].x += 0.5;
+  ml::write_glb(w / "data/spiked.glb", spiked);
+  std::string nan = ml::read_file(w / "data/sound.bvh");
+  std::string row = "nan";
+  for (int i = 1; i < 3 + 3 * 24; ++i) row += " 0";
+  nan.replace(nan.find("MOTION"), std::string::npos, "MOTION\nFrames: 1\nFrame Time: 0.05\n" + row + "\n");
+  ml::write_file(w / "data/nan.bvh", nan);
+  ml::write_file(w / "data/notes.txt", "no motion");
+
+  const auto seen = w.run({"doctor", "data", "--report", "page.html", "--clean", "clean", "--all"});
+  REQUIRE_MESSAGE(seen.code == 0, seen.text);
+  for (const char* text : {"sound.bvh: good", "deep/large.bvh: scale: ", "x 0.01 (", "spiked.glb spiked: spike: 1 frame",
+                           "nan.bvh: unreadable: [motionlang.io.403]", "4 motions, 1 without a finding"})
+    CHECK_MESSAGE(contains(seen.text, text), text, " in ", seen.text);
+  const auto page = ml::read_file(w / "page.html");
+  CHECK(contains(page, "4 motions: 1 without a finding, 2 with findings, 1 unreadable."));
+  CHECK(contains(page, "<svg"));
+
+  const auto clean = w.run({"doctor", "clean"});
+  CHECK_MESSAGE(contains(clean.text, "3 motions, 3 without a finding"), clean.text);
+  CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "clean/deep/large.bvh"),
+                                    ml::read_bvh_motion(w / "data/sound.bvh")) < 1e-3);
+  CHECK(w.run({"doctor", "nowhere"}).code == 2);
+  std::filesystem::create_directories(w / "empty");
+  CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz or .glb file below 'empty'"));
 }
 
 TEST_CASE("Ctrl-C while generating: 130, and no file") {

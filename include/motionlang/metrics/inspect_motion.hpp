@@ -40,7 +40,7 @@ struct FaultInfo {
 };
 /// By Fault.
 inline constexpr std::array<FaultInfo, 11> fault_info{{
-    {"empty", "fewer than two frames", false},
+    {"no motion", "fewer than two frames", false},
     {"not finite", "a value is NaN or infinite, or a rotation has length 0", false},
     {"frame rate", "no rate that cameras, engines or data sets use", false},
     {"T-pose", "an inserted T-pose at the start that nobody performed", true},
@@ -184,7 +184,7 @@ class MotionInspector {
       add(Fault::not_finite, f, "frame ", f, ", joint '", motion_.skeleton.name(wrong), "': not a number");
       return false;
     }
-    if (frames() < 2) add(Fault::empty, 0, frames(), " frames");
+    if (frames() < 2) add(Fault::empty, 0, frames(), frames() == 1 ? " frame" : " frames");
     return frames() >= 2;
   }
 

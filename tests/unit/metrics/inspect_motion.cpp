@@ -101,9 +101,9 @@ TEST_CASE("exchanged sides: of the whole body, of the arms, of the legs") {
   const auto partners = ml::mirror_partners(walk().skeleton);
   auto exchanged = [&](auto&& is_meant) {
     auto m = walk();
+    const auto names = m.skeleton.names;
     for (std::size_t j = 0; j < partners.size(); ++j) {
-      const auto& name = walk().skeleton.names[j];
-      if (is_meant(name)) m.skeleton.names[static_cast<std::size_t>(partners[j])] = name;
+      if (is_meant(names[j])) m.skeleton.names[static_cast<std::size_t>(partners[j])] = names[j];
     }
     return m;
   };
@@ -161,7 +161,13 @@ TEST_CASE("spikes of one frame are found and mended") {
   REQUIRE(faults(m) == only(ml::Fault::spike));
   CHECK(ml::inspect_motion(m).cure.spikes == std::vector<ml::Index>{30, 45});
   CHECK(ml::inspect_motion(m).findings[0].moment == Approx(1));
-  CHECK(difference_when_mended(m, walk()) < 0.02);  // a frame of the walk against the middle of its neighbours
+  auto expected = walk();
+  for (const ml::Index f : {30, 45}) {
+    expected.root[static_cast<std::size_t>(f)] = 0.5 * (walk().root_at(f - 1) + walk().root_at(f + 1));
+    for (std::size_t j = 0; j < 24; ++j)
+      expected.rotations(f)[j] = ml::slerp(expected.rotations(f - 1)[j], expected.rotations(f + 1)[j], 0.5);
+  }
+  CHECK(difference_when_mended(m, expected) < 1e-12);
   CHECK_ERROR(ml::mended(ml::crop(m, 0, 9), ml::inspect_motion(m).cure), "[motionlang.shape.203]");
 }
 
@@ -216,7 +222,7 @@ TEST_CASE("the page: a row for every kind of finding, a section for every motion
       {"b & c.bvh", "2 s", {}, ml::inspect_motion(broken).findings, ml::film_strip_svg(broken)},
       {"d.bvh", "", "line 3: 'nan' is no number"}};
   const auto page = ml::inspection_html(motions, "walks");
-  CHECK(is_well_formed(page.substr(page.find("<body>"))));
+  CHECK(is_well_formed(page.substr(page.find("<body>"), page.find("</html>") - page.find("<body>"))));
   CHECK(page.find("3 motions: 1 without a finding, 1 with findings, 1 unreadable.") != std::string::npos);
   CHECK(occurrences(page, "<h2>") == 2);
   CHECK(occurrences(page, "<svg") == 1);
