@@ -63,6 +63,13 @@ def drag_and_wheel(browser):
     return problems
 
 
+def start_driver(path):
+    """The program and the port on which it listens."""
+    driver = subprocess.Popen([path, "--port=0"], stdout=subprocess.PIPE, text=True)
+    return driver, next(found.group(1) for line in driver.stdout
+                        if (found := re.search(r"successfully on port (\d+)", line)))
+
+
 def use_page(port, page, probe, renderer, flags):
     browser = Browser(port, flags)
     try:
@@ -83,9 +90,8 @@ def use_page(port, page, probe, renderer, flags):
 
 def main(driver_path, page, probe_path):
     probe = pathlib.Path(probe_path).read_text(encoding="utf-8")
-    driver = subprocess.Popen([driver_path, "--port=0"], stdout=subprocess.PIPE, text=True)
+    driver, port = start_driver(driver_path)
     try:
-        port = next(found.group(1) for line in driver.stdout if (found := re.search(r"successfully on port (\d+)", line)))
         passed = [use_page(port, page, probe, "webgl2", WEBGL), use_page(port, page, probe, "canvas", ["--disable-3d-apis"])]
     finally:
         driver.terminate()
