@@ -20,6 +20,7 @@ namespace {
 struct Options {
   std::string in, out;
   MotionReadOptions read;
+  RigOptions rig;
   double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
   bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
 };
@@ -65,6 +66,11 @@ std::filesystem::path name_of(const std::filesystem::path& out, std::string name
 
 void run(const Options& o) {
   const auto motions = read_motions(o.in, o.read);
+  if (!o.rig.file.empty()) {  // one file with all of them
+    std::vector<ml::Motion> made;
+    for (const ml::Motion& m : motions) made.push_back(edited(m, o));
+    return rig_writer(o.rig)(o.out, made);
+  }
   std::set<std::string> taken;
   for (const ml::Motion& m : motions) {
     const ml::Motion made = edited(m, o);
@@ -114,6 +120,9 @@ void add_convert(CLI::App& app) {
   c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the result is this file with the motion added")
+      ->check(CLI::ExistingFile);
+  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
   c->add_flag("--smooth", o->smooth, "Without trembling");

@@ -11,6 +11,7 @@
 #include <motionlang/io/viewer.hpp>
 
 #include "generation.hpp"
+#include "motion_files.hpp"
 #include "progress_bar.hpp"
 #include "timelines.hpp"
 
@@ -21,6 +22,7 @@ namespace {
 struct Options {
   std::string timeline, model = default_model().string(), out = "out", backend = "eigen";
   GenerationSettings settings;
+  RigOptions rig;
   int threads = 0;  // as many as the machine has
 };
 
@@ -39,6 +41,7 @@ std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
 
 void run(const Options& o) {
   if (o.threads > 0) ml::set_thread_count(o.threads);
+  const RigWriter write_on_rig = o.rig.file.empty() ? RigWriter() : rig_writer(o.rig);
   const auto generator = load_generator(o.backend, model_file(o.model));
   const auto timelines = read_timelines(o.timeline, generator->fps());
   const GenerationSettings& settings = o.settings;
@@ -57,7 +60,10 @@ void run(const Options& o) {
     const auto base = std::filesystem::path(o.out) / motions[m].name;
     const auto tracks = tracks_of(timelines[m], generator->fps());
     ml::write_bvh(base.string() + ".bvh", motions[m]);
-    ml::write_glb(base.string() + ".glb", motions[m]);
+    if (write_on_rig)
+      write_on_rig(base.string() + ".glb", std::span(&motions[m], 1));
+    else
+      ml::write_glb(base.string() + ".glb", motions[m]);
     ml::write_amass(base.string() + ".npz", motions[m]);
     ml::write_joints_npy(base.string() + ".npy", motions[m]);
     ml::write_film_strip(base.string() + ".svg", motions[m], tracks);
@@ -82,6 +88,9 @@ void add_generate(CLI::App& app) {
       ->required();
   c->add_option("--model", o->model, "Weights: a .safetensors file or a folder with one")->capture_default_str();
   c->add_option("--out", o->out, "Folder for the results")->capture_default_str();
+  c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the GLB result is this file with the motion added")
+      ->check(CLI::ExistingFile);
+  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
   c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")->capture_default_str();
   c->add_option("--steps", o->settings.steps, "Denoising steps, evenly kept of the model's; 0: all")
       ->capture_default_str();

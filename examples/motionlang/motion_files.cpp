@@ -1,10 +1,12 @@
 #include "motion_files.hpp"
 
+#include <cstdio>
+
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
-#include <motionlang/io/glb.hpp>
+#include <motionlang/io/glb_rig.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
@@ -66,6 +68,18 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
   else
     ml::raise<ml::config_error>(103, path.string(),
                                 ": motions are written to .bvh, .glb, .npz, .npy, .html and .svg, not '", kind, "'");
+}
+
+RigWriter rig_writer(const RigOptions& options) {
+  return [rig = ml::GlbRig::open(options.file), options](const std::filesystem::path& path,
+                                                         std::span<const ml::Motion> motions) {
+    if (kind_of(path) != ".glb")
+      ml::raise<ml::config_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path),
+                                  "'");
+    ml::write_glb(path, rig, motions, {.keep_animations = !options.drop_animations});
+    const ml::SkeletonMap map(motions.front().skeleton, rig.skeleton());
+    std::printf("%s on %s\n%s\n", path.c_str(), options.file.c_str(), to_string(map.report()).c_str());
+  };
 }
 
 ml::Motion on_smpl(const ml::Motion& motion) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,16 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg (film strip).
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
+
+/// A character's GLB file to put motions on: --rig.
+struct RigOptions {
+  std::string file{};
+  bool drop_animations = false;  // of the character's file
+};
+/// Writes a GLB file: the character with one animation for every motion; says how its skeleton follows. The character
+/// is read at once. Throws what GlbRig throws; writing: config_error 103 for another extension than .glb.
+using RigWriter = std::function<void(const std::filesystem::path&, std::span<const ml::Motion>)>;
+RigWriter rig_writer(const RigOptions& options);
 
 /// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
 /// only put in SMPL's order and bones keep their length.
