@@ -120,9 +120,9 @@ TEST_CASE("raw KIT-ML: texts and joints") {
   const TemporaryFolder folder;
   std::string head = "index", line = "0", other = "1";
   for (int i = 0; i < 63; ++i) {
-    head += ",c" + std::to_string(i);
-    line += "," + std::to_string(i) + ".5";
-    other += ", -" + std::to_string(i) + "e1 ";
+    head += ml::concat_text(",c", i);
+    line += ml::concat_text(",", i, ".5");
+    other += ml::concat_text(", -", i, "e1 ");
   }
   ml::write_file(folder / "00017_meta.json", "{\"nb_annotations\": 2, \"source\": {}}");
   ml::write_file(folder / "00017_annotations.json", "[\"A person waves.\", \"someone greets\"]");
