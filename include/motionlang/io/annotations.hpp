@@ -113,7 +113,7 @@ inline FrameSlice annotated_frames(const Annotation& a, double fps, Index frames
 /// The entry of the mirrored motion: "M" in front of id, seg_id and path, and captions of the other side.
 inline AnnotatedMotion mirrored(AnnotatedMotion motion) {
   motion.id = mirrored_id(motion.id);
-  motion.path = "M/" + motion.path;
+  motion.path = concat_text("M/", motion.path);
   for (Annotation& a : motion.annotations) {
     a.seg_id = mirrored_id(a.seg_id);
     a.text = mirror_caption(a.text);

@@ -56,6 +56,6 @@ inline void write_ids(const FilePath& path, std::span<const std::string> ids) {
 }
 
 /// Mirrored clips have an M in front of their ids.
-inline std::string mirrored_id(std::string_view id) { return "M" + std::string(id); }
+inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
