@@ -1,0 +1,53 @@
+// GLB: any bytes are read or refused with an error of the library; what was read are motions of unit quaternions, and a
+// file whose skeleton is known takes another animation.
+#include <cmath>
+#include <cstdint>
+
+#include <motionlang/io/glb_rig.hpp>
+
+#include "check.hpp"
+
+namespace {
+
+namespace ml = motionlang;
+
+constexpr ml::Index most_frames = 1000;  // of an animation: long ones are slow, not different
+
+template <class F>
+void refusing(F f) {
+  try {
+    f();
+  } catch (const ml::error&) {}
+}
+
+void check_motions(std::span<const std::byte> bytes) {
+  const ml::GlbFile file(bytes, "fuzz.glb");
+  file.skeleton().validate();
+  const auto names = file.animation_names();
+  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 3); ++i) {
+    const auto number = static_cast<ml::Index>(i);
+    if (file.motion(number, 0.01).frames() > 2) continue;  // longer than 200 s
+    const ml::Motion motion = file.motion(number, 5);
+    check(motion.frames() >= 1 && motion.frames() <= most_frames, "frames");
+    check(motion.local.size() == motion.root.size() * file.skeleton().names.size(), "size of the table");
+    for (const auto& q : motion.local) check(std::abs(dot(q, q) - 1) < 1e-9, "unit quaternions");
+  }
+}
+
+void check_rig(std::span<const std::byte> bytes) {
+  const ml::GlbRig rig(bytes, "fuzz.glb");
+  ml::Motion still{rig.skeleton(), 20, {rig.skeleton().offset(0)}, {}, "still"};
+  still.local.assign(rig.skeleton().names.size(), ml::Quaternion<double>::identity());
+  const auto made = rig.with(std::span(&still, 1));
+  const ml::GlbFile again(made, "again.glb");
+  check(again.motion(std::ssize(again.animation_names()) - 1, 20).frames() == 1, "the animation that was added");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto bytes = std::as_bytes(std::span(data, size));
+  refusing([&] { check_motions(bytes); });
+  refusing([&] { check_rig(bytes); });
+  return 0;
+}
