@@ -1,6 +1,7 @@
 // Cases and comparisons of the golden runner (golden.hpp).
 #include "golden.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,7 @@ bool is_result(const std::string& tensor) { return tensor.starts_with("out/") ||
 }  // namespace
 
 Case::Case(const std::filesystem::path& path)
-    : file_(ml::SafetensorsFile::open(path)), name_(path.parent_path().filename() / path.stem()) {
+    : file_(ml::SafetensorsFile::open(path)), folder_(path.parent_path()), name_(path.parent_path().filename() / path.stem()) {
   const auto function = file_.metadata().find("function");
   if (function == file_.metadata().end()) ml::raise<ml::io_error>(403, name_, ": no function in the metadata");
   function_ = function->second;
@@ -71,6 +72,20 @@ void Case::result(const std::string& tensor, const std::string& key, const ml::S
         c.ratio = std::max(c.ratio, allowed > 0 ? error / allowed : std::numeric_limits<double>::infinity());
     }
   }
+  comparisons_.push_back(c);
+}
+
+void Case::out_exactly(const std::string& name, const ml::TensorView& got) {
+  Comparison c{.name = "out/" + name};
+  produced_.insert(c.name);
+  const ml::TensorView* want = file_.find(c.name);
+  const ml::DType type = got.dtype == ml::DType::BOOL ? ml::DType::U8 : got.dtype;
+  if (want == nullptr)
+    c.failure = "is not in the file";
+  else if (want->shape != got.shape || want->dtype != type)
+    c.failure = ml::concat_text("is ", type, " ", got.shape, ", wanted ", want->dtype, " ", want->shape);
+  else if (!std::equal(got.bytes.begin(), got.bytes.end(), want->bytes.begin(), want->bytes.end()))
+    c.failure = "has other bits";
   comparisons_.push_back(c);
 }
 

@@ -41,6 +41,8 @@ class Case {
   explicit Case(const std::filesystem::path& path);
 
   const std::string& name() const { return name_; }
+  /// Where the file lies: cases may come with other files.
+  const std::filesystem::path& folder() const { return folder_; }
   const std::string& function() const { return function_; }
 
   // ---- inputs -------------------------------------------------------------------------------------------------------
@@ -81,6 +83,8 @@ class Case {
   void out_text(const std::string& name, std::string_view text) {
     out(name, std::vector<std::uint8_t>(text.begin(), text.end()));
   }
+  /// Compares an output bit for bit: same type (booleans are bytes in the cases), same shape, same bytes.
+  void out_exactly(const std::string& name, const ml::TensorView& got);
   template <class T>
   void grad(const std::string& key, const ml::Shape& shape, std::span<const T> values) {
     result("grad/" + key, key, shape, values);
@@ -109,6 +113,7 @@ class Case {
   }
 
   ml::SafetensorsFile file_;
+  std::filesystem::path folder_;
   std::string name_, function_;
   nlohmann::json config_, text_, tolerance_;
   std::vector<Comparison> comparisons_;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Parameters of modules in safetensors files: paths of fields are the names of tensors.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
+/// WeightFile.
 #pragma once
 
 #include <cmath>  // isfinite
 #include <set>    // names
 
+#include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/module.hpp>
@@ -49,16 +51,11 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// Names that a file lacks, and names that nobody asked for.
-struct KeyReport {
-  std::vector<std::string> missing, unexpected;
-};
-
 namespace detail {
 
 /// Fills tensors from a file by their names.
 struct TensorLoader {
-  const SafetensorsFile& file;
+  const TensorSet& file;
   const std::string& prefix;
   std::string (*key)(const std::string& prefix, const std::string& path);
   KeyReport& report;
@@ -80,7 +77,7 @@ struct TensorLoader {
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match; throws io_error 407 for a tensor of another shape.
 template <Module M>
-KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
   KeyReport report;
   std::set<std::string> known;
   visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
@@ -89,18 +86,12 @@ KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::
   }
   return report;
 }
-/// The same, where every name has to match. Throws io_error 406 with both lists.
+/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
 template <Module M>
-void load_module(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "") {
   const KeyReport report = load_module_partly(module, file, prefix);
   if (report.missing.empty() && report.unexpected.empty()) return;
-  auto list = [](const std::vector<std::string>& names) {
-    std::string text;
-    for (std::size_t i = 0; i < names.size() && i < 5; ++i) text += (i == 0 ? " " : ", ") + names[i];
-    return text + (names.size() > 5 ? ", ..." : "");
-  };
-  raise<io_error>(406, file.name(), ": ", report.missing.size(), " tensors are missing:", list(report.missing), "; ",
-                  report.unexpected.size(), " are not expected:", list(report.unexpected));
+  detail::raise_key_mismatch(file.name(), report);
 }
 
 /// Tensors on their way into a file, with their own memory.

@@ -210,12 +210,9 @@ inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_s
   return static_cast<std::size_t>(size);
 }
 
-/// An array as NumPy stores it, in .npy files and in pickles. `type` is NumPy's, for instance ">f8"; `raw` are all its bytes;
-/// `where` is for messages.
-/// Throws  io_error 402 if there are too few bytes, 403 if there are too many, 404 for other element types, 405 for impossible
-///         sizes
-inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
-                             std::span<const std::byte> raw, std::string_view where) {
+/// An array of an element type of NumPy (">f8") and a shape, without its elements. `where` is for messages.
+/// Throws  io_error 404 for other element types
+inline NpyArray described_array(std::string_view type, std::vector<Index> shape, std::string_view where) {
   NpyArray array;
   array.shape = std::move(shape);
   std::size_t digits = 0;
@@ -229,9 +226,21 @@ inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vec
   if (!known_order || !(array.is_text() || with_npy_number(array.kind, digits, [](auto) {}))) {
     raise<io_error>(404, where, ": element type '", type, "'");
   }
+  return array;
+}
+
+/// Throws io_error 402 if `raw` has fewer bytes than the array, 403 if it has more, 405 for impossible sizes.
+inline void check_raw_size(const NpyArray& array, std::span<const std::byte> raw, std::string_view where) {
   const std::size_t needed = checked_size(array.shape, array.item_size, where);
   if (raw.size() < needed) raise<io_error>(402, where, ": array data of ", raw.size(), " bytes, ", needed, " needed");
   if (raw.size() > needed) raise<io_error>(403, where, ": ", raw.size() - needed, " bytes after the array data");
+}
+
+/// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
+inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
+                             std::span<const std::byte> raw, std::string_view where) {
+  NpyArray array = described_array(type, std::move(shape), where);
+  check_raw_size(array, raw, where);
   array.data = fortran_order ? from_fortran_order(raw, array.shape, array.item_size)
                              : std::vector<std::byte>(raw.begin(), raw.end());
   const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
@@ -243,6 +252,27 @@ inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vec
   return array;
 }
 
+/// A .npy file in parts: what its header says, and the bytes behind it.
+struct NpyParts {
+  NpyHeader header;
+  std::span<const std::byte> raw;
+  std::string where;  // for messages
+};
+/// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long header.
+inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file) {
+  constexpr std::string_view magic = "\x93NUMPY";
+  constexpr std::size_t longest_header = 65536;
+  if (!as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
+  const auto major = load<std::uint8_t>(bytes, 6, file, "npy version");
+  if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
+  const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
+                                        : load<std::uint32_t>(bytes, 8, file, "npy header length");
+  if (length > longest_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
+  const std::size_t start = major == 1 ? 10 : 12;
+  return {NpyHeader(as_text(slice(bytes, start, length, file, "npy header")), start, file),
+          bytes.subspan(start + length), concat_text(file, ": npy at byte ", start)};
+}
+
 }  // namespace detail
 
 /// An array from the bytes of a .npy file.
@@ -250,20 +280,8 @@ inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vec
 /// Throws  io_error 402 if the file is too short, 403 if it is malformed (trailing bytes, too), 404 for other element
 ///         types and versions, 405 for impossible sizes
 inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view file) {
-  using detail::load;
-  constexpr std::string_view magic = "\x93NUMPY";
-  constexpr std::size_t longest_header = 65536;
-  if (!detail::as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
-  const auto major = load<std::uint8_t>(bytes, 6, file, "npy version");
-  if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
-  const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
-                                        : load<std::uint32_t>(bytes, 8, file, "npy header length");
-  if (length > longest_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
-  const std::size_t start = major == 1 ? 10 : 12;
-  const detail::NpyHeader header(detail::as_text(detail::slice(bytes, start, length, file, "npy header")), start, file);
-
-  return detail::stored_array(header.descr, header.fortran_order, header.shape, bytes.subspan(start + length),
-                              concat_text(file, ": npy at byte ", start));
+  detail::NpyParts npy = detail::npy_parts(bytes, file);
+  return detail::stored_array(npy.header.descr, npy.header.fortran_order, std::move(npy.header.shape), npy.raw, npy.where);
 }
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.

@@ -30,6 +30,8 @@ class PickleValue {
  public:
   PickleKind kind() const { return node().kind; }
   bool is(PickleKind k) const { return kind() == k; }
+  /// The same for handles of the same value.
+  std::uint32_t id() const { return ref_; }
   /// Offset of the byte that made it.
   std::uint64_t at() const { return node().at; }
   const std::string& file() const { return machine_->file(); }
@@ -56,6 +58,8 @@ class PickleValue {
 
   /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or set.
   std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
+  /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
+  bool keyed() const { return node().keyed; }
   /// Element of a sequence. Throws io_error 407 if there is no such element.
   PickleValue operator[](std::size_t i) const {
     if (node().keyed || i >= node().items.size()) wrong("a sequence of more elements");
@@ -90,6 +94,11 @@ class PickleValue {
   /// Of an object: what it was asked to restore itself from.
   PickleValue state() const { return related(node().state, "a state"); }
   bool has_state() const { return node().state != detail::no_pickle_value; }
+  /// Of an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
+  std::span<const std::byte> inline_bytes() const {
+    if (!is(PickleKind::object)) wrong("an object with bytes behind it");
+    return std::as_bytes(std::span(node().text.data(), node().text.size()));
+  }
 
   /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
   template <class... T>
@@ -99,6 +108,7 @@ class PickleValue {
 
  private:
   friend class Pickle;
+  friend class detail::PickleMachine;
   PickleValue(const detail::PickleMachine& machine, detail::PickleRef ref) : machine_(&machine), ref_(ref) {}
   const detail::PickleNode& node() const { return machine_->node(ref_); }
   [[noreturn]] void wrong(const char* expected) const {
@@ -117,6 +127,17 @@ class PickleValue {
   const detail::PickleMachine* machine_;
   detail::PickleRef ref_;
 };
+
+namespace detail {
+
+inline void PickleMachine::read_inline(PickleRef object) {
+  const InlineBytes found = options_.inline_bytes(PickleValue(*this, object), bytes_, position_);
+  if (found.begin == 0) return;
+  nodes_[object].text = as_text(slice(bytes_, found.begin, found.size, file_, "bytes behind an object"));
+  position_ = found.begin + found.size;
+}
+
+}  // namespace detail
 
 /// A pickle that has been read.
 class Pickle {
@@ -138,6 +159,12 @@ class Pickle {
   }
 
   PickleValue root() const { return {*machine_, root_}; }
+  /// The values that stand for something outside of the pickle, in the order of the file.
+  std::vector<PickleValue> persistent() const {
+    std::vector<PickleValue> out;
+    for (const detail::PickleRef ref : machine_->persistent()) out.push_back({*machine_, ref});
+    return out;
+  }
   /// Offset behind the pickle.
   std::uint64_t end() const { return machine_->position(); }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Arrays in pickles: NumPy's arrays and scalars, SciPy's compressed matrices, chumpy's nodes (which SMPL's first files hold).
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's compressed matrices, chumpy's
+/// nodes (which SMPL's first files hold).
 ///
-/// Source  spec weights.md, sections 5.2, 6, 8.2
+///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
+///
+/// Source  spec weights.md, sections 5.2, 6, 7, 8.2
 #pragma once
 
 #include <motionlang/io/npy.hpp>
@@ -38,23 +41,40 @@ inline std::string dtype_of(const PickleValue& v) {
   return concat_text(v.has_state() ? v.state()[1].text() : "=", type);
 }
 
-inline NpyArray array_from(const PickleValue& v, std::string_view type, bool fortran_order, const PickleValue& shape,
-                           std::span<const std::byte> raw) {
-  return stored_array(type, fortran_order, shape_of(shape), raw, concat_text(v.file(), ": array at byte ", v.at()));
+inline bool is_joblib_array(const PickleValue& v) { return v.name() == "joblib.numpy_pickle.NumpyArrayWrapper"; }
+inline bool is_numpy_scalar(const PickleValue& v) { return is_numpy(v, "scalar"); }
+inline bool is_numpy_array(const PickleValue& v) {
+  return is_numpy(v, "_reconstruct") || is_numpy(v, "_frombuffer") || is_joblib_array(v);
 }
 
-inline NpyArray numpy_array(const PickleValue& v) {
-  if (is_numpy(v,
-               "_reconstruct")) {  // state: version, shape, element type, whether the first index is the fastest, bytes
+/// An array of NumPy as the file holds it. The bytes live as long as the Pickle and the file.
+struct PickledArray {
+  std::string type;  // NumPy's: "<f4"
+  bool fortran_order = false;
+  std::vector<Index> shape;
+  std::span<const std::byte> raw;
+  std::string where;  // for messages
+};
+inline PickledArray pickled_array(const PickleValue& v) {
+  const std::string where = concat_text(v.file(), ": array at byte ", v.at());
+  if (is_numpy(v, "_reconstruct")) {
+    const PickleValue state = v.state();  // version, shape, element type, whether the first index is the fastest, bytes
+    return {dtype_of(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
+  }
+  if (is_joblib_array(v)) {
     const PickleValue state = v.state();
-    return array_from(v, dtype_of(state[2]), state[3].boolean(), state[1], state[4].bytes());
+    return {dtype_of(state["dtype"]), state["order"].text() == "F", shape_of(state["shape"]), v.inline_bytes(), where};
   }
   const PickleValue given = v.arguments();
   if (is_numpy(v, "_frombuffer")) {  // bytes, element type, shape, order
-    return array_from(v, dtype_of(given[1]), given[3].text() == "F", given[2], given[0].bytes());
+    return {dtype_of(given[1]), given[3].text() == "F", shape_of(given[2]), given[0].bytes(), where};
   }
-  return stored_array(dtype_of(given[0]), false, {}, given[1].bytes(),
-                      concat_text(v.file(), ": scalar at byte ", v.at()));
+  return {dtype_of(given[0]), false, {}, given[1].bytes(), where};
+}
+
+inline NpyArray numpy_array(const PickleValue& v) {
+  PickledArray a = pickled_array(v);
+  return stored_array(a.type, a.fortran_order, std::move(a.shape), a.raw, a.where);
 }
 
 inline bool is_compressed_matrix(const PickleValue& v) {
@@ -69,7 +89,7 @@ inline NpyArray dense_matrix(const PickleValue& v) {
   const auto numbers = [&](const char* name) { return numpy_array(state[name]); };
   const auto data = numbers("data").to<double>();
   const auto indices = numbers("indices").to<std::int64_t>(), starts = numbers("indptr").to<std::int64_t>();
-  constexpr Index most = 10'000'000;
+  constexpr Index most = 2'000'000;
   if (shape.size() != 2) v.fail(403, "a sparse matrix with ", shape.size(), " sizes");
   const Index rows = shape[0], columns = shape[1];
   if (rows > most || columns > most || rows * columns > most) {
@@ -126,7 +146,7 @@ inline NpyArray to_array(const PickleValue& v, int depth) {
   if (depth > deepest) v.fail(405, "arrays in arrays, more than ", deepest, " deep");
   if (v.is(PickleKind::integer) || v.is(PickleKind::boolean)) return NpyArray::scalar(v.integer());
   if (v.is(PickleKind::real)) return NpyArray::scalar(v.real());
-  if (is_numpy(v, "_reconstruct") || is_numpy(v, "_frombuffer") || is_numpy(v, "scalar")) return numpy_array(v);
+  if (is_numpy_array(v) || is_numpy_scalar(v)) return numpy_array(v);
   if (is_compressed_matrix(v)) return dense_matrix(v);
   const std::string name = v.name();
   if (name == "chumpy.reordering.Select") return selected_array(v, depth + 1);
@@ -136,7 +156,23 @@ inline NpyArray to_array(const PickleValue& v, int depth) {
 
 }  // namespace detail
 
-/// The array that a value of a pickle means: of NumPy, a single number, a compressed matrix of SciPy in full (as real numbers),
+/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of bytes that
+/// fill up to an aligned address.
+/// Throws  io_error 403 if its description is damaged, 404 for arrays of objects
+inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::byte> file,
+                                      std::uint64_t position) {
+  if (!detail::is_joblib_array(object)) return {};
+  const PickleValue state = object.state();
+  const auto alignment = state.find("numpy_array_alignment_bytes");
+  if (alignment && !alignment->is(PickleKind::none)) {
+    position += 1 + detail::load<std::uint8_t>(file, position, object.file(), "padding of an array");
+  }
+  const NpyArray described = detail::described_array(detail::dtype_of(state["dtype"]), detail::shape_of(state["shape"]),
+                                                     concat_text(object.file(), ": array at byte ", object.at()));
+  return {position, detail::checked_size(described.shape, described.item_size, object.file())};
+}
+
+/// The array that a value of a pickle means: of NumPy or joblib, a single number, a compressed matrix of SciPy in full (as real numbers),
 /// or the value of a chumpy node.
 /// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
 ///         the value is no array

@@ -13,19 +13,17 @@
 /// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
 #pragma once
 
-#include <algorithm>  // lower_bound
-#include <map>        // metadata
-#include <memory>     // owner of the bytes
+#include <map>  // metadata
 
 #include <motionlang/core/sort.hpp>
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/detail/json_cursor.hpp>
 #include <motionlang/io/file.hpp>
-#include <motionlang/io/tensor_view.hpp>
+#include <motionlang/io/tensor_set.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-class SafetensorsFile {
+class SafetensorsFile : public TensorSet {
  public:
   /// Longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
@@ -43,30 +41,7 @@ class SafetensorsFile {
     return SafetensorsFile(bytes, std::move(name), std::move(owner));
   }
 
-  const std::string& name() const { return name_; }
   const std::map<std::string, std::string>& metadata() const { return metadata_; }
-  /// Keeps the bytes of all tensors alive.
-  const std::shared_ptr<const void>& owner() const { return owner_; }
-
-  /// All tensors, sorted by name.
-  std::span<const TensorView> tensors() const { return tensors_; }
-  std::vector<std::string> names() const {
-    std::vector<std::string> out;
-    for (const TensorView& t : tensors_) out.push_back(t.name);
-    return out;
-  }
-  /// Null if there is none of that name.
-  const TensorView* find(std::string_view tensor) const {
-    const auto t = std::lower_bound(tensors_.begin(), tensors_.end(), tensor,
-                                    [](const TensorView& a, std::string_view b) { return a.name < b; });
-    return t != tensors_.end() && t->name == tensor ? &*t : nullptr;
-  }
-  /// Throws io_error 406 if there is none of that name.
-  const TensorView& tensor(std::string_view tensor) const {
-    const TensorView* t = find(tensor);
-    if (t == nullptr) raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size());
-    return *t;
-  }
 
  private:
   using Cursor = detail::JsonCursor;
@@ -78,7 +53,7 @@ class SafetensorsFile {
   };
 
   SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner)
-      : name_(std::move(name)), owner_(std::move(owner)) {
+      : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header) raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header);
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
@@ -197,10 +172,7 @@ class SafetensorsFile {
     if (end != size) json.fail(403, 0, concat_text(size - end, " bytes of data belong to no tensor"));
   }
 
-  std::string name_;
-  std::shared_ptr<const void> owner_;
   std::map<std::string, std::string> metadata_;
-  std::vector<TensorView> tensors_;
 };
 
 namespace detail {

@@ -57,6 +57,12 @@ class ZipArchive {
     if (entry.deflated) raise<io_error>(404, name_, ": member '", entry.name, "' is compressed");
     return bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
   }
+  /// The same after a look at the checksum. Throws io_error 403, 404.
+  std::span<const std::byte> checked(const ZipEntry& entry) const {
+    const auto data = stored(entry);
+    check_crc(entry, data);
+    return data;
+  }
   /// The unpacked bytes, checked against size and checksum.
   /// Throws  io_error 402, 403 if the data are damaged, 405 if they are more than the directory says
   std::vector<std::byte> read(const ZipEntry& entry) const {
@@ -68,13 +74,16 @@ class ZipArchive {
     if (data.size() != entry.size) {
       raise<io_error>(403, where, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);
     }
-    if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
-      raise<io_error>(403, where, ": checksum ", crc, ", the directory says ", entry.crc);
-    }
+    check_crc(entry, data);
     return data;
   }
 
  private:
+  void check_crc(const ZipEntry& entry, std::span<const std::byte> data) const {
+    if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
+      raise<io_error>(403, name_, "/", entry.name, ": checksum ", crc, ", the directory says ", entry.crc);
+    }
+  }
   template <class T>
   T at(std::uint64_t offset, std::string_view what) const {
     return detail::load<T>(bytes_, offset, name_, what);
@@ -105,6 +114,8 @@ class ZipArchive {
       start = at<std::uint64_t>(large + 48, "ZIP64 end record");
     }
     const auto directory = detail::slice(bytes_, start, size, name_, "zip directory");
+    constexpr std::uint64_t most_members = 100'000;
+    if (count > most_members) raise<io_error>(405, name_, ": ", count, " members; at most ", most_members);
     std::uint64_t position = start;
     for (std::uint64_t i = 0; i < count; ++i) position = read_entry(position);
     if (position > start + directory.size()) raise<io_error>(403, name_, ": zip directory runs past its end");

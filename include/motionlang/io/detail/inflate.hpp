@@ -202,6 +202,8 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       193, 257, 385, 513, 769, 1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
   BitReader in(stream, file);
   std::vector<std::byte> out;
+  constexpr std::size_t highest_ratio = 1032;  // 258 bytes from two bits
+  out.reserve(std::min(limit, highest_ratio * stream.size()));
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };

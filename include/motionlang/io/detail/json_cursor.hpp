@@ -21,6 +21,7 @@ namespace motionlang::inline MOTIONLANG_ABI::detail {
 class JsonCursor {
  public:
   static constexpr int max_depth = 4;
+  static constexpr std::size_t max_members = 100'000;  // of an object: what one needs in memory is many times its text
 
   /// `offset` is where the text begins in the file; it only serves messages.
   JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
@@ -60,6 +61,7 @@ class JsonCursor {
       do {
         const std::size_t start = at_;
         const auto [key, is_new] = keys.insert(string());
+        if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
         if (!is_new) fail(403, start, "the name '" + *key + "' stands twice in one object");
         expect(':');
         on_value(*key);

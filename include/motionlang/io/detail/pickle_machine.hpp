@@ -38,12 +38,23 @@ inline std::string_view name_of(PickleKind k) {
 }
 inline std::string to_string(PickleKind k) { return std::string(name_of(k)); }
 
+class PickleValue;
+
+/// Bytes in the file that belong to an object but not to the pickle.
+struct InlineBytes {
+  std::uint64_t begin = 0, size = 0;  // begin 0: there are none
+};
+
 struct PickleOptions {
   /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty: all but
   /// those that execute something; classes that nobody knows are inert objects.
   std::span<const std::string_view> allowed{};
   bool persistent_ids = false;         // PyTorch's storages
   std::size_t max_values = 4'000'000;  // values and links between them; never more than the bytes of the file allow
+  std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB and as much as the file has
+  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on behind.
+  InlineBytes (*inline_bytes)(const PickleValue& object, std::span<const std::byte> file,
+                              std::uint64_t position) = nullptr;
 };
 
 namespace detail {
@@ -58,7 +69,7 @@ struct PickleNode {
   std::uint64_t at = 0;
   std::int64_t integer = 0;
   double real = 0;
-  std::string_view text, attribute;  // of a name: module and attribute
+  std::string_view text, attribute;  // of a name: module and attribute; of an object: the bytes that follow it
   std::vector<PickleRef> items;
 };
 
@@ -67,11 +78,14 @@ class PickleMachine {
   PickleMachine(std::span<const std::byte> bytes, std::string file, const PickleOptions& options)
       : bytes_(bytes), file_(std::move(file)), options_(options) {
     budget_ = std::min<std::uint64_t>(options_.max_values, 16 + 2 * std::uint64_t{bytes.size()});
+    memory_ = options_.max_memory != 0 ? options_.max_memory : (std::uint64_t{24} << 20) + bytes.size();
   }
 
   const std::string& file() const { return file_; }
   const PickleNode& node(PickleRef ref) const { return nodes_[ref]; }
   std::uint64_t position() const { return position_; }
+  /// Values that stand for something outside of the pickle, in the order of the file.
+  const std::vector<PickleRef>& persistent() const { return persistent_; }
 
   /// Reads from `start` to STOP and gives the value that is left.
   PickleRef run(std::uint64_t start) {
@@ -85,7 +99,7 @@ class PickleMachine {
   }
 
  private:
-  static constexpr std::size_t max_stack = 1'000'000, max_line = 65536, max_digits = 1024;
+  static constexpr std::size_t max_stack = 1'000'000, max_marks = 100'000, max_line = 65536, max_digits = 1024;
 
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
@@ -116,16 +130,25 @@ class PickleMachine {
     const std::string_view text = rest.substr(0, end);
     return text.ends_with('\r') ? text.substr(0, end - 1) : text;
   }
-  std::string_view keep(std::string text) { return owned_.emplace_back(std::move(text)); }
+  std::string_view keep(std::string text) {
+    spend(sizeof(std::string) + text.size());
+    return owned_.emplace_back(std::move(text));
+  }
 
   // The stack. Marks are positions in it; what lies below the last one is out of reach.
 
   void charge(std::size_t count) {
     if (count > budget_) fail(405, "more values than a file of ", bytes_.size(), " bytes may have");
     budget_ -= count;
+    spend(count * 2 * sizeof(PickleRef));
+  }
+  void spend(std::uint64_t bytes) {
+    if (bytes > memory_) fail(405, "more memory than a file of ", bytes_.size(), " bytes may need");
+    memory_ -= bytes;
   }
   PickleRef add(PickleKind kind) {
     charge(1);
+    spend(sizeof(PickleNode));
     nodes_.push_back({});
     nodes_.back().kind = kind;
     nodes_.back().at = opcode_at_;
@@ -331,6 +354,7 @@ class PickleMachine {
   std::string_view latin1(PickleRef ref) {
     const auto [slot, first] = latin1_.try_emplace(ref);
     if (!first) return slot->second;
+    spend(sizeof(*slot) + 2 * sizeof(void*));
     const std::string_view text = nodes_[ref].text;
     std::string out;
     for (std::size_t at = 0; at < text.size();) {
@@ -396,9 +420,15 @@ class PickleMachine {
       fail(403, "a state for ", name_of(n.kind));
     }
     n.state = state;
+    if (options_.inline_bytes != nullptr && n.kind == PickleKind::object) read_inline(top());
   }
+  void read_inline(PickleRef object);  // in io/pickle.hpp: it needs PickleValue
 
-  void put(std::uint64_t index) { memo_[index] = top(); }
+  void put(std::uint64_t index) {
+    const auto [slot, first] = memo_.try_emplace(index);
+    if (first) spend(sizeof(*slot) + 2 * sizeof(void*));
+    slot->second = top();
+  }
   void get(std::uint64_t index) {
     const auto found = memo_.find(index);
     if (found == memo_.end()) fail(403, "memo ", index, " was never written");
@@ -407,6 +437,7 @@ class PickleMachine {
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
     push_new(PickleKind::persistent).arguments = id;
+    persistent_.push_back(stack_.back());
   }
 
   // clang-format off
@@ -414,7 +445,7 @@ class PickleMachine {
     switch (opcode) {
       case 0x80: if (const int v = number<std::uint8_t>("protocol"); v > 5) fail(404, "protocol ", v); return;
       case 0x95: frame(number<std::uint64_t>("frame")); return;
-      case '(': if (marks_.size() >= max_stack) fail(405, "too many marks"); marks_.push_back(stack_.size()); return;
+      case '(': if (marks_.size() >= max_marks) fail(405, "too many marks"); marks_.push_back(stack_.size()); return;
       case '0': if (stack_.size() == floor() && !marks_.empty()) marks_.pop_back(); else pop(); return;
       case '1': pop_marked(); return;
       case '2': push(top()); return;
@@ -526,9 +557,9 @@ class PickleMachine {
   std::span<const std::byte> bytes_;
   std::string file_;
   PickleOptions options_;
-  std::uint64_t position_ = 0, opcode_at_ = 0, budget_ = 0;
+  std::uint64_t position_ = 0, opcode_at_ = 0, budget_ = 0, memory_ = 0;
   std::deque<PickleNode> nodes_;
-  std::vector<PickleRef> stack_;
+  std::vector<PickleRef> stack_, persistent_;
   std::vector<std::size_t> marks_;
   std::unordered_map<std::uint64_t, PickleRef> memo_;
   std::unordered_map<PickleRef, std::string_view> latin1_;

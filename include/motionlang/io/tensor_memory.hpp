@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here before it
+/// allocates.
+#pragma once
+
+#include <deque>   // unpacked bytes: views to them stay valid
+#include <memory>  // the file
+#include <vector>  // unpacked bytes
+
+#include <motionlang/core/error.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The file in which most tensors lie, and the bytes of those that had to be unpacked or put into another order.
+class TensorMemory {
+ public:
+  /// file_size   tensors may cost as many bytes besides the file itself, and 12 MiB
+  TensorMemory(std::shared_ptr<const void> file, std::uint64_t file_size, std::string name)
+      : file_(std::move(file)), name_(std::move(name)), left_(file_size + (std::uint64_t{12} << 20)) {}
+
+  /// Throws io_error 405 if the file has cost too much already.
+  void spend(std::uint64_t bytes) {
+    if (bytes > left_) {
+      raise<io_error>(405, name_, ": needs ", bytes, " bytes more than a file of its size justifies");
+    }
+    left_ -= bytes;
+  }
+  void allow(std::uint64_t more) { left_ += more; }
+  /// What may still be spent.
+  std::uint64_t left() const { return left_; }
+
+  /// A place for bytes that live as long as this. They have been paid for.
+  template <class T>
+  const T& keep(T value) {
+    auto kept = std::make_shared<const T>(std::move(value));
+    const T& result = *kept;
+    kept_.push_back(std::move(kept));
+    return result;
+  }
+
+ private:
+  std::shared_ptr<const void> file_;
+  std::string name_;
+  std::uint64_t left_;
+  std::deque<std::shared_ptr<const void>> kept_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

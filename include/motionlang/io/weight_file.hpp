@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: MIT
+/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy (npy, npz),
+/// pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content, never by name.
+///
+///     const WeightFile file = open_weights("logs/last.ckpt");
+///     load_module(model, file, "denoiser.");
+///     if (const FileValue* epoch = file.value("epoch")) ...
+///
+/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in order in the
+/// file are views of it, without a copy.
+///
+/// Memory   besides the mapped file at most twice its size and 64 MiB
+/// Source   spec weights.md
+#pragma once
+
+#include <filesystem>  // folders
+#include <set>         // skipped classes
+
+#include <motionlang/io/file_value.hpp>
+#include <motionlang/io/npz.hpp>
+#include <motionlang/io/pickle_arrays.hpp>
+#include <motionlang/io/safetensors.hpp>
+#include <motionlang/io/torch_file.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct WeightOptions {
+  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless given: the
+  /// root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  std::optional<std::string> path{};
+  bool strict = false;  // refuse what is skipped otherwise
+};
+
+class WeightFile;
+WeightFile open_weights(const FilePath& path, const WeightOptions& options = {});
+
+namespace detail {
+class WeightReader;
+}
+
+/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined with '.' in
+/// PyTorch's files and with '/' in others; a tensor on its own is called "array".
+class WeightFile : public TensorSet {
+ public:
+  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "TMR run folder", "ACTOR run
+  /// folder" or "folder".
+  const std::string& format() const { return format_; }
+  /// The first 10,000 of them, in the order of the file.
+  const std::vector<FileValue>& values() const { return values_; }
+  /// Null if there is none at these keys.
+  const FileValue* value(std::string_view path) const { return find_value(values_, path); }
+  /// Classes and element types of what was passed over.
+  const std::set<std::string>& skipped() const { return skipped_; }
+
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
+  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it tries to
+  ///         execute code, 406 if it holds no tensors or `options.path` leads nowhere
+  static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
+                               std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
+
+ private:
+  friend class detail::WeightReader;
+  friend WeightFile open_weights(const FilePath& path, const WeightOptions& options);
+  WeightFile(std::string name, std::shared_ptr<const void> owner, std::string format)
+      : TensorSet(std::move(name), std::move(owner)), format_(std::move(format)) {}
+
+  static WeightFile from_safetensors(SafetensorsFile file);
+  static WeightFile from_folder(const std::filesystem::path& folder, const WeightOptions& options);
+  void sort_tensors() {
+    detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
+    for (std::size_t i = 1; i < tensors_.size(); ++i) {
+      if (tensors_[i - 1].name == tensors_[i].name)
+        raise<io_error>(403, name_, ": two tensors are called '", tensors_[i].name, "'");
+    }
+  }
+
+  std::string format_;
+  std::vector<FileValue> values_;
+  std::set<std::string> skipped_;
+};
+
+namespace detail {
+
+/// Fills a WeightFile.
+class WeightReader {
+ public:
+  WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options)
+      : out_(out), memory_(memory), options_(options) {}
+
+  void read(const TorchFile& file) {
+    torch_ = &file;
+    separator_ = file.format() == "pickle" ? '/' : '.';
+    const std::string selection = options_.path ? *options_.path : default_path(file.root());
+    find_selection(file.root(), selection);
+    visit(file.root());
+    if (separator_ == '/' && joblib_) out_.format_ = "joblib";
+  }
+  void read(const NpzArchive& file, const ZipArchive& zip) {
+    constexpr std::string_view suffix = ".npy";
+    for (const ZipEntry& e : zip.entries()) {
+      if (!e.name.ends_with(suffix)) continue;
+      path_.assign(1, std::string_view(e.name).substr(0, e.name.size() - suffix.size()));
+      attempt(e.name, [&] {
+        if (e.deflated) memory_.spend(e.size);
+        const auto bytes = e.deflated ? std::span<const std::byte>(memory_.keep(zip.read(e))) : zip.checked(e);
+        add_npy(bytes, concat_text(file.file(), "/", e.name));
+      });
+    }
+  }
+  void read_npy(std::span<const std::byte> bytes) { add_npy(bytes, out_.name()); }
+
+ private:
+  static constexpr std::size_t deepest = 64, most_visits = 2'000'000, most_values = 10'000, most_texts = 1'000;
+
+  // What to look for.
+
+  bool holds_tensors(const PickleValue& v) const {
+    for (std::size_t i = 0; v.is(PickleKind::dict) && i < v.size(); ++i) {
+      if (TorchFile::is_tensor(v.value(i))) return true;
+    }
+    return false;
+  }
+  std::string default_path(const PickleValue& root) const {
+    if (!root.is(PickleKind::dict) || holds_tensors(root)) return "";
+    for (const char* key : {"state_dict", "model_state_dict", "model"}) {
+      if (const auto found = root.find(key); found && holds_tensors(*found)) return key;
+    }
+    return "";
+  }
+  void find_selection(PickleValue v, std::string_view keys) {
+    while (!keys.empty()) {
+      const std::size_t slash = std::min(keys.find('/'), keys.size());
+      selection_.emplace_back(keys.substr(0, slash));
+      const auto found = v.find(selection_.back());
+      if (!found) {
+        raise<io_error>(406, out_.name(), ": no entry '", selection_.back(), "' in the dictionary at byte ", v.at());
+      }
+      v = *found;
+      keys.remove_prefix(std::min(slash + 1, keys.size()));
+    }
+  }
+  bool selected() const {
+    return path_.size() >= selection_.size() && std::equal(selection_.begin(), selection_.end(), path_.begin());
+  }
+
+  // Walking through a pickle.
+
+  void visit(const PickleValue& v) {
+    if (++visits_ > most_visits) v.fail(405, "more than ", most_visits, " values to look at");
+    if (path_.size() > deepest) return;
+    switch (v.kind()) {
+      case PickleKind::boolean:
+        return torch_->format() == "TorchScript" ? void() : add_value(v.boolean());
+      case PickleKind::integer:
+        return add_value(v.integer());
+      case PickleKind::real:
+        return add_value(v.real());
+      case PickleKind::text:
+      case PickleKind::bytes:
+        return add_text(v.text());
+      case PickleKind::list:
+      case PickleKind::tuple:
+        return visit_list(v);
+      case PickleKind::dict:
+        return visit_entries(v);
+      case PickleKind::object:
+        return visit_object(v);
+      default:
+        return;
+    }
+  }
+  void visit_at(std::string_view key, const PickleValue& v) {
+    path_.push_back(key);
+    visit(v);
+    path_.pop_back();
+  }
+  void visit_entries(const PickleValue& v) {
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const PickleValue key = v.key(i);
+      if (key.is(PickleKind::text) || key.is(PickleKind::bytes)) visit_at(key.text(), v.value(i));
+      if (key.is(PickleKind::integer)) visit_at(concat_text(key.integer()), v.value(i));
+    }
+  }
+  void visit_list(const PickleValue& v) {
+    if (separator_ == '/' && add_numbers(v)) return;
+    for (std::size_t i = 0; i < v.size(); ++i) visit_at(concat_text(i), v[i]);
+  }
+
+  void visit_object(const PickleValue& v) {
+    const std::string name = v.name();
+    const auto state = v.has_state() && v.state().is(PickleKind::dict) ? std::optional(v.state()) : std::nullopt;
+    if (TorchFile::is_tensor(v)) {
+      if (selected()) attempt(name, [&] { add_tensor(torch_->tensor(v)); });
+    } else if (is_numpy_scalar(v)) {
+      attempt(name, [&] { add_number(to_array(v)); });
+    } else if (is_numpy_array(v)) {
+      joblib_ = joblib_ || is_joblib_array(v);
+      attempt(name, [&] { add_array(pickled_array(v), is_joblib_array(v)); });
+    } else if (name.starts_with("chumpy.") || name.starts_with("scipy.sparse.")) {
+      if (selected()) attempt(name, [&] { add_copy(to_array(v)); });
+    } else if (name.starts_with("omegaconf.") && state && (state->find("_content") || state->find("_val"))) {
+      visit(state->find("_content") ? (*state)["_content"] : (*state)["_val"]);
+    } else if (name.starts_with("pathlib.")) {
+      add_path(v.arguments());
+    } else if (name == "torch.Size" || name == "torch.device") {
+      if (v.arguments().size() > 0) visit(v.arguments()[0]);
+    } else if (state && (name.starts_with("__torch__.") || name == "argparse.Namespace")) {
+      visit_entries(*state);
+    } else if (v.size() > 0) {  // of a class that behaves like a list or a dictionary
+      v.keyed() ? visit_entries(v) : visit_list(v);
+    } else {
+      skip(name, "an object of class ");
+    }
+  }
+
+  // What was found.
+
+  /// Runs `read`; what is not supported is passed over, and so is whatever is wrong where no tensors are wanted.
+  template <class F>
+  void attempt(const std::string& name, F read) {
+    try {
+      read();
+    } catch (const io_error& e) {
+      if (selected() && e.id() != 404) throw;
+      if (selected() && options_.strict) throw;
+      skip(name, "");
+    }
+  }
+  void skip(const std::string& name, const char* what) {
+    if (options_.strict && selected())
+      raise<io_error>(404, out_.name(), ": ", what, name, " at '", joined(0, '/'), "'");
+    if (out_.skipped_.insert(name).second) memory_.spend(2 * sizeof(std::string) + 4 * sizeof(void*) + name.size());
+  }
+
+  std::string joined(std::size_t first, char separator) const {
+    std::size_t size = 0;
+    for (std::size_t i = first; i < path_.size(); ++i) size += path_[i].size() + 1;
+    memory_.spend(size);
+    std::string out;
+    out.reserve(size);
+    for (std::size_t i = first; i < path_.size(); ++i) {
+      if (i > first) out += separator;
+      out += path_[i];
+    }
+    return out;
+  }
+
+  template <class T>
+  void add_value(T value) {
+    if (out_.values_.size() >= most_values) return;
+    memory_.spend(3 * sizeof(FileValue));
+    out_.values_.push_back({joined(0, '/'), std::move(value)});
+  }
+  void add_text(std::string_view text) {
+    if (out_.values_.size() >= most_values || !is_utf8(text) || text.find('\0') != std::string_view::npos) return;
+    memory_.spend(text.size());
+    add_value(std::string(text));
+  }
+  void add_path(const PickleValue& parts) {
+    std::string out;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const std::string_view part = parts[i].text();
+      memory_.spend(2 * part.size());
+      out += concat_text(i > 0 && out != "/" ? "/" : "", part);
+    }
+    add_text(out);
+  }
+  void add_number(const NpyArray& a) {
+    if (a.is_text()) return add_text(a.text());
+    if (a.kind == 'f') return add_value(a.value<double>());
+    if (a.kind == 'b') return add_value(a.value<int>() != 0);
+    add_value(a.value<std::int64_t>());
+  }
+
+  void add_tensor(TensorView view) {
+    memory_.spend(3 * sizeof(TensorView));
+    view.name = joined(selection_.size(), separator_);
+    if (view.name.empty()) view.name = "array";
+    out_.tensors_.push_back(std::move(view));
+  }
+  /// Elements of an array as a tensor.
+  void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
+    if (shape.size() > Shape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+    DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
+    if (kind != 'b' && !(kind == 'f' && size == 2)) {
+      with_npy_number(kind, size, [&](auto number) {
+        if constexpr (std::is_arithmetic_v<decltype(number)>) dtype = motionlang::dtype_of<decltype(number)>();
+      });
+    }
+    add_tensor({.name = {}, .dtype = dtype, .shape = Shape(std::span<const Index>(shape)), .bytes = bytes});
+  }
+  void add_copy(NpyArray array) {
+    memory_.spend(array.data.size());
+    const NpyArray& kept = memory_.keep(std::move(array));
+    add_elements(kept.kind, kept.item_size, kept.shape, kept.data);
+  }
+  /// lasting   the bytes live as long as the file
+  void add_array(const PickledArray& a, bool lasting) {
+    const NpyArray described = described_array(a.type, a.shape, a.where);
+    check_raw_size(described, a.raw, a.where);
+    if (described.is_text()) return add_texts(described, a);
+    if (!selected()) return;
+    const bool in_order = !a.fortran_order || a.shape.size() < 2;
+    if (lasting && in_order && (a.type[0] != '>' || described.item_size == 1)) {
+      return add_elements(described.kind, described.item_size, a.shape, a.raw);
+    }
+    if (a.raw.size() > memory_.left()) memory_.spend(a.raw.size());
+    add_copy(stored_array(a.type, a.fortran_order, a.shape, a.raw, a.where));
+  }
+  void add_texts(const NpyArray& described, const PickledArray& a) {
+    const auto count = static_cast<std::size_t>(described.count());
+    if (count > most_texts) return skip(described.type(), "texts of type ");
+    memory_.spend(2 * a.raw.size());
+    const auto texts = stored_array(a.type, a.fortran_order, a.shape, a.raw, a.where).texts();
+    if (a.shape.empty()) return add_text(texts.front());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string index = concat_text(i);
+      path_.push_back(index);
+      add_text(texts[i]);
+      path_.pop_back();
+    }
+  }
+  void add_npy(std::span<const std::byte> bytes, const std::string& file) {
+    const NpyParts npy = npy_parts(bytes, file);
+    add_array({npy.header.descr, npy.header.fortran_order, npy.header.shape, npy.raw, npy.where}, true);
+  }
+  /// A list of nothing but numbers, as a tensor; false if it is none.
+  bool add_numbers(const PickleValue& list) {
+    bool real = false;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (!list[i].is(PickleKind::integer) && !list[i].is(PickleKind::real)) return false;
+      real = real || list[i].is(PickleKind::real);
+    }
+    if (list.size() == 0 || !selected()) return false;
+    memory_.spend(2 * sizeof(double) * list.size());
+    const auto copy = [&]<class T>(std::vector<T> numbers) {
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        if constexpr (std::integral<T>)
+          numbers.push_back(list[i].integer());
+        else
+          numbers.push_back(list[i].real());
+      }
+      add_copy(NpyArray::of(std::span<const T>(numbers), {std::ssize(numbers)}));
+    };
+    real ? copy(std::vector<double>()) : copy(std::vector<std::int64_t>());
+    return true;
+  }
+
+  WeightFile& out_;
+  TensorMemory& memory_;
+  const WeightOptions& options_;
+  const TorchFile* torch_ = nullptr;
+  char separator_ = '/';
+  std::vector<std::string> selection_;
+  std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
+  std::size_t visits_ = 0;
+  bool joblib_ = false;
+};
+
+/// joblib writes compressed dumps as one zlib stream (RFC 1950).
+inline bool is_zlib(std::span<const std::byte> bytes) {
+  if (bytes.size() < 6) return false;
+  const auto first = std::to_integer<unsigned>(bytes[0]), second = std::to_integer<unsigned>(bytes[1]);
+  return first == 0x78 && (first * 256 + second) % 31 == 0;
+}
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`.
+inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
+  Inflated unpacked = inflate(bytes.subspan(2), limit, name);
+  std::uint32_t a = 1, b = 0;  // Adler-32
+  for (const std::byte byte : unpacked.data) {
+    a = (a + std::to_integer<std::uint32_t>(byte)) % 65521;
+    b = (b + a) % 65521;
+  }
+  const auto sum = __builtin_bswap32(load<std::uint32_t>(bytes, 2 + unpacked.consumed, name, "a checksum"));
+  if (sum != (b << 16 | a)) raise<io_error>(403, name, ": checksum ", b << 16 | a, ", the file says ", sum);
+  return std::move(unpacked.data);
+}
+
+/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
+inline bool begins_pickle(std::string_view text) {
+  if (text.empty()) return false;
+  if (text[0] == '\x80') return text.size() > 1 && text[1] >= 1 && text[1] <= 5;
+  return std::string_view("(c]}").find(text[0]) != std::string_view::npos;
+}
+
+}  // namespace detail
+
+inline WeightFile WeightFile::from_safetensors(SafetensorsFile file) {
+  WeightFile out(file.name(), file.owner(), "safetensors");
+  out.tensors_.assign(file.tensors().begin(), file.tensors().end());
+  for (const auto& [key, text] : file.metadata()) out.values_.push_back({key, text});
+  return out;
+}
+
+inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+                                         std::shared_ptr<const void> owner, const WeightOptions& options) {
+  const std::string_view text = detail::as_text(bytes);
+  constexpr std::size_t safetensors_start = 8;
+  if (text.size() > safetensors_start && text[safetensors_start] == '{') {
+    return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
+  }
+  const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
+  WeightFile out(name, memory, "");
+  detail::WeightReader reader(out, *memory, options);
+  const auto read_torch = [&](const TorchFile& file) {
+    out.format_ = file.format();
+    reader.read(file);
+    if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
+  };
+  if (text.starts_with("PK\x03\x04")) {
+    const ZipArchive zip(bytes, name);
+    if (!TorchFile::root_folder(zip).empty()) {
+      read_torch(TorchFile::from_archive(zip, memory));
+    } else {
+      const NpzArchive npz(zip);
+      if (npz.names().empty())
+        raise<io_error>(403, name, ": a zip archive without data.pkl (PyTorch) and .npy (NumPy)");
+      out.format_ = "npz";
+      memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // what a pickle would need
+      reader.read(npz, zip);
+    }
+  } else if (TorchFile::is_legacy(bytes)) {
+    read_torch(TorchFile::from_legacy(bytes, name, memory));
+  } else if (text.starts_with("\x93NUMPY")) {
+    out.format_ = "npy";
+    reader.read_npy(bytes);
+  } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
+    raise<io_error>(404, name, ": a tar archive, as PyTorch wrote them before 0.1.10");
+  } else if (detail::is_zlib(bytes)) {
+    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
+    memory->spend(unpacked.size());
+    read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
+  } else if (detail::begins_pickle(text)) {
+    read_torch(TorchFile::from_pickle(Pickle(bytes, name, {.inline_bytes = joblib_array_bytes}), memory));
+  } else {
+    raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
+  }
+  out.sort_tensors();
+  return out;
+}
+
+/// The files of a training run, each under the name of its part: TMR's (last_weights/motion_encoder.pt as "motion_encoder.",
+/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar), or any folder of .pt files.
+inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, const WeightOptions& options) {
+  namespace fs = std::filesystem;
+  const auto ends_with = [](const fs::path& p, std::string_view end) { return p.filename().string().ends_with(end); };
+  const auto listed = [&](const fs::path& where) {
+    std::vector<fs::path> out;
+    std::error_code problem;
+    for (const auto& entry : fs::directory_iterator(where, problem)) out.push_back(entry.path());
+    if (problem) raise<io_error>(401, "cannot list ", where.string(), ": ", problem.message());
+    detail::sort(out, [](const fs::path& a, const fs::path& b) { return a < b; });
+    return out;
+  };
+  std::map<std::string, fs::path> parts;  // by the beginning of the names of their tensors
+  fs::path weights, checkpoint, whole;
+  for (const fs::path& p : listed(folder)) {
+    const std::string name = p.filename().string();
+    if (fs::is_directory(p)) {
+      if (name.ends_with("_weights") && weights.filename() != "last_weights") weights = p;
+      if (name != "stats" && !name.ends_with("_stats")) continue;
+      for (const fs::path& file : listed(p)) {
+        if (ends_with(file, ".pt")) parts[name + "." + file.stem().string()] = file;
+      }
+    } else if (name.ends_with(".pt")) {
+      parts[p.stem().string()] = p;
+    } else if (name.starts_with("checkpoint_") && name.ends_with(".pth.tar")) {
+      checkpoint = p;
+    } else if (name == "weights.safetensors" || name == "model.safetensors") {
+      whole = p;
+    }
+  }
+  if (!weights.empty()) {
+    for (const fs::path& file : listed(weights)) {
+      if (ends_with(file, ".pt")) parts[file.stem().string()] = file;
+    }
+  }
+  if (!whole.empty() || (!checkpoint.empty() && parts.empty())) {
+    WeightFile file = open_weights(whole.empty() ? checkpoint : whole, options);
+    if (whole.empty()) file.format_ = "ACTOR run folder";
+    return file;
+  }
+  if (parts.empty()) raise<io_error>(404, folder.string(), ": no weights in this folder (.pt, .pth.tar, .safetensors)");
+  const auto owners = std::make_shared<std::vector<std::shared_ptr<const void>>>();
+  WeightFile out(folder.string(), owners, weights.empty() ? "folder" : "TMR run folder");
+  for (const auto& [part, path] : parts) {
+    const WeightFile file = open_weights(path, options);
+    owners->push_back(file.owner());
+    for (TensorView t : file.tensors()) {
+      t.name = t.name == "array" ? part : part + "." + t.name;
+      out.tensors_.push_back(std::move(t));
+    }
+    for (const FileValue& v : file.values()) out.values_.push_back({part + "/" + v.path, v.value});
+    out.skipped_.insert(file.skipped().begin(), file.skipped().end());
+  }
+  out.sort_tensors();
+  return out;
+}
+
+/// Opens a file, or the folder of a training run.
+/// Throws  io_error 401 if it cannot be opened, and what WeightFile::from_bytes throws
+inline WeightFile open_weights(const FilePath& path, const WeightOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_folder(path.string(), options);
+  const auto file = MappedFile::open(path);
+  return WeightFile::from_bytes(file->bytes(), path.string(), file, options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
