@@ -130,9 +130,14 @@
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/diffusion/schedule.hpp>
 
+#include <motionlang/text/bert_tokenizer.hpp>
 #include <motionlang/text/caption_encoder.hpp>
+#include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/text_encoder.hpp>
+#include <motionlang/text/text_repair.hpp>
+#include <motionlang/text/tokenizer.hpp>
+#include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
 
 #include <motionlang/metrics/inspect_motion.hpp>

@@ -17,6 +17,29 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+namespace detail {
+
+/// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
+/// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
+template <class Find>
+void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown, Find find) {
+  const std::size_t before = ids.size();
+  for (std::size_t at = 0; at < word.size();) {
+    std::size_t length = std::min(word.size() - at, longest);
+    Index id = -1;
+    for (; length > 0 && (id = find(word.substr(at, length), at == 0)) < 0; --length) {}
+    if (id < 0) {
+      ids.resize(before);
+      ids.push_back(unknown);
+      return;
+    }
+    ids.push_back(id);
+    at += length;
+  }
+}
+
+}  // namespace detail
+
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
  public:
@@ -120,20 +143,10 @@ class WordPiece {
 
  private:
   void append_word(std::vector<Index>& ids, const std::string& word) const {
-    const std::size_t before = ids.size();
-    for (std::size_t at = 0; at < word.size();) {
-      const std::string prefix = at == 0 ? "" : "##";
-      std::size_t length = std::min(word.size() - at, longest_);
-      auto found = ids_.end();
-      for (; length > 0 && found == ids_.end(); --length) found = ids_.find(prefix + word.substr(at, length));
-      if (found == ids_.end()) {
-        ids.resize(before);
-        ids.push_back(unknown_id);
-        return;
-      }
-      ids.push_back(found->second);
-      at += length + 1;
-    }
+    detail::append_longest_pieces(ids, word, longest_, unknown_id, [&](std::string_view part, bool first) {
+      const auto found = ids_.find((first ? "" : "##") + std::string(part));
+      return found == ids_.end() ? Index{-1} : found->second;
+    });
   }
 
   std::vector<std::string> pieces_;

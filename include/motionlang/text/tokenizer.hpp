@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+/// The concept of a tokenizer, batches of ids, and the strings that stand for an id wherever they occur in a text.
+#pragma once
+
+#include <algorithm>    // max, fill
+#include <array>        // first bytes
+#include <concepts>     // same_as
+#include <span>         // texts
+#include <string>       // texts
+#include <string_view>  // texts
+#include <vector>       // ids
+
+#include <motionlang/core/shape.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Turns a text into the ids that a network takes, framed by the marks for begin and end.
+/// Laws     every id is at least 0 and below size(); any bytes are a text, what is not UTF-8 counts as U+FFFD
+/// Models   WordPiece, BertTokenizer, ClipTokenizer, and yours
+template <class T>
+concept Tokenizer = requires(const T& t, std::string_view text) {
+  { t.encode(text) } -> std::same_as<std::vector<Index>>;
+  { t.size() } -> std::same_as<Index>;
+};
+
+/// The ids of several texts, one text after the other: what an embedding and `Offsets(lengths)` take.
+struct TokenBatch {
+  std::vector<Index> ids, lengths;
+
+  Index count() const { return static_cast<Index>(lengths.size()); }
+  Index longest() const { return lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()); }
+
+  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a text is
+  /// longer.
+  std::vector<Index> padded(Index pad, Index width = 0) const {
+    if (width == 0) width = longest();
+    if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
+    std::vector<Index> out(static_cast<std::size_t>(count() * width), pad);
+    auto from = ids.begin();
+    for (std::size_t i = 0; i < lengths.size(); from += lengths[i], ++i)
+      std::copy_n(from, lengths[i], out.begin() + static_cast<std::ptrdiff_t>(i) * width);
+    return out;
+  }
+};
+
+template <Tokenizer T>
+TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
+  TokenBatch out;
+  for (const std::string& text : texts) {
+    const std::vector<Index> ids = tokenizer.encode(text);
+    out.ids.insert(out.ids.end(), ids.begin(), ids.end());
+    out.lengths.push_back(static_cast<Index>(ids.size()));
+  }
+  return out;
+}
+
+/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no question
+/// here, since all our tokenizers drop white space.
+struct AddedToken {
+  std::string content;
+  Index id = 0;
+  bool normalized = false;  // looked for in the normalised text, not in the raw one
+  bool operator==(const AddedToken&) const = default;
+};
+
+namespace detail {
+
+/// Finds added tokens in a text: the leftmost, and the longest of those that begin at one place.
+class AddedTokenSearch {
+ public:
+  AddedTokenSearch() = default;
+  explicit AddedTokenSearch(std::vector<AddedToken> tokens) : tokens_(std::move(tokens)) {
+    std::erase_if(tokens_, [](const AddedToken& t) { return t.content.empty(); });
+    std::stable_sort(tokens_.begin(), tokens_.end(),
+                     [](const AddedToken& a, const AddedToken& b) { return a.content.size() > b.content.size(); });
+    for (const AddedToken& t : tokens_) begins_[static_cast<unsigned char>(t.content.front())] = true;
+  }
+  bool empty() const { return tokens_.empty(); }
+  bool has(Index id) const {
+    return std::any_of(tokens_.begin(), tokens_.end(), [&](const AddedToken& t) { return t.id == id; });
+  }
+
+  /// Calls on_text(part) for what lies between the tokens and on_token(id) for them, in the order of the text.
+  template <class OnText, class OnToken>
+  void split(std::string_view text, OnText on_text, OnToken on_token) const {
+    std::size_t from = 0;
+    for (std::size_t at = 0; at < text.size();) {
+      const AddedToken* token = begins_[static_cast<unsigned char>(text[at])] ? match(text.substr(at)) : nullptr;
+      if (token == nullptr) {
+        ++at;
+        continue;
+      }
+      if (from < at) on_text(text.substr(from, at - from));
+      on_token(token->id);
+      from = at += token->content.size();
+    }
+    if (from < text.size()) on_text(text.substr(from));
+  }
+
+ private:
+  const AddedToken* match(std::string_view text) const {
+    for (const AddedToken& t : tokens_) {
+      if (text.starts_with(t.content)) return &t;
+    }
+    return nullptr;
+  }
+
+  std::vector<AddedToken> tokens_;
+  std::array<bool, 256> begins_{};
+};
+
+}  // namespace detail
+
+/// The frame around one text or a pair: ids and the places of the texts, each with its token type.
+/// BERT: [CLS] A [SEP] B [SEP], types 0 0 0 1 1.
+struct FramePart {
+  enum Kind { token, text_a, text_b };
+  Kind kind = token;
+  Index id = 0;  // of a token
+  Index type = 0;
+  bool operator==(const FramePart&) const = default;
+};
+
+/// The ids of two texts in one frame, and the token type of each.
+struct TokenPair {
+  std::vector<Index> ids, types;
+};
+
+namespace detail {
+
+inline TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {}) {
+  TokenPair out;
+  for (const FramePart& part : frame) {
+    if (part.kind == FramePart::token) {
+      out.ids.push_back(part.id);
+    } else {
+      const auto text = part.kind == FramePart::text_a ? a : b;
+      out.ids.insert(out.ids.end(), text.begin(), text.end());
+    }
+    out.types.resize(out.ids.size(), part.type);
+  }
+  return out;
+}
+
+/// Ids that a frame adds to its texts.
+inline std::size_t frame_size(std::span<const FramePart> frame) {
+  return static_cast<std::size_t>(
+      std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
