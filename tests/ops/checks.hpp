@@ -54,7 +54,8 @@ void check_not_a_number() {
     };
     append(ml::Tensor<C, 2>(C::erf(t.data())));
     for (ml::Activation act :
-         {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh})
+         {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh,
+          ml::Activation::quick_gelu, ml::Activation::gelu_new})
       append(ml::activate(t, act));
     append(ml::softmax(t));
     append(ml::attention(t, t, t, ml::Offsets{1, 2}, ml::Offsets{1, 2}, {}));

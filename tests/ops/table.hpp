@@ -129,7 +129,9 @@ std::vector<Row<B>> rows() {
   for (auto [act, name] : {std::pair{Activation::relu, "relu"},
                            {Activation::gelu, "gelu"},
                            {Activation::silu, "silu"},
-                           {Activation::tanh, "tanh"}}) {
+                           {Activation::tanh, "tanh"},
+                           {Activation::quick_gelu, "quick_gelu"},
+                           {Activation::gelu_new, "gelu_new"}}) {
     r.push_back(
         {name, {{3, 37}}, [act = act](In x) { return ml::activate(as<B, 2>(x[0]), act).data(); }, Domain::apart});
     r.push_back({std::string("linear ") + name,
@@ -140,7 +142,7 @@ std::vector<Row<B>> rows() {
                  },
                  Domain::apart});
   }
-  for (auto [m, k, n] : {std::array<Index, 3>{1, 1, 1}, {29, 520, 33}, {113, 20, 64}}) {
+  for (auto [m, k, n] : {std::array<Index, 3>{1, 1, 1}, {29, 520, 33}, {113, 20, 64}, {9, 40, 70}}) {
     r.push_back({"linear residual " + std::to_string(m) + "x" + std::to_string(k) + "x" + std::to_string(n),
                  {{m, k}, {n, k}, {n}, {m, n}},
                  [](In x) {
@@ -190,6 +192,17 @@ std::vector<Row<B>> rows() {
            /*grows=*/false});
     }
   }
+  const ml::Offsets offsets{1, 19, 5};
+  r.push_back({"attention relative scores",
+               {{25, 12}, {25, 12}, {25, 12}, {3, 41}},
+               [=](In x) {
+                 const auto scores = as<B, 2>(x[3]);
+                 return ml::attention(as<B, 2>(x[0]), as<B, 2>(x[1]), as<B, 2>(x[2]), offsets, offsets, {.heads = 3},
+                                      &scores)
+                     .data();
+               },
+               Domain::real,
+               /*grows=*/false});
   return r;
 }
 

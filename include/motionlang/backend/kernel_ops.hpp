@@ -42,7 +42,8 @@ struct KernelOps {
   static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                            const Offsets& k_offsets, const AttentionOptions& options);
+                            const Offsets& k_offsets, const AttentionOptions& options,
+                            const Dense<S>* relative_scores = nullptr);
   /// {dq, dk, dv}
   static std::array<Dense<S>, 3> attention_vjp(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v,
                                                const Offsets& q_offsets, const Offsets& k_offsets,

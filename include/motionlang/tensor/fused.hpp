@@ -32,6 +32,10 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
         return x / (exp(-x) + 1.0);
       case Activation::tanh:
         return tanh(x);
+      case Activation::quick_gelu:
+        return x / (exp(x * -1.702) + 1.0);
+      case Activation::gelu_new:
+        return x * 0.5 * (tanh((x + x * x * x * 0.044715) * 0.79788456080286536) + 1.0);
     }
     return x;
   }
@@ -142,7 +146,7 @@ namespace detail {
 
 template <Backend B>
 void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                     const Offsets& k_offsets, const AttentionOptions& options) {
+                     const Offsets& k_offsets, const AttentionOptions& options, const Tensor<B, 2>* relative_scores) {
   if (q.size(1) != k.size(1) || k.shape() != v.shape()) {
     raise<shape_error>(204, "attention: q ", q.shape(), ", k ", k.shape(), ", v ", v.shape());
   }
@@ -158,14 +162,33 @@ void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<
       raise<shape_error>(207, "attention: sequence ", s, " has no keys");
     if (k_offsets.length(s) > 65536) raise<shape_error>(207, "attention: sequence ", s, " has more than 65536 keys");
   }
+  if (relative_scores == nullptr) return;
+  const Index farthest = std::max(q_offsets.longest(), k_offsets.longest()) - 1;
+  if (relative_scores->size(0) != options.heads || relative_scores->size(1) % 2 != 1 ||
+      relative_scores->size(1) / 2 < farthest) {
+    raise<shape_error>(204, "attention: relative scores ", relative_scores->shape(), " for ", options.heads,
+                       " heads and distances up to ", farthest);
+  }
 }
 
-/// softmax(q k^T / sqrt(width)) v for one head of one sequence; q (tq, width), k and v (tk, width).
+/// (queries, keys) of one head: element (i, j) is that of distance j - i.
+template <Backend B>
+Tensor<B, 2> scores_of_distances(const Tensor<B, 2>& relative_scores, Index head, Index tq, Index tk) {
+  const Index zero = relative_scores.size(1) / 2;  // the column of distance 0
+  PoolVector<Index> columns;
+  for (Index i = 0; i < tq; ++i) {
+    for (Index j = 0; j < tk; ++j) columns.push_back(zero + j - i);
+  }
+  return reshape<2>(gather(reshape<1>(slice(relative_scores, 0, head, head + 1), {-1}), columns), {tq, tk});
+}
+
+/// softmax(q k^T / sqrt(width) + relative scores) v for one head of one sequence; q (tq, width), k and v (tk, width).
 template <Backend B>
 Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, Index first_row, Index head,
-                    const AttentionOptions& o) {
+                    const AttentionOptions& o, const Tensor<B, 2>* relative_scores) {
   const Index tq = q.size(0), tk = k.size(0);
   auto scores = matmul(q, k, {.transpose_b = true}) * (1.0 / std::sqrt(static_cast<double>(q.size(1))));
+  if (relative_scores != nullptr) scores = scores + scores_of_distances(*relative_scores, head, tq, tk);
   using S = typename B::scalar;
   std::vector<S> values(static_cast<std::size_t>(tq * tk));
   if (o.causal) {
@@ -190,16 +213,24 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 }  // namespace detail
 
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
-///     O_h = softmax(Q_h K_h^T / sqrt(width / heads)) V_h     within each sequence
+///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
 /// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). Throws config_error 101, shape_error 204, 207.
+/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the distance
+/// j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                       const Offsets& k_offsets, const AttentionOptions& options) {
-  detail::check_attention(q, k, v, q_offsets, k_offsets, options);
-  if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options); }) {
-    return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options));
+                       const Offsets& k_offsets, const AttentionOptions& options,
+                       const Tensor<B, 2>* relative_scores = nullptr) {
+  detail::check_attention(q, k, v, q_offsets, k_offsets, options, relative_scores);
+  using T = const typename B::tensor*;
+  if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options, T{}); }) {
+    return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options,
+                                     relative_scores == nullptr ? nullptr : &relative_scores->data()));
   } else {
+    if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options); }) {
+      if (relative_scores == nullptr)
+        return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options));
+    }
     const Index width = q.size(1) / options.heads;
     std::vector<Tensor<B, 2>> sequences, heads;
     for (Index s = 0; s < q_offsets.count(); ++s) {
@@ -209,7 +240,8 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
       heads.clear();
       for (Index h = 0; h < options.heads; ++h) {
         auto columns = [&](const Tensor<B, 2>& t) { return slice(t, 1, h * width, (h + 1) * width); };
-        heads.push_back(detail::attend(columns(qs), columns(ks), columns(vs), q_offsets.begin(s), h, options));
+        heads.push_back(
+            detail::attend(columns(qs), columns(ks), columns(vs), q_offsets.begin(s), h, options, relative_scores));
       }
       sequences.push_back(concat(std::span<const Tensor<B, 2>>(heads), 1));
     }

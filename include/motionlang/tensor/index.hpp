@@ -4,6 +4,7 @@
 
 #include <array>  // axes
 
+#include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {

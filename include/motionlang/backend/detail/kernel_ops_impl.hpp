@@ -101,6 +101,22 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
                [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }
 
+/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
+/// order as with panels of the weight, so the same bits.
+template <class S>
+Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
+  const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
+  const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
+  Dense<S> z(Shape{n, m}), y(Shape{m, n});
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  const Transposed<S> t{
+      .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
+  constexpr Index columns = 64;
+  parallel_for(parts(n, columns),
+               [&](Index i) { kernels<S>().transpose(t, i * columns, std::min(n, (i + 1) * columns)); });
+  return y;
+}
+
 template <class S>
 LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, const S* bias, double eps, S* y) {
   return {.x = x.data(),
@@ -148,14 +164,18 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                               const Dense<S>* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
+  const bool last =
+      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
   if (ready == nullptr || ready->kernels != &detail::kernels<S>() || ready->n != n || ready->k != k) {
+    if (last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+      return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
+                                      residual == nullptr ? nullptr : residual->data());
+    }
     packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
-  const bool last =
-      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::run_gemm(detail::Gemm<S>{.m = m,
                                    .n = n,
                                    .k = k,
@@ -255,10 +275,12 @@ Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
 
 template <Scalar S>
 Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                                 const Offsets& k_offsets, const AttentionOptions& options) {
+                                 const Offsets& k_offsets, const AttentionOptions& options,
+                                 const Dense<S>* relative_scores) {
   const Index d = q.shape()[1];
   Dense<S> o(q.shape());
   auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
+  if (relative_scores != nullptr) t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention(t, q_offsets, k_offsets);

@@ -50,6 +50,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
+  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  Index reach = 0;
 };
 template <class S>
 struct AttentionGradients {
@@ -62,6 +64,15 @@ struct LayerNorm {
   const S *x = nullptr, *residual = nullptr, *weight = nullptr, *bias = nullptr;
   Index width = 0;
   S eps = S(1e-5);
+  S* y = nullptr;
+};
+
+/// y (rows, width) = act(z^T + bias + residual), z (width, rows).
+template <class S>
+struct Transposed {
+  const S *z = nullptr, *bias = nullptr, *residual = nullptr;
+  Index rows = 0, width = 0;
+  Activation act = Activation::none;
   S* y = nullptr;
 };
 
@@ -100,6 +111,7 @@ struct Kernels {
   void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
                                  Index first, Index last);
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
+  void (*transpose)(const Transposed<S>&, Index first, Index last);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
