@@ -131,13 +131,21 @@ class WeightReader {
     while (!keys.empty()) {
       const std::size_t slash = std::min(keys.find('/'), keys.size());
       selection_.emplace_back(keys.substr(0, slash));
-      const auto found = v.find(selection_.back());
-      if (!found) {
-        raise<io_error>(406, out_.name(), ": no entry '", selection_.back(), "' in the dictionary at byte ", v.at());
-      }
+      const auto found = entry(v, selection_.back());
+      if (!found)
+        raise<io_error>(406, out_.name(), ": no entry '", selection_.back(), "' in the value at byte ", v.at());
       v = *found;
       keys.remove_prefix(std::min(slash + 1, keys.size()));
     }
+  }
+  /// What a key leads to: a text, a number, or the place in a list.
+  static std::optional<PickleValue> entry(const PickleValue& v, std::string_view key) {
+    if (const auto found = v.find(key)) return found;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (!v.keyed() && concat_text(i) == key) return v[i];
+      if (v.keyed() && v.key(i).is(PickleKind::integer) && concat_text(v.key(i).integer()) == key) return v.value(i);
+    }
+    return std::nullopt;
   }
   bool selected() const {
     return path_.size() >= selection_.size() && std::equal(selection_.begin(), selection_.end(), path_.begin());
@@ -376,6 +384,13 @@ inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::s
   return std::move(unpacked.data);
 }
 
+/// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
+inline bool begins_weights(std::span<const std::byte> bytes) {
+  const std::string_view text = as_text(bytes);
+  if (text.size() > 8 && text[8] == '{') return load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
+  return text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") || text.starts_with('\x80') || is_zlib(bytes);
+}
+
 /// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
 inline bool begins_pickle(std::string_view text) {
   if (text.empty()) return false;
@@ -495,6 +510,13 @@ inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, c
   }
   out.sort_tensors();
   return out;
+}
+
+/// Whether this is a folder, or a file that begins as open_weights expects it; text is not looked at, so older pickles are not seen.
+inline bool may_be_weights(const FilePath& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path.string(), ignored) ||
+         detail::begins_weights(MappedFile::open(path)->bytes());
 }
 
 /// Opens a file, or the folder of a training run.

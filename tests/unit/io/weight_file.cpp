@@ -1,0 +1,199 @@
+// Files of weights: what open_weights finds in every format, what it skips, and what it refuses. The golden cases "container read"
+// and "container reject" have many more files. Samples are made by tests/tools/make_weights.py.
+#include <motionlang/io/key_report.hpp>
+#include <motionlang/io/options_file.hpp>
+#include <motionlang/io/weight_file.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+using ml::DType, ml::Shape;
+
+namespace {
+
+const std::filesystem::path tests = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+
+std::filesystem::path sample(const std::string& name) { return tests / "fuzz/corpus/weights" / name; }
+ml::WeightFile open(const std::string& name, const ml::WeightOptions& options = {}) {
+  return ml::open_weights(sample(name), options);
+}
+std::vector<float> floats(const ml::WeightFile& file, const std::string& tensor) {
+  return ml::values_of<float>(file.tensor(tensor));
+}
+template <class T>
+T value(const ml::WeightFile& file, const std::string& path) {
+  const ml::FileValue* v = file.value(path);
+  REQUIRE_MESSAGE(v != nullptr, path);
+  return std::get<T>(v->value);
+}
+const std::vector<float> six{0, 1, 2, 3, 4, 5}, transposed{0, 3, 1, 4, 2, 5};
+
+}  // namespace
+
+TEST_CASE("PyTorch: both forms, views, halves, whole numbers") {
+  for (const char* name : {"spec_zip.pt", "spec_legacy.pt"}) {
+    CAPTURE(name);
+    const auto file = open(name);
+    CHECK(file.names() == std::vector<std::string>{"h", "n", "w", "wt"});
+    CHECK(floats(file, "w") == std::vector<float>{0, 0.25F, 0.5F, 0.75F, 1, 1.25F});
+    CHECK(file.tensor("wt").shape == Shape{3, 2});
+    CHECK(floats(file, "wt") == std::vector<float>{0, 0.75F, 0.25F, 1, 0.5F, 1.25F});
+    CHECK(file.tensor("h").dtype == DType::F16);
+    CHECK(floats(file, "h") == std::vector<float>{1, -2.5F});
+    CHECK(file.tensor("n").shape == Shape{});
+    CHECK(ml::values_of<std::int64_t>(file.tensor("n")) == std::vector<std::int64_t>{7});
+  }
+  CHECK(open("spec_zip.pt").format() == "torch zip");
+  CHECK(open("spec_legacy.pt").format() == "torch legacy");
+}
+
+TEST_CASE("PyTorch: tensors that lie in order in the file are views of it") {
+  const auto mapped = ml::MappedFile::open(sample("spec_zip.pt"));
+  const auto bytes = mapped->bytes();
+  const auto file = ml::WeightFile::from_bytes(bytes, "x.pt", mapped);
+  const auto inside = [&](const char* name) {
+    const std::byte* at = file.tensor(name).bytes.data();
+    return at >= bytes.data() && at < bytes.data() + bytes.size();
+  };
+  CHECK(inside("w"));
+  CHECK(ml::direct<float>(file.tensor("w")).has_value());
+  CHECK(!inside("wt"));
+}
+
+TEST_CASE("PyTorch: big-endian, packed, older and newer ways to rebuild tensors") {
+  CHECK(floats(open("big_endian.pt"), "w") == six);
+  CHECK(floats(open("big_endian.pt"), "t") == transposed);
+  CHECK(floats(open("deflated.pt"), "w") == six);
+  const auto file = open("v3.pt");
+  CHECK(floats(file, "w") == std::vector<float>{7, 8});
+  CHECK(floats(file, "old") == std::vector<float>{1, 3});
+  CHECK(floats(file, "parameter") == six);
+  CHECK(floats(file, "state") == six);
+  CHECK((file.tensor("complex").dtype == DType::C64 && file.tensor("complex").shape == Shape{3}));
+  CHECK(file.find("quantized") == nullptr);
+  CHECK(file.skipped() == std::set<std::string>{"torch._utils._rebuild_tensor_v2"});
+  CHECK_ERROR(open("v3.pt", {.path = {}, .strict = true}), "a storage of class torch.QInt8Storage");
+  CHECK(floats(open("views_legacy.pt"), "part") == std::vector<float>{2, 3, 4});
+  CHECK(floats(open("nested_storage.pkl"), "w") == six);
+}
+
+TEST_CASE("checkpoints: the tensors are found, other entries are told, classes that nobody knows are skipped") {
+  const auto file = open("checkpoint.ckpt");
+  CHECK(file.names() == std::vector<std::string>{"a", "b"});
+  CHECK(value<std::int64_t>(file, "epoch") == 3);
+  CHECK(value<double>(file, "settings/rate") == 0.5);
+  CHECK(value<double>(file, "optimizer_states/0/lr") == 0.1);
+  CHECK(file.skipped() == std::set<std::string>{"nobody.Config"});
+  CHECK(open("checkpoint.ckpt", {.path = "optimizer_states/0"}).names() == std::vector<std::string>{"state.0.exp_avg"});
+  CHECK(open("checkpoint.ckpt", {.path = ""}).names() ==
+        std::vector<std::string>{"optimizer_states.0.state.0.exp_avg", "state_dict.a", "state_dict.b"});
+  CHECK_ERROR(open("checkpoint.ckpt", {.path = "model"}), "[motionlang.io.406]");
+  CHECK(open("checkpoint.ckpt", {.path = {}, .strict = true}).tensors().size() == 2);
+  CHECK_ERROR(open("checkpoint.ckpt", {.path = "", .strict = true}), "an object of class nobody.Config at 'config'");
+}
+
+TEST_CASE("Lightning with omegaconf, pathlib, functools, a NumPy scalar and a class as a key") {
+  const auto file = open("spec_lightning.ckpt");
+  CHECK(floats(file, "weight") == std::vector<float>{0.5F, -0.25F});
+  CHECK(floats(file, "bias") == std::vector<float>{2});
+  CHECK(value<std::int64_t>(file, "epoch") == 9);
+  CHECK(value<std::int64_t>(file, "hyper_parameters/cfg/latent_dim") == 256);
+  CHECK(value<std::string>(file, "hyper_parameters/cfg/name") == "temos");
+}
+
+TEST_CASE("TorchScript: paths of attributes are the names") {
+  const auto file = open("script.pt");
+  CHECK(file.format() == "TorchScript");
+  CHECK(file.names() == std::vector<std::string>{"layers.0.weight", "layers.1.weight", "logit_scale"});
+  CHECK(floats(file, "layers.1.weight") == transposed);
+  CHECK(value<std::int64_t>(file, "width") == 3);
+  CHECK(file.value("training") == nullptr);
+}
+
+TEST_CASE("joblib dumps, packed or not; pickles of SMPL") {
+  for (const char* name : {"spec_joblib.pkl", "joblib_packed.pkl"}) {
+    CAPTURE(name);
+    const auto file = open(name);
+    CHECK(file.format() == "joblib");
+    CHECK(floats(file, "0/poses") == std::vector<float>{0, 1, 2, 3});
+    CHECK(file.tensor("0/poses").shape == Shape{2, 2});
+    CHECK(value<std::int64_t>(file, "0/fps") == 30);
+    CHECK(value<std::string>(file, "0/g") == "male");
+  }
+  const auto body = open("spec_smpl.pkl");
+  CHECK(floats(body, "J_regressor") == std::vector<float>{0.5F, 0.5F, 0, 0, 0, 1});
+  CHECK(ml::values_of<double>(body.tensor("shapedirs"))[7] == 1.25);
+  CHECK(floats(body, "posedirs")[1] == 0.5625F);
+  CHECK(value<std::string>(body, "bs_type") == "lrotmin");
+}
+
+TEST_CASE("what asks for more than the file justifies is refused") {
+  CHECK_ERROR(open("stride_bomb.pt"), "[motionlang.io.405]");
+  CHECK_ERROR(open("many_expanded.pt"), "bytes more than a file of its size justifies");
+  CHECK_ERROR(open("wrapping_sizes.pt"), "has more elements than its storage allows");
+  CHECK_ERROR(open("count_legacy.pt"), "[motionlang.io.405]");
+  CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.404] empty: not a file of weights");
+  const std::string tar = std::string(257, '\0') + "ustar  \0";
+  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(tar)), "old.tar"), "a tar archive");
+  CHECK_ERROR(ml::open_weights(tests / "nothing"), "[motionlang.io.401]");
+  CHECK_ERROR(ml::open_weights(tests / "unit"), "no weights in this folder");
+}
+
+TEST_CASE("folders of training runs") {
+  const auto actor = ml::open_weights(tests / "golden/cases/containers/actor_run");
+  CHECK(actor.format() == "ACTOR run folder");
+  CHECK(actor.find("encoder.muQuery") != nullptr);
+  const TemporaryFolder folder;
+  std::filesystem::copy(sample("spec_zip.pt"), folder / "one.pt");
+  std::filesystem::copy(sample("checkpoint.ckpt"), folder / "two.pt");
+  const auto both = ml::open_weights(folder.path);
+  CHECK(both.format() == "folder");
+  CHECK(floats(both, "two.a") == six);
+  CHECK(both.find("one.w") != nullptr);
+  CHECK(std::get<std::int64_t>(both.value("two/epoch")->value) == 3);
+}
+
+TEST_CASE("names that do not match are listed with the most similar of the other side") {
+  CHECK(ml::edit_distance("kitten", "sitting", 9) == 3);
+  CHECK(ml::edit_distance("kitten", "sitting", 2) == 2);
+  CHECK(ml::edit_distance("", "abc", 9) == 3);
+  CHECK(ml::nearest_name("encoder.wieght", {"decoder.bias", "encoder.weight", "x"}) == "encoder.weight");
+  CHECK(ml::nearest_name("abc", {"xyz"}) == "");
+  const ml::KeyReport report{{"encoder.weight", "norm.bias"}, {"encoder.wieght"}};
+  CHECK(to_string(report) ==
+        "\n  missing    encoder.weight  (the file has encoder.wieght)"
+        "\n  missing    norm.bias"
+        "\n  unexpected encoder.wieght  (the model has encoder.weight)");
+  CHECK(to_string(ml::KeyReport{std::vector<std::string>(25, "a"), {}}).ends_with("missing    5 more"));
+}
+
+TEST_CASE("options: YAML as programs write it, and JSON") {
+  const auto options = ml::parse_options(
+      "# a run\n"
+      "name: 'two: words'  # said\n"
+      "model:\n"
+      "  width: 4\n"
+      "  rate: 1.0e-05\n"
+      "  empty:\n"
+      "  parts:\n"
+      "  - a\n"
+      "  - kind: b\n"
+      "    size: 2\n"
+      "flat: [1, 2.5, x]\n"
+      "tagged: !!python/tuple\n"
+      "- true\n",
+      "opt.yaml");
+  std::string all;
+  for (const auto& v : options) all += v.path + "=" + to_string(v) + " ";
+  CHECK(all ==
+        "name=two: words model/width=4 model/rate=1e-05 model/parts/0=a model/parts/1/kind=b model/parts/1/size=2 "
+        "flat/0=1 "
+        "flat/1=2.5 flat/2=x tagged/0=true ");
+  CHECK(std::get<double>(ml::find_value(options, "model/rate")->value) == 1e-5);
+  CHECK_ERROR(ml::parse_options("a: 1\n  b: 2\n", "x"), "[motionlang.io.403] x:2: indentation");
+  CHECK_ERROR(ml::parse_options("a: |\n  b\n", "x"), "[motionlang.io.404] x:1");
+  CHECK_ERROR(ml::parse_options("a\n", "x"), "a key with a colon");
+  const auto json = ml::parse_options(R"({"a": {"b": [1, "t"]}, "c": null})", "x");
+  CHECK((json.size() == 2 && json[1].path == "a/b/1" && std::get<std::string>(json[1].value) == "t"));
+}
