@@ -146,7 +146,8 @@ namespace detail {
 
 template <Backend B>
 void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                     const Offsets& k_offsets, const AttentionOptions& options, const Tensor<B, 2>* relative_scores) {
+                     const Offsets& k_offsets, const AttentionOptions& options,
+                     const Tensor<B, 2>* relative_scores = nullptr) {
   if (q.size(1) != k.size(1) || k.shape() != v.shape()) {
     raise<shape_error>(204, "attention: q ", q.shape(), ", k ", k.shape(), ", v ", v.shape());
   }
