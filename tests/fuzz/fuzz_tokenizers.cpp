@@ -1,0 +1,69 @@
+// Files of tokenizers and the texts that they meet: what stands before the first NUL is a file (vocab.txt, merges.txt, JSON, gzip),
+// what follows is a text. Any file is read or refused with an error of the library; any text gets ids of the vocabulary.
+#include <cstdint>
+
+#include <motionlang/io/tokenizer_json.hpp>
+
+#include "check.hpp"
+
+namespace {
+
+namespace ml = motionlang;
+
+template <class T>
+void check_text(const T& tokenizer, std::string_view text) {
+  const auto ids = tokenizer.encode_words(text);
+  for (const ml::Index id : ids) check(id >= 0 && id < tokenizer.size(), "ids of the vocabulary");
+  tokenizer.decode(ids);
+  check(tokenizer.encode_words(text) == ids, "the same ids again");
+}
+
+void check_unicode(std::string_view text) {
+  const std::u32string raw = ml::to_utf32(text), together = ml::nfc(raw), apart = ml::nfd(raw);
+  check(ml::nfc(together) == together && ml::nfd(apart) == apart, "normal forms are normal");
+  check(ml::nfc(apart) == together && ml::nfd(together) == apart, "normal forms agree");
+  check(ml::is_utf8(ml::repair_text(text)), "repaired texts are UTF-8");
+  ml::html_unescape(text);
+}
+
+template <class F>
+void refusing(F f) {
+  try {
+    f();
+  } catch (const ml::error&) {}
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view all(reinterpret_cast<const char*>(data), size);
+  const std::size_t end = std::min(all.find('\0'), size);
+  const std::string_view file = all.substr(0, end), text = all.substr(std::min(end + 1, size));
+
+  static const ml::BytePairMerges few{{"w", "a"}, {"wa", "l"}, {"a", "a"}, {"aa", "a"}, {"k", "s</w>"}};
+  static const ml::ClipTokenizer clip(few);
+  static const ml::ClipTokenizer clip_hf(few, {.cleaning = ml::ClipCleaning::hugging_face});
+  static const ml::BertTokenizer bert({"[UNK]", "[CLS]", "[SEP]", "[MASK]", "a", "##a", "walk", "##s", "\u1102", "."});
+  check_unicode(text);
+  check_text(clip, text);
+  check_text(clip_hf, text);
+  check_text(bert, text);
+  if (ml::is_gzip(std::as_bytes(std::span(all)))) {
+    refusing([&] { ml::gunzip(std::as_bytes(std::span(all))); });
+  } else if (file.starts_with('{')) {
+    refusing([&] {
+      const auto document = ml::parse_json(file);
+      const ml::JsonView view(document);
+      refusing([&] { ml::tokenizer_config_from_json(view); });
+      refusing([&] { ml::detail::pieces_by_id(view); });
+      const auto tokenizer = ml::tokenizer_from_json(view, {.stored = true});
+      if (tokenizer.bert() != nullptr) check_text(*tokenizer.bert(), text);
+      if (tokenizer.clip() != nullptr) check_text(*tokenizer.clip(), text);
+      refusing([&] { check(std::ssize(tokenizer.encode(text)) >= 2, "a frame"); });
+    });
+  } else {
+    refusing([&] { check_text(ml::BertTokenizer(ml::parse_vocabulary(file)), text); });
+    refusing([&] { check_text(ml::ClipTokenizer(ml::parse_merges(file)), text); });
+  }
+  return 0;
+}
