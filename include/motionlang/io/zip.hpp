@@ -68,8 +68,9 @@ class ZipArchive {
   std::vector<std::byte> read(const ZipEntry& entry) const {
     const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
     const std::string where = name_ + "/" + entry.name;
+    const auto size = static_cast<std::size_t>(entry.size);
     std::vector<std::byte> data = entry.deflated
-                                      ? detail::inflate(raw, static_cast<std::size_t>(entry.size), where).data
+                                      ? detail::inflate(raw, size, where, size).data
                                       : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
       raise<io_error>(403, where, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);

@@ -188,9 +188,9 @@ struct Inflated {
   std::size_t consumed = 0;
 };
 
-/// Unpacks one deflate stream of at most `limit` bytes of output.
+/// Unpacks one deflate stream of at most `limit` bytes of output, for `expected` of which room is made before.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
-inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file) {
+inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
   // RFC 1951, 3.2.5: symbols 257 ... 285 and 0 ... 29
   static constexpr std::array<std::uint16_t, 29> length_base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                              15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -202,8 +202,7 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       193, 257, 385, 513, 769, 1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
   BitReader in(stream, file);
   std::vector<std::byte> out;
-  constexpr std::size_t highest_ratio = 1032;  // 258 bytes from two bits
-  out.reserve(std::min(limit, highest_ratio * stream.size()));
+  out.reserve(expected);
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };
