@@ -209,11 +209,17 @@ void batch_laws() {
   const auto weight = normal<B, 2>({37, 40}, 24);
   const auto bias = normal<B, 1>({37}, 25), gain = normal<B, 1>({40}, 26), offset = normal<B, 1>({40}, 27);
   batch_law<B>(40, [&](const S& x) { return ml::linear(x.rows, weight, &bias, ml::Activation::gelu); });
+  const auto square = normal<B, 2>({40, 40}, 29);
+  batch_law<B>(40, [&](const S& x) { return ml::linear(x.rows, square, &gain, ml::Activation::none, &x.rows); });
   batch_law<B>(40, [&](const S& x) { return ml::matmul(x.rows, weight, {.transpose_b = true}); });
   batch_law<B>(40, [&](const S& x) { return ml::layer_norm(x.rows, gain, offset); });
   batch_law<B>(40, [&](const S& x) { return ml::add_layer_norm(x.rows, x.rows, gain, offset); });
   batch_law<B>(41, [&](const S& x) { return ml::softmax(x.rows); });
   batch_law<B>(41, [&](const S& x) { return ml::activate(x.rows, ml::Activation::silu); });
+  const auto relative = normal<B, 2>({3, 2 * 70 + 1}, 30);
+  batch_law<B>(36, [&](const S& x) {
+    return ml::attention(x.rows, x.rows, x.rows, x.offsets, x.offsets, {.heads = 3}, &relative);
+  });
   for (bool causal : {false, true}) {
     batch_law<B>(36, [&](const S& x) { return ml::self_attention(x.rows, x.offsets, {.heads = 3, .causal = causal}); });
   }

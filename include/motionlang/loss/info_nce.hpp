@@ -2,16 +2,9 @@
 /// Contrastive loss with filtered negatives (InfoNCE).
 #pragma once
 
-#include <motionlang/tensor/fused.hpp>
+#include <motionlang/nn/pooling.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Rows divided by max(norm, 1e-12).
-template <Backend B>
-Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
-  const auto squared = reshape<2>(sum(square(x), 1), {x.size(0), 1});
-  return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
-}
 
 ///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and <t_i, t_j> > 2 threshold - 1
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)

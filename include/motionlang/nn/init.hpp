@@ -2,7 +2,9 @@
 /// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
 #pragma once
 
-#include <cmath>  // sqrt
+#include <cmath>    // sqrt
+#include <cstdlib>  // calloc
+#include <memory>   // owner of zeros
 
 #include <motionlang/tensor/tensor.hpp>
 
@@ -23,9 +25,32 @@ struct NoInit {
 };
 static_assert(Rng<NoInit>);
 
+namespace detail {
+
+/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+template <Backend B, int R>
+Tensor<B, R> untouched_zeros(const Shape& shape) {
+  using S = typename B::scalar;
+  if constexpr (AutodiffBackend<B>) {
+    return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
+  } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+    const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
+    if (zeros == nullptr) throw std::bad_alloc();
+    return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
+  } else {
+    return Tensor<B, R>::zeros(shape);
+  }
+}
+
+template <class G>
+inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit>;
+
+}  // namespace detail
+
 /// Uniform in [-bound, bound].
 template <Backend B, int R>
 Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.uniform(std::span<typename B::scalar>(values));
   for (auto& v : values) v = static_cast<typename B::scalar>((2 * static_cast<double>(v) - 1) * bound);
@@ -41,6 +66,7 @@ Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
 /// Normal with the given standard deviation.
 template <Backend B, int R>
 Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.normal(std::span<typename B::scalar>(values));
   for (auto& v : values) v = static_cast<typename B::scalar>(static_cast<double>(v) * std);

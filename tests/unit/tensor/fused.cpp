@@ -27,6 +27,9 @@ TEST_CASE_TEMPLATE("shapes are checked before a kernel runs", B, ml::EigenBacken
   CHECK_ERROR(ml::attention(x, x, x, Offsets{2, 3}, Offsets{5, 0}, {}), "sequence 1 has no keys");
   CHECK_ERROR(ml::attention(x, x, x, whole, whole, {.heads = 4}), "[motionlang.config.101] attention: 4 heads");
   CHECK_ERROR(ml::attention(x, x, x, whole, whole, {.heads = 0}), "[motionlang.config.101]");
+  const auto near = Matrix::zeros({1, 7}), even = Matrix::zeros({1, 10}), heads = Matrix::zeros({2, 9});
+  for (const auto* scores : {&near, &even, &heads})
+    CHECK_ERROR(ml::attention(x, x, x, whole, whole, {}, scores), "[motionlang.shape.204] attention: relative scores");
   CHECK_ERROR(ml::self_attention(wrong, whole, {}), "[motionlang.shape.204] self_attention");
   CHECK_ERROR(ml::self_attention(x, Offsets{6}, {}), "[motionlang.shape.207]");
   CHECK_ERROR(ml::self_attention(x, whole, {.heads = 3}), "[motionlang.config.101]");
