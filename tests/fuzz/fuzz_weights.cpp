@@ -33,7 +33,8 @@ void read(std::span<const std::byte> bytes) {
       check(file.find(t.name) == &t, "a tensor is found by its name");
       size += t.bytes.size();
     }
-    for (const ml::FileValue& v : file.values()) check(file.value(v.path) != nullptr, "a value is found by its path");
+    for (const ml::FileValue& v : std::span(file.values()).first(std::min<std::size_t>(file.values().size(), 100)))
+      check(file.value(v.path) != nullptr, "a value is found by its path");
     constexpr std::size_t large = 1 << 20;  // tensors may share their bytes
     if (size < large) check_round_trip(file);
   } catch (const ml::error&) {}

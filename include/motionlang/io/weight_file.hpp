@@ -84,8 +84,9 @@ namespace detail {
 /// Fills a WeightFile.
 class WeightReader {
  public:
-  WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options)
-      : out_(out), memory_(memory), options_(options) {}
+  /// file_size   an honest file has no more values to look at than bytes
+  WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options, std::uint64_t file_size)
+      : out_(out), memory_(memory), options_(options), visits_left_(std::min(10'000 + file_size, most_visits)) {}
 
   void read(const TorchFile& file) {
     torch_ = &file;
@@ -110,7 +111,8 @@ class WeightReader {
   void read_npy(std::span<const std::byte> bytes) { add_npy(bytes, out_.name()); }
 
  private:
-  static constexpr std::size_t deepest = 64, most_visits = 2'000'000, most_values = 10'000, most_texts = 1'000;
+  static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000;
+  static constexpr std::uint64_t most_visits = 2'000'000;
 
   // What to look for.
 
@@ -154,7 +156,7 @@ class WeightReader {
   // Walking through a pickle.
 
   void visit(const PickleValue& v) {
-    if (++visits_ > most_visits) v.fail(405, "more than ", most_visits, " values to look at");
+    if (visits_left_-- == 0) v.fail(405, "more values to look at than the file justifies");
     if (path_.size() > deepest) return;
     switch (v.kind()) {
       case PickleKind::boolean:
@@ -361,7 +363,7 @@ class WeightReader {
   char separator_ = '/';
   std::vector<std::string> selection_;
   std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
-  std::size_t visits_ = 0;
+  std::uint64_t visits_left_;
   bool joblib_ = false;
 };
 
@@ -416,7 +418,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   }
   const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
   WeightFile out(name, memory, "");
-  detail::WeightReader reader(out, *memory, options);
+  detail::WeightReader reader(out, *memory, options, bytes.size());
   const auto read_torch = [&](const TorchFile& file) {
     out.format_ = file.format();
     reader.read(file);
