@@ -91,6 +91,7 @@
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/nn/linear_attention.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
+#include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>
@@ -130,12 +131,17 @@
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/diffusion/schedule.hpp>
 
+#include <motionlang/text/bert.hpp>
 #include <motionlang/text/bert_tokenizer.hpp>
 #include <motionlang/text/caption_encoder.hpp>
+#include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
+#include <motionlang/text/glove.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/text_repair.hpp>
+#include <motionlang/text/token_offsets.hpp>
+#include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/tokenizer.hpp>
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>

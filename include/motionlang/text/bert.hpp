@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors, in whether
+/// there are token types, and in how positions count.
+///
+///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
+///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
+///
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Weights are read where they
+/// lie; `prepare` is not needed, and would take the memory of the weights a second time.
+#pragma once
+
+#include <motionlang/nn/embedding.hpp>
+#include <motionlang/nn/layer_norm.hpp>
+#include <motionlang/nn/linear.hpp>
+#include <motionlang/nn/multihead_attention.hpp>
+#include <motionlang/nn/text_features.hpp>
+#include <motionlang/text/token_offsets.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BertConfig {
+  Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
+  Index token_types = 2, buckets = 32;  // only where the member has them
+  Index padding = 0;                    // the id of padding; positions of MPNet depend on it
+  Activation activation = Activation::gelu;
+  double eps = 1e-12;
+};
+
+inline constexpr BertConfig distilbert_base{};
+inline constexpr BertConfig minilm_l6{.width = 384, .d_ff = 1536};
+inline constexpr BertConfig mpnet_base{.vocabulary = 30527, .layers = 12, .positions = 514, .padding = 1, .eps = 1e-5};
+
+/// Names of the published state dicts (Hugging Face), and what a member has.
+struct DistilBertKeys {
+  static constexpr const char *model_type = "distilbert", *layers = "transformer.layer", *query = "attention.q_lin",
+                              *key = "attention.k_lin", *value = "attention.v_lin", *attended = "attention.out_lin",
+                              *attended_norm = "sa_layer_norm", *up = "ffn.lin1", *down = "ffn.lin2",
+                              *norm = "output_layer_norm";
+  static constexpr bool token_types = false, relative_scores = false, positions_behind_padding = false;
+};
+struct BertKeys {
+  static constexpr const char *model_type = "bert", *layers = "encoder.layer", *query = "attention.self.query",
+                              *key = "attention.self.key", *value = "attention.self.value",
+                              *attended = "attention.output.dense", *attended_norm = "attention.output.LayerNorm",
+                              *up = "intermediate.dense", *down = "output.dense", *norm = "output.LayerNorm";
+  static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false;
+};
+struct MpnetKeys {
+  static constexpr const char *model_type = "mpnet", *layers = "encoder.layer", *query = "attention.attn.q",
+                              *key = "attention.attn.k", *value = "attention.attn.v", *attended = "attention.attn.o",
+                              *attended_norm = "attention.LayerNorm", *up = "intermediate.dense",
+                              *down = "output.dense", *norm = "output.LayerNorm";
+  static constexpr bool token_types = false, relative_scores = true, positions_behind_padding = true;
+};
+
+/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later ones; up to a
+/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section 2.1; the borders
+/// 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
+constexpr Index mpnet_bucket(Index r) {
+  constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
+  const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
+  if (distance < 8) return later + distance;
+  Index offset = 8;
+  for (Index border : borders) offset += distance >= border ? 1 : 0;
+  return later + offset;
+}
+
+/// Post-norm:   x = LN(SA(x) + x);   x = LN(W2 act(W1 x) + x)
+template <Backend B, class Keys>
+struct BertLayer {
+  Linear<B> query, key, value, attended;
+  LayerNorm<B> attended_norm;
+  Linear<B> up, down;
+  LayerNorm<B> norm;
+  Index heads = 1;
+  Activation activation = Activation::gelu;
+
+  static constexpr auto fields() {
+    using M = BertLayer;
+    return motionlang::fields(Keys::query, &M::query, Keys::key, &M::key, Keys::value, &M::value, Keys::attended,
+                              &M::attended, Keys::attended_norm, &M::attended_norm, Keys::up, &M::up, Keys::down,
+                              &M::down, Keys::norm, &M::norm, "heads", &M::heads, "activation", &M::activation);
+  }
+  BertLayer() = default;
+  BertLayer(const BertConfig& c, Rng auto& rng)
+      : query(c.width, c.width, rng),
+        key(c.width, c.width, rng),
+        value(c.width, c.width, rng),
+        attended(c.width, c.width, rng),
+        attended_norm(c.width),
+        up(c.width, c.d_ff, rng),
+        down(c.d_ff, c.width, rng),
+        norm(c.width),
+        heads(c.heads),
+        activation(c.activation) {
+    check_heads(c.width, c.heads);
+    attended_norm.eps = norm.eps = c.eps;
+  }
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores) const {
+    const auto a = attention(query(x), key(x), value(x), offsets, offsets, {.heads = heads}, relative_scores);
+    const auto y = attended_norm(attended(a, Activation::none, &x));
+    return norm(down(up(y, activation), Activation::none, &y));
+  }
+};
+
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. In evaluation mode,
+///         without pooler and heads.
+template <Backend B, class Keys>
+struct BertNetwork {
+  Embedding<B> words, positions;
+  std::optional<Embedding<B>> token_types, relative_scores;
+  LayerNorm<B> norm;
+  std::vector<BertLayer<B, Keys>> layers;
+  Index padding = 0;
+
+  static constexpr auto fields() {
+    using M = BertNetwork;
+    return motionlang::fields("embeddings.word_embeddings", &M::words, "embeddings.position_embeddings", &M::positions,
+                              "embeddings.token_type_embeddings", &M::token_types, "embeddings.LayerNorm", &M::norm,
+                              Keys::layers, &M::layers, "encoder.relative_attention_bias", &M::relative_scores,
+                              "padding", &M::padding);
+  }
+  using Config = BertConfig;
+  using keys = Keys;
+
+  BertNetwork() = default;
+  BertNetwork(const BertConfig& c, Rng auto& rng)
+      : words(c.vocabulary, c.width, rng, 0.02),
+        positions(c.positions, c.width, rng, 0.02),
+        norm(c.width),
+        padding(c.padding) {
+    norm.eps = c.eps;
+    if (Keys::token_types) token_types.emplace(c.token_types, c.width, rng, 0.02);
+    if (Keys::relative_scores) relative_scores.emplace(c.buckets, c.heads, rng, 0.02);
+    for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
+  }
+
+  /// Ids of the longest text that there are positions for.
+  Index longest() const { return positions.weight.size(0) - first_position(); }
+
+  /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long, shape_error 203 for
+  /// an unknown id.
+  TextFeatures<B> operator()(const TokenBatch& batch) const {
+    const Offsets offsets = token_offsets(batch);
+    if (offsets.longest() > longest())
+      raise<config_error>(101, Keys::model_type, ": a text of ", offsets.longest(), " pieces; there are positions for ",
+                          longest(), " (let the tokenizer cut it)");
+    auto x = words(batch.ids) + positions(position_ids(batch));
+    if (token_types) x = x + slice(token_types->weight, 0, 0, 1);
+    x = norm(x);
+    std::optional<Tensor<B, 2>> scores;
+    if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
+    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr);
+    return {{x, offsets}};
+  }
+
+ private:
+  Index first_position() const { return Keys::positions_behind_padding ? padding + 1 : 0; }
+
+  std::vector<Index> position_ids(const TokenBatch& batch) const {
+    std::vector<Index> out;
+    for (Index length : batch.lengths) {
+      Index next = first_position();
+      for (Index i = 0; i < length; ++i) {
+        const bool padded = Keys::positions_behind_padding && batch.ids[out.size()] == padding;
+        out.push_back(padded ? padding : next++);
+      }
+    }
+    return out;
+  }
+  /// (heads, 2 n - 1): for the distances -(n - 1) ... n - 1.
+  Tensor<B, 2> scores_of_distances(Index n) const {
+    PoolVector<Index> buckets;
+    for (Index r = 1 - n; r < n; ++r) buckets.push_back(mpnet_bucket(r));
+    return transpose(gather(relative_scores->weight, buckets));
+  }
+};
+
+template <Backend B>
+using DistilBert = BertNetwork<B, DistilBertKeys>;
+template <Backend B>
+using Bert = BertNetwork<B, BertKeys>;
+template <Backend B>
+using Mpnet = BertNetwork<B, MpnetKeys>;
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// Where the texts of a batch of ids begin.
+#pragma once
+
+#include <motionlang/core/offsets.hpp>
+#include <motionlang/text/tokenizer.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Throws shape_error 207 if the lengths are not those of the ids.
+inline Offsets token_offsets(const TokenBatch& batch) {
+  Offsets offsets(batch.lengths);
+  if (offsets.rows() != static_cast<Index>(batch.ids.size()))
+    raise<shape_error>(207, "TokenBatch: lengths of ", offsets.rows(), " ids, there are ", batch.ids.size());
+  return offsets;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

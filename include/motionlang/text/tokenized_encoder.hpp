@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// A tokenizer and a network make a text encoder.
+///
+///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});         // MDM, STMC
+///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));           // TEMOS, TMR
+///     const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
+///                                      {.pooling = Pooling::mean, .normalize = true});
+#pragma once
+
+#include <motionlang/nn/pooling.hpp>
+#include <motionlang/text/text_encoder.hpp>
+#include <motionlang/text/tokenizer.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct TextOptions {
+  Pooling pooling = Pooling::none;
+  bool normalize = false;  // pooled vectors get the length 1
+  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding
+  Index padding = 0;       // the id to fill up with
+};
+
+/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices for the vector
+/// of the end token, and `project(rows)`, through which that vector goes.
+template <Tokenizer T, class Network>
+struct TokenizedEncoder {
+  T tokenizer;
+  Network network;
+  TextOptions options{};
+
+  TokenizedEncoder(T t, Network n, const TextOptions& o = {})
+      : tokenizer(std::move(t)), network(std::move(n)), options(o) {}
+
+  template <Backend B>
+  requires requires(const Network& n, const TokenBatch& batch) {
+    { n(batch) } -> std::same_as<TextFeatures<B>>;
+  }
+  TextFeatures<B> encode(std::span<const std::string> texts) const {
+    TokenBatch batch = tokenize(tokenizer, texts);
+    if (options.width > 0) {
+      batch.ids = batch.padded(options.padding, options.width);
+      batch.lengths.assign(batch.lengths.size(), options.width);
+    }
+    if (options.pooling == Pooling::none) return network(batch);
+    const bool end = options.pooling == Pooling::end;
+    if constexpr (requires { network.until_end(batch); }) {
+      if (end) batch = network.until_end(batch);
+    }
+    auto rows = pool(network(batch), options.pooling);
+    if constexpr (requires { network.project(rows); }) {
+      if (end) rows = network.project(rows);
+    }
+    return TextFeatures<B>::pooled(options.normalize ? normalize_rows(rows) : rows);
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,110 @@
+// Word vectors with parts of speech: look-up, tags, frames, captions, files.
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include <motionlang/backend/reference.hpp>
+#include <motionlang/io/glove_file.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+using B = ml::ReferenceBackend<double>;
+using ml::Index;
+
+namespace {
+
+const std::vector<std::string> words{"sos", "eos", "unk", "a", "man", "walk", "left", "dance", "blue"};
+
+std::vector<float> numbers() {
+  std::vector<float> out;
+  for (int i = 0; i < 18; ++i) out.push_back(static_cast<float>(i));
+  return out;
+}
+ml::GloVe small() { return ml::GloVe(words, numbers(), 2); }
+
+/// A pickle of protocol 2: a list, or a dictionary from word to row.
+std::string pickled(const std::vector<std::string>& list, bool rows) {
+  std::string out = rows ? "\x80\x02}(" : "\x80\x02](";
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    out += 'X';
+    out += static_cast<char>(list[i].size());
+    out.append(3, '\0');
+    out += list[i];
+    if (rows) out += std::string("K") + static_cast<char>(i);
+  }
+  return out + (rows ? "u." : "e.");
+}
+
+}  // namespace
+
+TEST_CASE("words and tags") {
+  const auto g = small();
+  CHECK(g.vector("man")[0] == 8);
+  CHECK(g.vector("unheard")[1] == 5);  // of unk
+  using enum ml::SpeechTag;
+  CHECK(g.tag({"man", "NOUN"}) == noun);
+  CHECK(g.tag({"walk", "NOUN"}) == act);  // the lists come first
+  CHECK(g.tag({"left", "VERB"}) == loc);
+  CHECK(g.tag({"blue", "COLOUR"}) == other);
+  CHECK(g.tag({"arm", "NOUN"}) == other);  // not in the vocabulary
+  CHECK(g.tag({"sos", "OTHER"}) == other);
+  CHECK(ml::motion_tag("feet") == body);
+  CHECK(ml::motion_tag("raise") == act);
+  CHECK_FALSE(ml::motion_tag("and").has_value());  // only whole words
+  CHECK(ml::speech_tag("Desc_VIP") == desc);
+}
+
+TEST_CASE("rows of a text: sos, words, eos; at most twenty words") {
+  const auto g = small();
+  const std::vector<std::string> texts{"a/DET man/NOUN walk/VERB", ""};
+  const auto t = g.encode<B>(texts);
+  CHECK(t.tokens.offsets == ml::Offsets{5, 2});
+  CHECK(t.tokens.width() == 17);
+  const auto row = t.tokens.rows.to_vector();
+  CHECK(row[2 * 17] == 8);
+  CHECK(row[2 * 17 + 2 + 1] == 1);   // NOUN
+  CHECK(row[3 * 17 + 2 + 12] == 1);  // Act_VIP
+  CHECK(std::accumulate(row.begin() + 17 + 2, row.begin() + 2 * 17, 0.0) == 1);
+  std::string many;
+  for (int i = 0; i < 30; ++i) many += " a/DET";
+  CHECK(g.encode<B>(std::vector<std::string>{many}).tokens.rows.size(0) == 22);
+  CHECK_ERROR(g.tokens("a/DET man"), "[motionlang.config.107]");
+  CHECK_ERROR(g.tokens("a/b/c"), "[motionlang.config.107]");
+}
+
+TEST_CASE("captions without tags: known forms of words") {
+  const auto g = small();
+  std::vector<std::string> forms;
+  for (const auto& w : g.tokens("A man walks, dancing and DANCED; walked zigzags")) forms.push_back(w.word);
+  CHECK(forms == std::vector<std::string>{"a", "man", "walk", "dance", "and", "dance", "walk", "zigzags"});
+}
+
+TEST_CASE("the three files") {
+  const TemporaryFolder folder;
+  const std::string stem = (folder / "our_vab").string();
+  const auto write = [&](const std::vector<std::string>& list, const std::vector<std::string>& places) {
+    const auto n = numbers();
+    ml::write_npy(stem + "_data.npy", ml::NpyArray::of(std::span<const float>(n), {9, 2}));
+    ml::write_file(stem + "_words.pkl", std::string_view(pickled(list, false)));
+    ml::write_file(stem + "_idx.pkl", std::string_view(pickled(places, true)));
+    return ml::read_glove(stem);
+  };
+  CHECK(write(words, words).vector("left")[0] == 12);
+  auto other = words;
+  other[4] = "woman";
+  CHECK_ERROR(write(other, words), "[motionlang.io.403]");
+  other.pop_back();
+  CHECK_ERROR(write(words, other), "[motionlang.io.403]");
+}
+
+TEST_CASE("vocabularies that cannot be are refused") {
+  CHECK_ERROR(ml::GloVe(words, numbers(), 3), "[motionlang.shape.205]");
+  auto twice = words;
+  twice[5] = "man";
+  CHECK_ERROR(ml::GloVe(twice, numbers(), 2), "[motionlang.config.103]");
+  auto without = words;
+  without[2] = "unknown";
+  CHECK_ERROR(ml::GloVe(without, numbers(), 2), "[motionlang.config.103]");
+}
