@@ -12,13 +12,14 @@
 
 #include "commands.hpp"
 #include "motion_files.hpp"
+#include "weights.hpp"
 
 namespace program {
 
 namespace {
 
 struct Options {
-  std::string in, out;
+  std::string in, out, tensors;
   MotionReadOptions read;
   RigOptions rig;
   double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
@@ -65,6 +66,7 @@ std::filesystem::path name_of(const std::filesystem::path& out, std::string name
 }
 
 void run(const Options& o) {
+  if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors);
   const auto motions = read_motions(o.in, o.read);
   if (!o.rig.file.empty()) {  // one file with all of them
     std::vector<ml::Motion> made;
@@ -82,9 +84,9 @@ void run(const Options& o) {
 }
 
 void add_input(CLI::App& c, Options& o) {
-  c.add_option("input", o.in, "Motion: .bvh, .amc, .npz (AMASS) or .glb (every animation)")
+  c.add_option("input", o.in, "Motion: .bvh, .amc, .npz (AMASS) or .glb (every animation); for convert also weights")
       ->required()
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingPath);
   c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -107,11 +109,15 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
 
 void add_convert(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("convert", "Reads a motion and writes it in another format, edited if you like");
+  CLI::App* c = app.add_subcommand(
+      "convert", "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
   add_input(*c, *o);
   c->add_option("output", o->out,
-                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg (film strip)")
+                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg (film strip); "
+                "of weights .safetensors")
       ->required();
+  c->add_option("--tensors", o->tensors,
+                "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
   c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")
       ->check(CLI::PositiveNumber);
   c->add_option("--from", o->from, "Begin, seconds")->check(CLI::NonNegativeNumber);

@@ -4,37 +4,16 @@
 #include <filesystem>
 
 #include <motionlang/io/amass.hpp>
-#include <motionlang/io/safetensors.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "commands.hpp"
 #include "motion_files.hpp"
 #include "timelines.hpp"
+#include "weights.hpp"
 
 namespace program {
 
 namespace {
-
-void weights(const std::string& path) {
-  const auto file = ml::SafetensorsFile::open(path);
-  ml::Index numbers = 0;
-  std::size_t bytes = 0;
-  for (const auto& t : file.tensors()) {
-    numbers += t.shape.count();
-    bytes += t.bytes.size();
-  }
-  std::printf("%s: %zu tensors, %td numbers, %.1f MB\n", path.c_str(), file.tensors().size(), numbers,
-              static_cast<double>(bytes) * 1e-6);
-  for (const auto& [key, value] : file.metadata()) {
-    const bool list = value.find('\n') != std::string::npos;
-    if (list)
-      std::printf("  %-24s (%td lines)\n", key.c_str(), std::count(value.begin(), value.end(), '\n') + 1);
-    else
-      std::printf("  %-24s %s\n", key.c_str(), value.c_str());
-  }
-  for (const auto& t : file.tensors())
-    std::printf("  %-60s %-5s %s\n", t.name.c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
-}
 
 void motion(const std::string& path, const ml::Motion& m) {
   std::printf("%s: %td frames, %g frames per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
@@ -67,9 +46,10 @@ void joints(const std::string& path) {
 
 void run(const std::string& path) {
   const std::string kind = kind_of(path);
-  if (kind == ".safetensors") return weights(path);
-  if (kind == ".npy") return joints(path);
-  if (kind == ".bvh" || kind == ".npz" || kind == ".glb" || kind == ".amc") {
+  if (kind == ".npy" && holds_joints(path)) return joints(path);
+  const bool motion_file = kind == ".npz" && holds_motion(path);
+  if (!motion_file && kind != ".glb" && is_weights(path)) return show_weights(path);
+  if (kind == ".bvh" || motion_file || kind == ".glb" || kind == ".amc") {
     const auto motions = read_motions(path);
     if (motions.size() > 1) {
       std::printf("%zu animations\n", motions.size());
@@ -91,8 +71,9 @@ void run(const std::string& path) {
 void add_info(CLI::App& app) {
   const auto path = std::make_shared<std::string>();
   CLI::App* c = app.add_subcommand(
-      "info", "Shows what a file holds: weights (.safetensors), motion (.bvh .amc .glb .npz .npy), or a timeline");
-  c->add_option("file", *path, "The file")->required()->check(CLI::ExistingFile);
+      "info", "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), motion (.bvh .amc .glb "
+      ".npz .npy), or a timeline");
+  c->add_option("file", *path, "The file")->required()->check(CLI::ExistingPath);
   c->callback([path] { run(*path); });
 }
 

@@ -1,0 +1,68 @@
+#include "weights.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <motionlang/io/weight_file.hpp>
+
+#include "motion_files.hpp"
+
+namespace program {
+
+namespace {
+
+std::string summary(const ml::WeightFile& file) {
+  ml::Index numbers = 0;
+  std::size_t bytes = 0;
+  for (const auto& t : file.tensors()) {
+    numbers += t.shape.count();
+    bytes += t.bytes.size();
+  }
+  char megabytes[32];
+  std::snprintf(megabytes, sizeof megabytes, "%.1f MB", static_cast<double>(bytes) * 1e-6);
+  return ml::concat_text(file.tensors().size(), " tensors, ", numbers, " numbers, ", megabytes, ", ", file.format());
+}
+
+}  // namespace
+
+bool is_weights(const std::filesystem::path& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".safetensors" || kind == ".pkl" || ml::may_be_weights(path);
+}
+bool holds_motion(const std::filesystem::path& npz) { return ml::NpzArchive::open(npz).has("poses"); }
+bool holds_joints(const std::filesystem::path& npy) {
+  const auto shape = ml::detail::npy_parts(ml::MappedFile::open(npy)->bytes(), npy.string()).header.shape;
+  return shape.size() == 3 && shape.back() == 3;
+}
+
+void show_weights(const std::filesystem::path& path) {
+  const auto file = ml::open_weights(path);
+  std::printf("%s: %s\n", path.c_str(), summary(file).c_str());
+  for (const ml::FileValue& v : file.values()) {
+    const std::string text = to_string(v);
+    const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
+    if (lines > 1)
+      std::printf("  %-24s (%td lines)\n", v.path.c_str(), lines);
+    else
+      std::printf("  %-24s %s\n", v.path.c_str(), text.c_str());
+  }
+  for (const auto& t : file.tensors())
+    std::printf("  %-60s %-5s %s\n", t.name.c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
+  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", name.c_str());
+}
+
+void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys) {
+  ml::WeightOptions options;
+  if (!keys.empty()) options.path = keys;
+  const auto file = ml::open_weights(in, options);
+  std::map<std::string, std::string> metadata;
+  for (const ml::FileValue& v : file.values()) {
+    if (ml::is_utf8(v.path)) metadata[v.path] = to_string(v);
+  }
+  metadata["format"] = "pt";
+  ml::write_safetensors(out, file.tensors(), metadata);
+  std::printf("%s: %s\n", out.c_str(), summary(file).c_str());
+  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", name.c_str());
+}
+
+}  // namespace program

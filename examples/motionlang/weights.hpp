@@ -1,0 +1,19 @@
+// Files of weights, whatever their format: shown, and written as safetensors.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace program {
+
+/// Whether a file, or a folder, is to be read as weights.
+bool is_weights(const std::filesystem::path& path);
+/// Of NumPy's files: whether they are motions or joint positions rather than weights.
+bool holds_motion(const std::filesystem::path& npz);
+bool holds_joints(const std::filesystem::path& npy);
+
+void show_weights(const std::filesystem::path& path);
+/// `keys` lead to the tensors in the file; found unless given.
+void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys);
+
+}  // namespace program
