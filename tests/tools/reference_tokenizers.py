@@ -12,7 +12,9 @@ import gzip, html, html.entities, json, pathlib, re, sys, unicodedata
 import regex
 
 DATA = pathlib.Path(sys.argv[1])
-ROWS = json.loads((pathlib.Path(__file__).parent.parent / "unit/text/data/tokenizer_strings.json").read_text())
+STORED = pathlib.Path(__file__).parent.parent / "unit/text/data"
+ROWS = json.loads((STORED / "tokenizer_strings.json").read_text())
+FRAGMENTS = json.loads((STORED / "tokenizer_fragments.json").read_text())
 category = unicodedata.category
 # The White_Space property.
 SPACES = set("\t\n\v\f\r \x85\xa0\u1680\u2028\u2029\u202f\u205f\u3000") | {chr(c) for c in range(0x2000, 0x200B)}
@@ -152,8 +154,7 @@ def byte_symbols():
 
 
 class Clip:
-    pattern = regex.compile(r"<\|startoftext\|>|<\|endoftext\|>|'s|'t|'re|'ve|'m|'ll|'d|[\p{L}]+|[\p{N}]|[^\s\p{L}\p{N}]+",
-                            regex.IGNORECASE)
+    pattern = (r"<\|startoftext\|>|<\|endoftext\|>|'s|'t|'re|'ve|'m|'ll|'d|[\p{L}]+|[\p{N}]|[^\s\p{L}\p{N}]+")
 
     def __init__(self, lines, hugging_face=False):
         merges = [tuple(line.split()) for line in lines[1:49152 - 256 - 2 + 1]]
@@ -173,7 +174,7 @@ class Clip:
         else:
             text = html.unescape(html.unescape(repaired(text))).strip()
             text = regex.sub(r"\s+", " ", text).strip().lower()
-        return regex.findall(self.pattern, text)
+        return regex.findall(self.pattern, text, 0 if self.hugging_face else regex.IGNORECASE)
 
     def word(self, word):
         if word in self.special:
@@ -219,6 +220,20 @@ def decorated(i, caption):
     return caption[:at] + ROWS[i % len(ROWS)]["text"] + caption[at:]
 
 
+def mixed(count):
+    """Texts of 1 to 12 fragments: entities and their parts, marks, controls, ..."""
+    state = 1
+
+    def below(n):
+        nonlocal state
+        state = (state * 1664525 + 1013904223) % 2**32
+        return (state >> 16) % n
+
+    for _ in range(count):
+        size = 1 + below(12)
+        yield "".join([FRAGMENTS[below(len(FRAGMENTS))] for _ in range(size)])
+
+
 vocabulary = (DATA / "tokenizers/bert_vocab.txt").read_text(encoding="utf-8").split("\n")[:-1]
 bert = Bert(vocabulary, "[CLS]", "[SEP]", ["[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]"])
 mpnet = Bert(["<s>", "<pad>", "</s>", "<unk>", *vocabulary, "<mask>"], "<s>", "</s>",
@@ -235,7 +250,8 @@ for row in ROWS:
 
 captions = [a["text"] for entry in json.loads((DATA / "text/kitml-annotations.json").read_text()).values()
             for a in entry["annotations"]]
-sets = {"captions": captions, "decorated": [decorated(i, c) for i, c in enumerate(captions)]}
+sets = {"captions": captions, "decorated": [decorated(i, c) for i, c in enumerate(captions)],
+        "mixed": list(mixed(50000))}
 for set_name, texts in sets.items():
     for name, tokenizer in [("bert", bert), ("mpnet", mpnet), ("clip", clip), ("clip_hf", clip_hf)]:
         print(set_name, name, digest(tokenizer, texts), flush=True)

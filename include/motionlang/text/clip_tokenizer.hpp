@@ -343,8 +343,8 @@ class ClipTokenizer {
     return pieces;
   }
 
-  /// What a word may begin with, in the order in which it is tried; the long s counts as s, as without case.
-  static std::size_t literal_at(std::string_view text) {
+  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s is an s.
+  std::size_t literal_at(std::string_view text) const {
     if (text.front() != '<' && text.front() != '\'') return 0;
     for (const std::string_view literal :
          {"<|startoftext|>", "<|endoftext|>", "'s", "'t", "'re", "'ve", "'m", "'ll", "'d"}) {
@@ -352,12 +352,12 @@ class ClipTokenizer {
     }
     return 0;
   }
-  static std::size_t folded_prefix(std::string_view text, std::string_view literal) {
+  std::size_t folded_prefix(std::string_view text, std::string_view literal) const {
     std::size_t at = 0;
     for (const char c : literal) {
       if (at < text.size() && text[at] == c)
         ++at;
-      else if (c == 's' && text.substr(at).starts_with("\xC5\xBF"))
+      else if (c == 's' && options_.cleaning == ClipCleaning::original && text.substr(at).starts_with("\xC5\xBF"))
         at += 2;
       else
         return 0;
@@ -365,18 +365,22 @@ class ClipTokenizer {
     return at;
   }
 
-  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space.
+  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in the original:
+  /// it is no letter, but without case it is the iota, which is one, so that neither kind of run takes it.
   void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const {
-    constexpr unsigned kinds = CharClass::letter | CharClass::number | CharClass::white_space;
+    const auto kind_of = [&](char32_t c) {
+      if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
+      return char_class(c) & (CharClass::letter | CharClass::number | CharClass::white_space);
+    };
     for (std::size_t at = 0; at < text.size();) {
       const std::size_t begin = at;
       if (const std::size_t size = literal_at(text.substr(at)); size != 0) {
         at += size;
       } else {
-        const unsigned kind = char_class(decode_utf8(text, at)) & kinds;
+        const unsigned kind = kind_of(decode_utf8(text, at));
         if (kind == CharClass::white_space) continue;
         for (std::size_t next = at; kind != CharClass::number && at < text.size(); at = next) {
-          if ((char_class(decode_utf8(text, next)) & kinds) != kind) break;
+          if (kind_of(decode_utf8(text, next)) != kind) break;
         }
       }
       append_word(ids, text.substr(begin, at - begin), cache);

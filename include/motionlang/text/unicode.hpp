@@ -132,6 +132,7 @@ inline char32_t composed(char32_t first, char32_t second) {
 
 /// Canonical decomposition with marks in canonical order.
 inline std::u32string nfd(std::u32string_view text) {
+  if (std::all_of(text.begin(), text.end(), [](char32_t c) { return c < 0xC0; })) return std::u32string(text);
   std::u32string out;
   out.reserve(text.size());
   for (const char32_t c : text) detail::append_decomposed(out, c);
@@ -147,6 +148,7 @@ inline std::u32string nfd(std::u32string_view text) {
 
 /// Canonical composition.
 inline std::u32string nfc(std::u32string_view text) {
+  if (std::all_of(text.begin(), text.end(), [](char32_t c) { return c < 0x300; })) return std::u32string(text);
   std::u32string out = nfd(text);
   std::size_t size = 0, starter = 0;
   bool has_starter = false;

@@ -155,3 +155,23 @@ TEST_CASE("published tokenizers: 12,164 captions of KIT-ML") {
   CHECK(digest(decorated, clip) == "12164 texts, 248324 ids, 76ac03d000e008c2");
   CHECK(digest(decorated, clip_hf) == "12164 texts, 262826 ids, 81e10dacee1ecc0e");
 }
+
+TEST_CASE("published tokenizers: 50,000 mixtures of entities, marks, controls and words") {
+  const Published* p = published();
+  if (p == nullptr) return;
+  const auto fragments =
+      ml::read_json(MOTIONLANG_TEXT_TEST_DATA "/tokenizer_fragments.json").get<std::vector<std::string>>();
+  std::uint32_t state = 1;
+  const auto below = [&](std::size_t n) {
+    state = state * 1664525u + 1013904223u;
+    return (state >> 16) % n;
+  };
+  std::vector<std::string> mixed(50000);
+  for (std::string& text : mixed) {
+    for (std::size_t size = 1 + below(12); size > 0; --size) text += fragments[below(fragments.size())];
+  }
+  CHECK(digest(mixed, [&](const std::string& t) { return p->bert.encode(t); }) == "50000 texts, 475137 ids, 7479e1c8831d241e");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->mpnet.encode(t); }) == "50000 texts, 478938 ids, b01e54937f3dc874");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->clip.encode_words(t); }) == "50000 texts, 522208 ids, bb6a813b4c929f92");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->clip_hf.encode_words(t); }) == "50000 texts, 647995 ids, 77c15c94ae18f43f");
+}

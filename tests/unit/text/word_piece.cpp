@@ -1,4 +1,5 @@
 // The word-piece tokenizer: learning, encoding, texts that hurt.
+#include <motionlang/text/tokenizer.hpp>
 #include <motionlang/text/word_piece.hpp>
 
 #include "../../support/check_error.hpp"
@@ -7,6 +8,8 @@ namespace ml = motionlang;
 using ml::Index, ml::WordPiece;
 using Ids = std::vector<Index>;
 using Words = std::vector<std::string>;
+
+static_assert(ml::Tokenizer<WordPiece>);
 
 namespace {
 
