@@ -5,6 +5,7 @@
 Classes of PyTorch are stood in for by empty ones of the same names, which is all that a pickle records. spec_*: files that torch 1.13
 and joblib 1.2 wrote, from the specification; they are not made here.
 """
+import gzip
 import io
 import os
 import pickle
@@ -165,3 +166,4 @@ write('count_legacy.pt', legacy({'w': tensor(Storage(torch.FloatStorage, '1', 1 
 
 joblib = open(os.path.join(folder, 'spec_joblib.pkl'), 'rb').read()
 write('joblib_packed.pkl', zlib.compress(joblib))
+write('joblib_gzip.pkl', gzip.compress(joblib, mtime=0))

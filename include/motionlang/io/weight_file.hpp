@@ -17,6 +17,7 @@
 #include <set>         // skipped classes
 
 #include <motionlang/io/file_value.hpp>
+#include <motionlang/io/gzip.hpp>
 #include <motionlang/io/npz.hpp>
 #include <motionlang/io/pickle_arrays.hpp>
 #include <motionlang/io/safetensors.hpp>
@@ -390,7 +391,8 @@ inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::s
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   if (text.size() > 8 && text[8] == '{') return load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
-  return text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") || text.starts_with('\x80') || is_zlib(bytes);
+  return text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") || text.starts_with('\x80') ||
+         is_zlib(bytes) || is_gzip(bytes);
 }
 
 /// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
@@ -447,6 +449,13 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
     memory->spend(unpacked.size());
     read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
+  } else if (is_gzip(bytes)) {
+    const auto declared =
+        detail::load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
+    memory->spend(2 * std::uint64_t{declared});
+    const std::string& unpacked = memory->keep(gunzip(bytes, name));
+    read_torch(TorchFile::from_pickle(
+        Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
   } else if (detail::begins_pickle(text)) {
     read_torch(TorchFile::from_pickle(Pickle(bytes, name, {.inline_bytes = joblib_array_bytes}), memory));
   } else {

@@ -112,7 +112,7 @@ TEST_CASE("TorchScript: paths of attributes are the names") {
 }
 
 TEST_CASE("joblib dumps, packed or not; pickles of SMPL") {
-  for (const char* name : {"spec_joblib.pkl", "joblib_packed.pkl"}) {
+  for (const char* name : {"spec_joblib.pkl", "joblib_packed.pkl", "joblib_gzip.pkl"}) {
     CAPTURE(name);
     const auto file = open(name);
     CHECK(file.format() == "joblib");
