@@ -82,7 +82,8 @@ TEST_CASE("a file of 2 GB that claims much is refused in 10 ms and 1 MB") {
       {"array", "\x93NUMPY\x02" + std::string(1, '\0') + std::string("\xff\xff\xff\x7f")},
       {"packed", "\x78\x9c\x04"},
       {"zeros", ""}};
-  for (const auto& [what, begin] : attacks) {
+  for (const auto& attack : attacks) {  // no structured binding: Clang 14 does not let CAPTURE have one
+    const std::string &what = attack.first, &begin = attack.second;
     CAPTURE(what);
     write(folder / "attack", begin, size);
     const Cost first = cost_of(folder / "attack"), cost = cost_of(folder / "attack");
@@ -136,7 +137,8 @@ TEST_CASE("hostile files cost at most twice their size and 64 MiB") {
       {"names", "\x80\x02(" + repeated("ca\nb\n)R", size) + "t."},
       {"tensors of safetensors", number(tensors.size()) + tensors},
       {"metadata of safetensors", number(metadata.size()) + metadata}};
-  for (const auto& [what, bytes] : attacks) {
+  for (const auto& attack : attacks) {
+    const std::string &what = attack.first, &bytes = attack.second;
     CAPTURE(what);
     ml::write_file(folder / "attack", bytes);
     const Cost cost = cost_of(folder / "attack");
