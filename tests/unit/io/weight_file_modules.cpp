@@ -15,7 +15,7 @@ std::filesystem::path golden(const std::string& name) {
   return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "golden/cases/containers" / name;
 }
 ml::Linear<B> linear(ml::Index in, ml::Index out) {
-  ml::Philox rng(1);
+  ml::Philox rng{1};
   return {in, out, rng};
 }
 
