@@ -1,6 +1,6 @@
-"""The peer in PyTorch: the same work as bench_denoiser, bench_kinematics and bench_body, with random weights.
+"""The peer in PyTorch: the same work as bench_denoiser, bench_kinematics, bench_body and bench_text, with random weights.
 
-usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl]
+usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text]
 Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster.
 """
 import os, sys, time
@@ -143,6 +143,64 @@ def smpl():
             report("smpl", f"B={n}", "torch", lambda: smpl_forward(*model, betas, pose), 4)
 
 
-WORKS = {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl}
+class TextEncoder(nn.Module):
+    """DistilBERT on torch's own transformer, which takes its fused path here."""
+
+    def __init__(self, batch_first):
+        super().__init__()
+        self.batch_first = batch_first
+        self.words, self.positions, self.norm = nn.Embedding(30522, 768), nn.Embedding(512, 768), nn.LayerNorm(768)
+        layer = nn.TransformerEncoderLayer(768, 12, 3072, 0.1, "gelu", batch_first=batch_first)
+        self.layers = nn.TransformerEncoder(layer, 6)
+
+    def forward(self, ids):
+        x = self.norm(self.words(ids) + self.positions.weight[: ids.shape[1]])
+        return self.layers(x) if self.batch_first else self.layers(x.transpose(0, 1)).transpose(0, 1)
+
+
+def distilbert():
+    for b in (1, 32):
+        for name, batch_first in LAYOUTS:
+            model, ids = TextEncoder(batch_first).eval(), torch.randint(0, 30000, (b, 32))
+            with torch.no_grad():
+                report("distilbert", f"B={b} T=32", name, lambda: model(ids), 3)
+
+
+class ClipBlock(nn.Module):
+    """As in OpenAI's CLIP."""
+
+    def __init__(self, batch_first):
+        super().__init__()
+        self.attn, self.ln_1, self.ln_2 = nn.MultiheadAttention(512, 8, batch_first=batch_first), nn.LayerNorm(512), nn.LayerNorm(512)
+        self.fc, self.proj = nn.Linear(512, 2048), nn.Linear(2048, 512)
+
+    def forward(self, x, mask):
+        y = self.ln_1(x)
+        x = x + self.attn(y, y, y, need_weights=False, attn_mask=mask)[0]
+        h = self.fc(self.ln_2(x))
+        return x + self.proj(h * torch.sigmoid(1.702 * h))
+
+
+def clip_text():
+    mask = torch.full((77, 77), float("-inf")).triu(1)
+    for b in (1, 8):
+        for name, batch_first in LAYOUTS:
+            words, positions = nn.Embedding(49408, 512), torch.randn(77, 512)
+            blocks, last = nn.ModuleList(ClipBlock(batch_first) for _ in range(12)).eval(), nn.LayerNorm(512)
+            ids = torch.randint(0, 49000, (b, 77))
+
+            def run():
+                x = words(ids) + positions
+                x = x if batch_first else x.transpose(0, 1)
+                for block in blocks:
+                    x = block(x, mask)
+                return last(x)
+
+            with torch.no_grad():
+                report("clip_text", f"B={b} T=77", name, run, 3)
+
+
+WORKS = {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl,
+         "distilbert": distilbert, "clip_text": clip_text}
 for wanted in sys.argv[2:] or WORKS:
     WORKS[wanted]()

@@ -1,8 +1,12 @@
-// The caption encoder, and one as a user would write it.
+// The caption encoder, published networks behind a tokenizer, and one as a user would write it.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
+
+#include <motionlang/text/bert.hpp>
+#include <motionlang/text/clip_text.hpp>
+#include <motionlang/text/tokenized_encoder.hpp>
 
 #include "../support/small_modules.hpp"
 #include "text_encoder_laws.hpp"
@@ -33,4 +37,14 @@ TEST_CASE_TEMPLATE("laws of text encoders", B, ml::ReferenceBackend<double>, ml:
                    ml::XtensorBackend<float>, ml::Autodiff<ml::EigenBackend<float>>) {
   laws::text_encoder_laws<B>(modules::Small<ml::CaptionEncoder>::make<B>(ml::Philox{.seed = 1}));
   laws::text_encoder_laws<B>(LettersPerWord{});
+
+  const std::vector<std::string> captions{"walk forward", "raise both arms", "sit down", "walk and sit down"};
+  const auto pieces = ml::WordPiece::learn(captions, 40);
+  ml::Philox rng{.seed = 2};
+  const ml::BertConfig bert{.vocabulary = 40, .width = 8, .heads = 2, .d_ff = 12, .layers = 1, .positions = 64};
+  const ml::ClipTextConfig clip{.vocabulary = 40, .width = 8, .heads = 2, .d_ff = 12, .layers = 1, .context = 64, .out = 5};
+  laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::DistilBert<B>(bert, rng)));
+  laws::text_encoder_laws<B>(
+      ml::TokenizedEncoder(pieces, ml::Mpnet<B>(bert, rng), {.pooling = ml::Pooling::mean, .normalize = true}));
+  laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::ClipText<B>(clip, rng), {.pooling = ml::Pooling::end}));
 }

@@ -70,7 +70,8 @@ Dense<S> EigenBackend<S>::log(tensor a) {
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::sqrt(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sqrt(); });
+  // Eigen's own root of a packet is rounded otherwise than its root of a single number
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.unaryExpr([](S v) { return std::sqrt(v); }); });
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::tanh(tensor a) {
