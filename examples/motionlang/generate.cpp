@@ -103,11 +103,14 @@ void add_generate(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--noise", o->settings.noise_file,
                 "safetensors file with noise/000 (initial), noise/001, ... instead of the seed");
+  c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
+              "A text is cut where another takes body parts from it or gives them back; without, one crop as published")
+      ->capture_default_str();
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away, and jerks where texts meet")
       ->capture_default_str();
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet,
-              "Feet that stand do not slide; with --no-smooth --no-fix-feet the motion is the model's own, as other "
-              "programs make it from --noise")
+              "Feet that stand do not slide; with --no-cut-texts --no-smooth --no-fix-feet the motion is the "
+              "model's own, as other programs make it from --noise")
       ->capture_default_str();
   c->add_option("--backend", o->backend, "What to calculate with")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))

@@ -22,6 +22,7 @@ struct GenerationSettings {
   std::string sampler = "ddpm";      // or ddim
   std::optional<double> guidance{};  // the model's own unless given
   double overlap = 0.5;              // seconds around a cut
+  bool cut_texts = true;             // where another text takes body parts from them or gives them back
   bool smooth = true;                // no trembling, no jerk where texts meet
   bool fix_feet = true;              // feet that stand do not slide
   std::string noise_file{};          // noise/000, noise/001, ... instead of the seed

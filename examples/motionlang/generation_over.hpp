@@ -1,6 +1,7 @@
 // The Generator over one backend.
 #pragma once
 
+#include <motionlang/compose/handovers.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/io/stmc_file.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -27,8 +28,12 @@ class GeneratorOver final : public Generator {
     options.sampling->sampler =
         s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
     options.progress = progress;
-    const auto features = s.noise_file.empty() ? model_.generate(timelines, ml::Philox{.seed = s.seed}, options)
-                                               : model_.generate_from(timelines, noise_from(s.noise_file), options);
+    std::vector<ml::Timeline> cut = timelines;
+    if (s.cut_texts) {  // stretches below half a second would be too short for the denoiser to do what the text says
+      for (ml::Timeline& t : cut) t = ml::cut_at_handovers(t, ml::frame_at(0.5, model_.fps));
+    }
+    const auto features = s.noise_file.empty() ? model_.generate(cut, ml::Philox{.seed = s.seed}, options)
+                                               : model_.generate_from(cut, noise_from(s.noise_file), options);
     std::vector<ml::Motion> motions;
     for (const auto& f : features) {
       ml::Motion motion = ml::stmc_motion(f, model_.fps);

@@ -153,6 +153,7 @@
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/combine.hpp>
+#include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/options.hpp>
 #include <motionlang/compose/plan.hpp>

@@ -1,0 +1,49 @@
+// What the README promises of the weights that come with the repository, for its own timeline.
+#include <doctest/doctest.h>
+
+#include <motionlang/io/amass.hpp>
+#include <motionlang/io/safetensors.hpp>
+#include <motionlang/metrics/motion_quality.hpp>
+
+#include "../support/temporary_folder.hpp"
+#include "process.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+const std::filesystem::path examples = MOTIONLANG_EXAMPLES;
+
+/// Lower of the two wrists over the head at a time, in metres.
+double hands_over_head(const std::vector<ml::Vec3<double>>& positions, double seconds) {
+  const auto* frame = &positions[24 * static_cast<std::size_t>(seconds * 20)];
+  return std::min(frame[20].y, frame[21].y) - frame[15].y;
+}
+
+}  // namespace
+
+TEST_CASE("walks, raises both arms from 2 s to 5 s; bones keep their lengths, feet do not slide, nothing trembles") {
+  const TemporaryFolder folder;
+  const auto recorded = ml::SafetensorsFile::open(examples / "models/stmc_free.safetensors").metadata();
+  for (const char* seed : {"0", "1", "2"}) {
+    CAPTURE(seed);
+    const auto out = run({"generate", "--timeline", (examples / "timelines/walk_and_raise_arms.txt").string(), "--out",
+                          seed, "--seed", seed},
+                         folder.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    const auto motion = ml::read_amass(folder / seed / "walk_and_raise_arms.npz").motion;
+    REQUIRE(motion.frames() == 120);
+    const auto positions = motion.positions();
+    const auto quality = ml::motion_quality(motion);
+    CHECK(quality.feet.speed < 1.5 * std::stod(recorded.at("real.skate")));
+    CHECK(quality.jitter < 1.5 * std::stod(recorded.at("real.jitter")));
+    const auto joints = ml::read_joints_npy((folder / seed / "walk_and_raise_arms.npy").string());
+    CHECK(ml::bone_length_deviation({joints.positions, joints.joints, 20}, motion.skeleton.parents) < 1e-4);
+
+    const auto way = motion.root_at(119) - motion.root_at(0);
+    CHECK(std::hypot(way.x, way.z) > 3);
+    CHECK(hands_over_head(positions, 3.5) > 0);
+    CHECK(hands_over_head(positions, 1) < -0.3);
+    CHECK(hands_over_head(positions, 5.9) < -0.3);
+  }
+}
