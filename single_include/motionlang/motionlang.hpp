@@ -592,8 +592,8 @@ struct StmcOptions;
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x)
-enum class Activation { none, relu, gelu, silu, tanh };
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2
+enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new };
 
 /// Throws config_error 103.
 inline Activation parse_activation(std::string_view name) {
@@ -602,11 +602,13 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "gelu") return Activation::gelu;
   if (name == "silu") return Activation::silu;
   if (name == "tanh") return Activation::tanh;
-  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh");
+  if (name == "quick_gelu") return Activation::quick_gelu;
+  if (name == "gelu_new") return Activation::gelu_new;
+  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new");
 }
 
 constexpr std::string_view to_string(Activation a) {
-  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh"};
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new"};
   return names[static_cast<int>(a)];
 }
 
@@ -776,25 +778,29 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of plain values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
-/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
+/// std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
-  static_assert(std::is_trivially_copyable_v<T>, "motionlang::PoolVector: plain values only");
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64);
 
  public:
   using value_type = T;
 
   PoolVector() = default;
-  explicit PoolVector(std::size_t size, T value = T{}) {
+  explicit PoolVector(std::size_t size, const T& value = T{}) {
     reserve(size);
-    for (; size_ < size; ++size_) data_[size_] = value;
+    while (size_ < size) push_back(value);
   }
   PoolVector(PoolVector&& o) noexcept
       : memory_(std::move(o.memory_)),
         data_(std::exchange(o.data_, nullptr)),
         size_(std::exchange(o.size_, 0)),
         capacity_(std::exchange(o.capacity_, 0)) {}
+  PoolVector& operator=(PoolVector&&) = delete;
+  ~PoolVector() {
+    for (std::size_t i = 0; i < size_; ++i) data_[i].~T();
+  }
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -810,14 +816,18 @@ class PoolVector {
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
     detail::BufferHandle larger(capacity * sizeof(T));
-    if (size_ > 0) std::memcpy(larger.data(), data_, size_ * sizeof(T));
+    T* to = static_cast<T*>(larger.data());
+    for (std::size_t i = 0; i < size_; ++i) {
+      ::new (static_cast<void*>(to + i)) T(std::move(data_[i]));
+      data_[i].~T();
+    }
     memory_ = std::move(larger);
-    data_ = static_cast<T*>(memory_.data());
+    data_ = to;
     capacity_ = capacity;
   }
   void push_back(T value) {
     if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
-    data_[size_++] = value;
+    ::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
   }
 
  private:
@@ -1869,6 +1879,34 @@ void sort(List& list, Less less) {
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
+#define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
+/// Texts line by line.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Without the blanks at both ends.
+constexpr std::string_view trim(std::string_view s) {
+  constexpr std::string_view blanks = " \t\r\n\v\f";
+  const std::size_t first = s.find_first_not_of(blanks);
+  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
+}
+
+/// Calls on_line(line, number) for every line, without its end (LF, CRLF, CR); numbers count from 1. A byte order mark
+/// is skipped.
+template <class F>
+void for_each_line(std::string_view text, F on_line) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  for (Index number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    on_line(text.substr(0, end), number);
+    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_TORCH_RANDOM_HPP  // <motionlang/core/torch_random.hpp>
 #define MOTIONLANG_HAS_CORE_TORCH_RANDOM_HPP
 /// PyTorch's CPU generator: `torch.manual_seed(seed)` followed by `torch.randn` or `torch.rand`, for parity with
@@ -2350,7 +2388,7 @@ template <Backend B, int R>
 Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
   if (list.empty()) raise<shape_error>(205, "concat: nothing to join");
   axis = normalize_axis(axis, R, "concat");
-  std::vector<typename B::tensor> data;
+  PoolVector<typename B::tensor> data;
   data.reserve(list.size());
   for (const auto& t : list) {
     if (t.shape().without(axis) != list.front().shape().without(axis)) {
@@ -2358,7 +2396,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     }
     data.push_back(t.data());
   }
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
 }
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
@@ -2371,7 +2409,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
 }
 
 namespace detail {
@@ -2576,6 +2614,10 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
         return x / (exp(-x) + 1.0);
       case Activation::tanh:
         return tanh(x);
+      case Activation::quick_gelu:
+        return x / (exp(x * -1.702) + 1.0);
+      case Activation::gelu_new:
+        return x * 0.5 * (tanh((x + x * x * x * 0.044715) * 0.79788456080286536) + 1.0);
     }
     return x;
   }
@@ -2686,7 +2728,8 @@ namespace detail {
 
 template <Backend B>
 void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                     const Offsets& k_offsets, const AttentionOptions& options) {
+                     const Offsets& k_offsets, const AttentionOptions& options,
+                     const Tensor<B, 2>* relative_scores = nullptr) {
   if (q.size(1) != k.size(1) || k.shape() != v.shape()) {
     raise<shape_error>(204, "attention: q ", q.shape(), ", k ", k.shape(), ", v ", v.shape());
   }
@@ -2702,14 +2745,33 @@ void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<
       raise<shape_error>(207, "attention: sequence ", s, " has no keys");
     if (k_offsets.length(s) > 65536) raise<shape_error>(207, "attention: sequence ", s, " has more than 65536 keys");
   }
+  if (relative_scores == nullptr) return;
+  const Index farthest = std::max(q_offsets.longest(), k_offsets.longest()) - 1;
+  if (relative_scores->size(0) != options.heads || relative_scores->size(1) % 2 != 1 ||
+      relative_scores->size(1) / 2 < farthest) {
+    raise<shape_error>(204, "attention: relative scores ", relative_scores->shape(), " for ", options.heads,
+                       " heads and distances up to ", farthest);
+  }
 }
 
-/// softmax(q k^T / sqrt(width)) v for one head of one sequence; q (tq, width), k and v (tk, width).
+/// (queries, keys) of one head: element (i, j) is that of distance j - i.
+template <Backend B>
+Tensor<B, 2> scores_of_distances(const Tensor<B, 2>& relative_scores, Index head, Index tq, Index tk) {
+  const Index zero = relative_scores.size(1) / 2;  // the column of distance 0
+  PoolVector<Index> columns;
+  for (Index i = 0; i < tq; ++i) {
+    for (Index j = 0; j < tk; ++j) columns.push_back(zero + j - i);
+  }
+  return reshape<2>(gather(reshape<1>(slice(relative_scores, 0, head, head + 1), {-1}), columns), {tq, tk});
+}
+
+/// softmax(q k^T / sqrt(width) + relative scores) v for one head of one sequence; q (tq, width), k and v (tk, width).
 template <Backend B>
 Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, Index first_row, Index head,
-                    const AttentionOptions& o) {
+                    const AttentionOptions& o, const Tensor<B, 2>* relative_scores) {
   const Index tq = q.size(0), tk = k.size(0);
   auto scores = matmul(q, k, {.transpose_b = true}) * (1.0 / std::sqrt(static_cast<double>(q.size(1))));
+  if (relative_scores != nullptr) scores = scores + scores_of_distances(*relative_scores, head, tq, tk);
   using S = typename B::scalar;
   std::vector<S> values(static_cast<std::size_t>(tq * tk));
   if (o.causal) {
@@ -2734,16 +2796,24 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 }  // namespace detail
 
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
-///     O_h = softmax(Q_h K_h^T / sqrt(width / heads)) V_h     within each sequence
+///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
 /// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). Throws config_error 101, shape_error 204, 207.
+/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the distance
+/// j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                       const Offsets& k_offsets, const AttentionOptions& options) {
-  detail::check_attention(q, k, v, q_offsets, k_offsets, options);
-  if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options); }) {
-    return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options));
+                       const Offsets& k_offsets, const AttentionOptions& options,
+                       const Tensor<B, 2>* relative_scores = nullptr) {
+  detail::check_attention(q, k, v, q_offsets, k_offsets, options, relative_scores);
+  using T = const typename B::tensor*;
+  if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options, T{}); }) {
+    return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options,
+                                     relative_scores == nullptr ? nullptr : &relative_scores->data()));
   } else {
+    if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options); }) {
+      if (relative_scores == nullptr)
+        return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options));
+    }
     const Index width = q.size(1) / options.heads;
     std::vector<Tensor<B, 2>> sequences, heads;
     for (Index s = 0; s < q_offsets.count(); ++s) {
@@ -2753,7 +2823,8 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
       heads.clear();
       for (Index h = 0; h < options.heads; ++h) {
         auto columns = [&](const Tensor<B, 2>& t) { return slice(t, 1, h * width, (h + 1) * width); };
-        heads.push_back(detail::attend(columns(qs), columns(ks), columns(vs), q_offsets.begin(s), h, options));
+        heads.push_back(
+            detail::attend(columns(qs), columns(ks), columns(vs), q_offsets.begin(s), h, options, relative_scores));
       }
       sequences.push_back(concat(std::span<const Tensor<B, 2>>(heads), 1));
     }
@@ -4474,14 +4545,27 @@ static_assert(Backend<ReferenceBackend<float>> && Backend<ReferenceBackend<doubl
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP  // <motionlang/kinematics/body_model.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
-/// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
+#ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_HPP  // <motionlang/kinematics/blend.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BLEND_HPP
+/// Blending clips: one into another, and the end of a clip into its start, so that it can be repeated for ever.
 ///
-/// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file.
-/// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
-/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions, which is
-///           the same sum in another order
+///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
+///     Motion cycle = make_loop(in_place(walk), 8).motion;
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
+/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
+/// functions; the clip that is passed stays as it is.
+
+#include <iterator>   // begin
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
+/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
+///
+/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
+/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
+/// to the last printed digit.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
@@ -4659,18 +4743,605 @@ JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& p
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+struct Motion {
+  Skeleton skeleton;
+  double fps = 20;
+  std::vector<Vec3<double>> root;         // (frames)
+  std::vector<Quaternion<double>> local;  // (frames, joints), joint fastest
+  std::string name{};                     // of the clip, for messages and files
+
+  Index frames() const { return static_cast<Index>(root.size()); }
+  double seconds() const { return static_cast<double>(frames()) / fps; }
+
+  std::span<const Quaternion<double>> rotations(Index frame) const {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
+  }
+  std::span<Quaternion<double>> rotations(Index frame) {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
+  }
+  const Vec3<double>& root_at(Index frame) const { return root[static_cast<std::size_t>(frame)]; }
+
+  /// Joint positions and rotations of one frame in the world.
+  void world(Index frame, JointTransforms<double>& result) const {
+    forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
+  }
+  /// Joint positions of all frames, (frames, joints).
+  std::vector<Vec3<double>> positions() const {
+    std::vector<Vec3<double>> out;
+    out.reserve(local.size());
+    JointTransforms<double> t;
+    for (Index f = 0; f < frames(); ++f) {
+      world(f, t);
+      out.insert(out.end(), t.position.begin(), t.position.end());
+    }
+    return out;
+  }
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// on a value that is not finite and on a rotation of length 0.
+  void validate() const {
+    skeleton.validate();
+    if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
+      raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
+                         skeleton.size(), " joints");
+    }
+    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    for (std::size_t f = 0; f < root.size(); ++f) {
+      const auto& r = root[f];
+      if (!std::isfinite(r.x + r.y + r.z))
+        raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
+    }
+    for (std::size_t i = 0; i < local.size(); ++i) {
+      const auto& q = local[i];
+      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
+      if (!finite || dot(q, q) < 1e-12) {
+        const std::size_t joints = skeleton.parents.size();
+        raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
+                             i / joints, finite ? " has length 0" : " is not finite");
+      }
+    }
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
+inline Motion crop(const Motion& motion, Index first, Index last) {
+  if (first < 0 || last < first || last > motion.frames()) {
+    raise<shape_error>(203, "crop: frames ", first, " to ", last, " of a clip of ", motion.frames());
+  }
+  const Index joints = motion.skeleton.size();
+  return {motion.skeleton, motion.fps,
+          std::vector<Vec3<double>>(motion.root.begin() + first, motion.root.begin() + last),
+          std::vector<Quaternion<double>>(motion.local.begin() + first * joints, motion.local.begin() + last * joints),
+          motion.name};
+}
+
+/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
+/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
+/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
+/// Throws config_error 101 unless fps > 0.
+inline Motion resample(const Motion& motion, double fps) {
+  if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
+  Motion out{motion.skeleton, fps, {}, {}, motion.name};
+  if (motion.frames() == 0) return out;
+  const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
+  const auto last = static_cast<double>(motion.frames() - 1);
+  const auto frames = static_cast<Index>(std::floor(last / step + rounding)) + 1;
+  out.root.reserve(static_cast<std::size_t>(frames));
+  out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
+  for (Index i = 0; i < frames; ++i) {
+    const double moment = std::min(static_cast<double>(i) * step, last), whole = std::floor(moment + rounding);
+    const auto a = static_cast<Index>(whole), b = std::min(a + 1, motion.frames() - 1);
+    const double t = moment - whole < rounding ? 0 : moment - whole;
+    out.root.push_back((1 - t) * motion.root_at(a) + t * motion.root_at(b));
+    const auto from = motion.rotations(a), to = motion.rotations(b);
+    for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(t == 0 ? from[j] : slerp(from[j], to[j], t));
+  }
+  return out;
+}
+
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
+/// 0.
+inline Motion change_speed(const Motion& motion, double factor) {
+  if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
+  Motion out = resample(motion, motion.fps / factor);
+  out.fps = motion.fps;
+  return out;
+}
+
+namespace detail {
+
+/// Throws config_error 102 unless both clips have one skeleton and one frame rate.
+inline void require_same_kind(std::string_view function, const Motion& first, const Motion& second) {
+  if (first.skeleton != second.skeleton || first.fps != second.fps) {
+    raise<config_error>(102, function, ": '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
+                        " frames per second, '", second.name, "' ", second.skeleton.size(), " at ", second.fps);
+  }
+}
+
+}  // namespace detail
+
+/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
+/// skeletons or frame rates differ.
+inline Motion concatenate(const Motion& first, const Motion& second) {
+  detail::require_same_kind("concatenate", first, second);
+  Motion out = first;
+  out.root.insert(out.root.end(), second.root.begin(), second.root.end());
+  out.local.insert(out.local.end(), second.local.begin(), second.local.end());
+  return out;
+}
+
+namespace detail {
+
+/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
+inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
+inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
+
+inline bool has_side_word(std::string_view name) {
+  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
+    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
+  });
+}
+/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+inline std::vector<std::string> other_side(const std::string& name) {
+  std::vector<std::string> candidates;
+  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
+    candidates.push_back(std::string(name).replace(at, mark.size(), other));
+  };
+  for (const int side : {0, 1}) {
+    for (const auto& pair : side_words) {
+      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+    for (const auto& pair : side_letters) {
+      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
+      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace detail
+
+/// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
+/// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
+inline std::vector<int> mirror_partners(const Skeleton& skeleton) {
+  std::vector<int> partners;
+  for (int j = 0; j < skeleton.size(); ++j) {
+    const std::string& name = skeleton.name(j);
+    int partner = -1;
+    for (const std::string& candidate : detail::other_side(name)) {
+      if (partner < 0) partner = skeleton.find(candidate);
+    }
+    if (partner < 0 && detail::has_side_word(name))
+      raise<config_error>(103, "mirror_partners: '", name, "' has no partner");
+    partners.push_back(partner < 0 ? j : partner);
+  }
+  return partners;
+}
+
+/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
+///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
+/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
+/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
+inline Motion mirror(const Motion& motion, std::span<const int> partners) {
+  const Skeleton& skeleton = motion.skeleton;
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  if (partners.size() != joints) {
+    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", joints, " joints");
+  }
+  Motion out = motion;
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int p = partners[j], parent = skeleton.parents[j];
+    const bool paired = p >= 0 && p < skeleton.size() && partners[static_cast<std::size_t>(p)] == static_cast<int>(j);
+    if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
+      raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
+    }
+    const Vec3<double>& offset = skeleton.offsets[j];
+    out.skeleton.offsets[static_cast<std::size_t>(p)] = {-offset.x, offset.y, offset.z};
+  }
+  for (Vec3<double>& r : out.root) r.x = -r.x;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto from = motion.rotations(f);
+    const auto to = out.rotations(f);
+    for (std::size_t j = 0; j < joints; ++j) {
+      to[static_cast<std::size_t>(partners[j])] = {from[j].w, from[j].x, -from[j].y, -from[j].z};
+    }
+  }
+  return out;
+}
+/// With the partners that the names of the joints tell.
+inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
+
+/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
+///
+/// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. Returns 0 for skeletons whose
+/// zero pose is no T-pose: call it before retargeting.
+inline Index detect_t_pose_lead_in(const Motion& motion) {
+  constexpr double degrees = std::numbers::pi / 180, zero_pose = 5 * degrees, fastest = 0.5 * degrees;
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  const auto longest = static_cast<Index>(std::ceil(0.1 * motion.fps));  // of a blend, frames
+  const Index seen = std::min<Index>(motion.frames() - 1, longest + static_cast<Index>(motion.fps));
+  if (seen < 2 || joints < 2) return 0;
+  double from_zero = 0;
+  for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
+  if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
+
+  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame f to f + 1
+  for (Index f = 0; f < seen; ++f) {
+    const auto a = motion.rotations(f), b = motion.rotations(f + 1);
+    double& turn = step[static_cast<std::size_t>(f)];
+    for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
+  }
+  std::vector<double> sorted(step.begin() + 1, step.end());
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  auto inserted = [&](Index f) {
+    const double turn = step[static_cast<std::size_t>(f)];
+    const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];
+    return turn > 3 * usual && turn > fastest && turn > 0.65 * before;  // a blend slows down gradually
+  };
+  Index blend = 0;
+  while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
+  return blend < 2 ? blend : std::min(2 * blend, motion.frames() - 1);
+}
+
+/// The clip without those frames.
+inline Motion drop_lead_in(const Motion& motion) {
+  return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP
+/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
+/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
+/// the root are: turn_between(q, Ry(a) q) = a.
+///     max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
+inline double turn_between(const Quaternion<double>& from, const Quaternion<double>& to) {
+  const Quaternion<double> d = to * inverse(from);
+  return std::remainder(2 * std::atan2(d.y, d.w), 2 * std::numbers::pi);
+}
+
+/// A clip moved over the floor.   p' = Ry(turn) p + shift
+struct Placement {
+  double turn = 0;
+  Vec3<double> shift{};
+
+  Quaternion<double> rotation() const { return from_axis_angle(Vec3<double>{0, 1, 0}, turn); }
+  Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
+};
+
+/// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
+/// Heights stay. The frames exist.
+inline Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to) {
+  Placement p{turn_between(clip.rotations(from)[0], other.rotations(to)[0]), {}};
+  const Vec3<double> way = other.root_at(to) - p(clip.root_at(from));
+  p.shift = {way.x, 0, way.z};
+  return p;
+}
+
+/// The whole clip moved.
+inline Motion placed(const Motion& motion, const Placement& placement) {
+  Motion out = motion;
+  for (Vec3<double>& r : out.root) r = placement(r);
+  const Quaternion<double> turn = placement.rotation();
+  for (Index f = 0; f < out.frames(); ++f) out.rotations(f)[0] = turn * out.rotations(f)[0];
+  return out;
+}
+
+struct InPlaceOptions {
+  bool keep_height = true;  // false: the root stays at the height of the first frame
+};
+/// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
+inline Motion in_place(const Motion& motion, const InPlaceOptions& options = {}) {
+  Motion out = motion;
+  for (Vec3<double>& r : out.root) r = {0, options.keep_height ? r.y : motion.root_at(0).y, 0};
+  return out;
+}
+
+/// The way of a root over the floor.
+struct RootMotion {
+  double fps = 20;
+  std::vector<Vec3<double>> position;  // (frames), y = 0
+  std::vector<double> heading;         // (frames), 0 in the first; continuous, so that two turns are 4 pi
+};
+struct ExtractedRoot {
+  RootMotion path;
+  Motion pose;  // in place, and always facing where the first frame faces
+};
+
+/// Takes the way of the root out of a clip. apply_root_motion puts it back.
+///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
+///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
+inline ExtractedRoot extract_root_motion(const Motion& motion) {
+  ExtractedRoot out{{motion.fps, {}, {}}, in_place(motion)};
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Vec3<double>& r = motion.root_at(f);
+    const double before = f == 0 ? 0 : out.path.heading.back();
+    const double turn = turn_between(motion.rotations(0)[0], motion.rotations(f)[0]);
+    const double heading = before + std::remainder(turn - before, 2 * std::numbers::pi);
+    out.path.position.push_back({r.x, 0, r.z});
+    out.path.heading.push_back(heading);
+    out.pose.rotations(f)[0] = Placement{-heading, {}}.rotation() * motion.rotations(f)[0];
+  }
+  return out;
+}
+
+/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
+inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
+  if (std::ssize(path.position) != pose.frames() || std::ssize(path.heading) != pose.frames()) {
+    raise<shape_error>(204, "apply_root_motion: ", pose.frames(), " frames, a path of ", path.position.size(),
+                       " positions and ", path.heading.size(), " headings");
+  }
+  Motion out = pose;
+  for (Index f = 0; f < out.frames(); ++f) {
+    const auto at = static_cast<std::size_t>(f);
+    const Placement p{path.heading[at], path.position[at]};
+    out.root[at] = p(pose.root_at(f));
+    out.rotations(f)[0] = p.rotation() * pose.rotations(f)[0];
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Adds the mix of two frames to a clip: roots in a line, rotations on the shortest arc.
+inline void add_mixed_frame(Motion& out, const Motion& a, Index in_a, const Motion& b, Index in_b, double share_of_b) {
+  out.root.push_back((1 - share_of_b) * a.root_at(in_a) + share_of_b * b.root_at(in_b));
+  const auto from = a.rotations(in_a), to = b.rotations(in_b);
+  for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(slerp(from[j], to[j], share_of_b));
+}
+/// Share of the second clip in frame i of n blended frames: s^2 (3 - 2 s), s = (i + 1) / (n + 1).
+inline double share_of_second(Index i, Index n) {
+  const double s = static_cast<double>(i + 1) / static_cast<double>(n + 1);
+  return s * s * (3 - 2 * s);
+}
+
+}  // namespace detail
+
+/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
+/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
+/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
+inline Motion blend_into(const Motion& first, const Motion& second, Index frames) {
+  detail::require_same_kind("blend_into", first, second);
+  if (frames < 1 || frames > std::min(first.frames(), second.frames())) {
+    raise<config_error>(101, "blend_into: ", frames, " frames of clips of ", first.frames(), " and ", second.frames());
+  }
+  const Index start = first.frames() - frames, middle = frames / 2;
+  const Motion next = placed(second, placement_between(second, middle, first, start + middle));
+  Motion out = crop(first, 0, start);
+  for (Index i = 0; i < frames; ++i) {
+    detail::add_mixed_frame(out, first, start + i, next, i, detail::share_of_second(i, frames));
+  }
+  return concatenate(out, crop(next, frames, next.frames()));
+}
+
+struct Loop {
+  Motion motion;
+  Placement next;  // moves the clip of one round to that of the next
+};
+
+/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
+/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
+/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
+/// round to round; make a clip in place first and `next` is at most a turn.
+/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
+inline Loop make_loop(const Motion& motion, Index frames) {
+  if (frames < 1 || 2 * frames > motion.frames()) {
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
+  }
+  const Index last = motion.frames() - frames, middle = frames / 2;
+  const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
+  Loop loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
+  for (Index i = 0; i < frames; ++i) {
+    detail::add_mixed_frame(loop.motion, end, last + i, motion, i, detail::share_of_second(i, frames));
+  }
+  loop.motion = concatenate(loop.motion, crop(motion, frames, last));
+  return loop;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_HPP  // <motionlang/kinematics/body.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_HPP
+/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that serve as
+/// extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton (io/figure_body.hpp).
+///
+/// Source  spec body-models.md, sections 2, 4, 5
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP  // <motionlang/kinematics/body_model.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
+/// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
+///
+/// On a bare backend the chain goes pose by pose and vertices through the kernel of skinning.hpp, on all threads (`prepare` the
+/// model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
+/// so that vertices and joints can be differentiated by shape, rotations and translation.
+///
+/// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
+///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
+/// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
+/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions, which is
+///           the same sum in another order
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKINNING_HPP  // <motionlang/kinematics/skinning.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SKINNING_HPP
+/// Linear blend skinning of many poses on a processor: the kernel of body models on bare backends.
+///
+///     vertex_i = sum_j w_ij (R_j v_i + t_j)
+///
+/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Transforms are columns of four
+/// numbers, which fit a register of every processor.
+/// Source    Loper et al. (2015), eq. 2
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The weights that are not 0, vertex by vertex.
+template <Scalar S>
+class SkinWeights {
+ public:
+  struct Entry {
+    int joint;
+    S weight;
+  };
+  /// From all of them, (vertices, joints).
+  SkinWeights(std::span<const S> dense, Index joints) {
+    for (std::size_t at = 0; at < dense.size(); at += static_cast<std::size_t>(joints)) {
+      for (Index j = 0; j < joints; ++j) {
+        if (const S w = dense[at + static_cast<std::size_t>(j)]; w != S(0)) {
+          entries_.push_back({static_cast<int>(j), w});
+        }
+      }
+      ends_.push_back(entries_.size());
+    }
+  }
+  Index vertices() const { return static_cast<Index>(ends_.size()) - 1; }
+  std::span<const Entry> of(Index vertex) const {
+    const auto v = static_cast<std::size_t>(vertex);
+    return std::span(entries_).subspan(ends_[v], ends_[v + 1] - ends_[v]);
+  }
+
+ private:
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> ends_{0};
+};
+
+/// Numbers of a joint's transform: three columns of R and t, each with a fourth number that is ignored.
+inline constexpr Index skin_transform_size = 16;
+
+/// posed        (poses, vertices, 3): the vertices before they are moved
+/// transforms   (poses, joints, 16)
+/// vertices     (poses, vertices, 3); may be `posed`
+template <Scalar S>
+void skin_vertices(const SkinWeights<S>& weights, const S* posed, const S* transforms, Index poses, Index joints,
+                   S* vertices) {
+  typedef S Four __attribute__((vector_size(4 * sizeof(S)), aligned(alignof(S)), may_alias));
+  constexpr Index block = 8;  // poses whose transforms stay in the first cache while the vertices go by
+  const Index count = weights.vertices(), row = 3 * count;
+  parallel_for((poses + block - 1) / block, [&](Index b) {
+    const Index first = b * block, last = std::min(poses, first + block);
+    for (Index v = 0; v < count; ++v) {
+      const auto entries = weights.of(v);
+      for (Index pose = first; pose < last; ++pose) {
+        const S* const own = transforms + pose * joints * skin_transform_size;
+        Four x{}, y{}, z{}, t{};
+        for (const auto& e : entries) {
+          const Four* const columns = reinterpret_cast<const Four*>(own + e.joint * skin_transform_size);
+          x += e.weight * columns[0];
+          y += e.weight * columns[1];
+          z += e.weight * columns[2];
+          t += e.weight * columns[3];
+        }
+        const S* const from = posed + pose * row + 3 * v;
+        const Four p = x * from[0] + y * from[1] + z * from[2] + t;
+        S* const to = vertices + pose * row + 3 * v;
+        to[0] = p[0], to[1] = p[1], to[2] = p[2];
+      }
+    }
+  });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
 /// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): points picked from the vertices.
 template <Backend B>
 struct PosedBody {
   Tensor<B, 3> vertices, joints, extra;
 };
 
+namespace detail {
+
+/// A tensor whose numbers fill(S*) writes.
+template <Backend B, int R, class F>
+Tensor<B, R> written_tensor(const Shape& shape, F fill) {
+  using S = typename B::scalar;
+  if constexpr (requires(typename B::tensor t, const Shape& s) {
+                  { t.data() } -> std::same_as<S*>;
+                  t = typename B::tensor(s);
+                }) {
+    typename B::tensor t(shape);
+    fill(t.data());
+    return Tensor<B, R>(std::move(t));
+  } else {
+    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+    fill(values.data());
+    return Tensor<B, R>::from(std::span<const S>(values), shape);
+  }
+}
+
+/// The kinematic chain, joint after joint. rest(j) and local(j) give a joint's rest position and rotation;
+/// put(j, R, p, t) takes its world rotation, its position, and t = p - R rest(j), which skinning needs.
+template <class S, class Rest, class Local, class Put>
+void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest rest, Local local, Put put) {
+  world.rotation.resize(parents.size());
+  world.position.resize(parents.size());
+  for (std::size_t j = 0; j < parents.size(); ++j) {
+    const Vec3<S> own = rest(j);
+    if (parents[j] < 0) {
+      world.rotation[j] = local(j);
+      world.position[j] = own;
+    } else {
+      const auto p = static_cast<std::size_t>(parents[j]);
+      world.rotation[j] = world.rotation[p] * local(j);
+      world.position[j] = world.position[p] + world.rotation[p] * (own - rest(p));
+    }
+    put(j, world.rotation[j], world.position[j], world.position[j] - world.rotation[j] * own);
+  }
+}
+
+}  // namespace detail
+
+/// Rotation vectors (N, J, 3) as the matrices that a body model takes: (N, J, 9), row by row. Differentiable, also at 0.
+template <Backend B>
+Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
+  const Index n = axis_angles.size(0), j = axis_angles.size(1);
+  if constexpr (AutodiffBackend<B>) {
+    const auto flat = reshape<2>(axis_angles, {n * j, 3});
+    auto component = [&](Index c) { return slice(flat, 1, c, c + 1); };
+    const auto m = to_matrix(AxisAngle<Tensor<B, 2>>{{component(0), component(1), component(2)}}).m;
+    return reshape<3>(concat(std::span<const Tensor<B, 2>>(m), 1), {n, j, 9});
+  } else {
+    using S = typename B::scalar;
+    const S* const from = axis_angles.span().data();
+    return detail::written_tensor<B, 3>({n, j, 9}, [&](S* to) {
+      parallel_for(n, [&](Index pose) {
+        for (Index i = pose * j; i < (pose + 1) * j; ++i) {
+          const auto m = to_matrix(AxisAngle<S>{{from[3 * i], from[3 * i + 1], from[3 * i + 2]}}).m;
+          std::copy_n(m.begin(), 9, to + 9 * i);
+        }
+      });
+    });
+  }
+}
+
 template <Backend B>
 struct BodyModel {
   static constexpr bool trainable = false;
   Tensor<B, 2> v_template;   // (V, 3)
-  Tensor<B, 2> shapedirs;    // (3 V, K)
-  Tensor<B, 2> posedirs;     // (3 V, 9 (J - 1))
+  Tensor<B, 2> shapedirs;    // (3 V, K); K may be 0
+  Tensor<B, 2> posedirs;     // (3 V, 9 (J - 1)), or (3 V, 0): no pose blend shapes
   Tensor<B, 2> J_regressor;  // (J, V)
   Tensor<B, 2> weights;      // (V, J)
   std::vector<int> parents;  // -1 for the root
@@ -4689,7 +5360,8 @@ struct BodyModel {
   /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child.
   void validate() const {
     const Index v = vertices(), j = joints();
-    if (shapedirs.size(0) != 3 * v || posedirs.shape() != Shape{3 * v, 9 * (j - 1)} ||
+    const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
+    if (shapedirs.size(0) != 3 * v || !blends ||
         J_regressor.shape() != Shape{j, v} || weights.shape() != Shape{v, j}) {
       raise<shape_error>(204, "BodyModel: ", v, " vertices, ", j, " joints, but shapedirs ", shapedirs.shape(),
                          ", posedirs ", posedirs.shape(), ", J_regressor ", J_regressor.shape(), ", weights ",
@@ -4712,39 +5384,31 @@ struct BodyModel {
       return reshape<2>(matmul(J_regressor, reshape<2>(t, {v, 3 * columns})), {3 * j, columns});
     };
     const auto mean = reshape<2>(regress(reshape<2>(v_template, {3 * v, 1}), 1), {1, 3 * j});
+    if (k == 0) return mean + Tensor<B, 2>::zeros({betas.size(0), 1});
     return matmul(betas, regress(shapedirs, k), {.transpose_b = true}) + mean;
   }
 
   /// betas (N, K), rotations (N, J, 9) local and row by row, translation (N, 3).
   PosedBody<B> operator()(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                           const Tensor<B, 2>& translation) const {
-    const Index n = rotations.size(0), j = joints(), v = vertices();
-    if (rotations.shape() != Shape{n, j, 9} || betas.shape() != Shape{n, shapedirs.size(1)} ||
-        translation.shape() != Shape{n, 3}) {
-      raise<shape_error>(204, "BodyModel: betas ", betas.shape(), ", rotations ", rotations.shape(), ", translation ",
-                         translation.shape(), " for ", j, " joints and ", shapedirs.size(1), " shape coefficients");
-    }
+    check(betas, rotations, translation);
     const auto rest = rest_joints(betas);
-    const Chain chain = posed_chain(rest, rotations);
-
-    const auto feature = reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)});
-    const auto shaped = matmul(betas, shapedirs, {.transpose_b = true}) + reshape<2>(v_template, {1, 3 * v});
-    const auto posed = reshape<3>(shaped + matmul(feature, posedirs, {.transpose_b = true}), {n, v, 3});
-
-    // Transform of every vertex: (V, J) (J, N 12) -> (V, N, 12)
-    const auto transforms = permute(chain.skinning, {1, 0, 2});  // (J, N, 12)
-    const auto blended =
-        permute(reshape<3>(matmul(weights, reshape<2>(transforms, {j, n * 12})), {v, n, 12}), {1, 0, 2});
-    std::vector<Tensor<B, 3>> axes;
-    for (Index row = 0; row < 3; ++row) {
-      auto entry = [&](Index column) { return slice(blended, 2, 4 * row + column, 4 * row + column + 1); };
-      axes.push_back(entry(0) * slice(posed, 2, 0, 1) + entry(1) * slice(posed, 2, 1, 2) +
-                     entry(2) * slice(posed, 2, 2, 3) + entry(3));
-    }
-    const auto tau = reshape<3>(translation, {n, 1, 3});
+    const auto before = blended_shapes(betas, rotations);
     PosedBody<B> out;
-    out.vertices = concat(std::span<const Tensor<B, 3>>(axes), 2) + tau;
-    out.joints = chain.positions + tau;
+    if constexpr (AutodiffBackend<B>) {
+      const Chain chain = posed_chain(rest, rotations);
+      const auto tau = reshape<3>(translation, {translation.size(0), 1, 3});
+      out.vertices = skinned(before, chain.transforms) + tau;
+      out.joints = chain.positions + tau;
+    } else {
+      const Chain chain = posed_chain(rest, rotations, translation);
+      const Index n = rotations.size(0);
+      out.joints = chain.positions;
+      out.vertices = detail::written_tensor<B, 3>({n, vertices(), 3}, [&](auto* to) {
+        skin_vertices(SkinWeights(weights.span(), joints()), before.span().data(), chain.transforms.span().data(), n,
+                      joints(), to);
+      });
+    }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
   }
@@ -4752,55 +5416,529 @@ struct BodyModel {
   /// Joints only: no vertex is touched. (N, J, 3)
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                             const Tensor<B, 2>& translation) const {
-    return posed_chain(rest_joints(betas), rotations).positions + reshape<3>(translation, {translation.size(0), 1, 3});
+    check(betas, rotations, translation);
+    if constexpr (AutodiffBackend<B>) {
+      return posed_chain(rest_joints(betas), rotations).positions +
+             reshape<3>(translation, {translation.size(0), 1, 3});
+    } else {
+      return posed_chain(rest_joints(betas), rotations, translation).positions;
+    }
   }
 
  private:
+  using S = typename B::scalar;
   struct Chain {
-    Tensor<B, 3> positions;  // (N, J, 3)
-    Tensor<B, 3> skinning;   // (N, J, 12): [R | t - R J], row by row
+    Tensor<B, 3> positions;   // (N, J, 3)
+    Tensor<B, 3> transforms;  // [R | p - R rest]: (N, J, 12) row by row with a tape, else (N, J, 16) for skin_vertices
   };
-  static Tensor<B, 1> identity_row() {
-    return Tensor<B, 1>::from(std::vector<typename B::scalar>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
-  }
-  /// The chain, one joint after the other, all poses at once: every number is a tensor (N, 1).
-  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations) const {
-    using S = Tensor<B, 2>;
-    const Index n = rotations.size(0);
-    auto rest_of = [&](std::size_t j) {
-      auto c = [&](Index axis) {
-        return slice(rest, 1, 3 * static_cast<Index>(j) + axis, 3 * static_cast<Index>(j) + axis + 1);
-      };
-      return Vec3<S>{c(0), c(1), c(2)};
-    };
-    std::vector<Matrix3<S>> rotation(parents.size());
-    std::vector<Vec3<S>> position(parents.size());
-    std::vector<S> points, transforms;
-    for (std::size_t j = 0; j < parents.size(); ++j) {
-      const auto flat = reshape<2>(slice(rotations, 1, static_cast<Index>(j), static_cast<Index>(j) + 1), {n, 9});
-      Matrix3<S> local;
-      for (Index i = 0; i < 9; ++i) local.m[static_cast<std::size_t>(i)] = slice(flat, 1, i, i + 1);
-      const Vec3<S> own = rest_of(j);
-      if (parents[j] < 0) {
-        rotation[j] = local;
-        position[j] = own;
-      } else {
-        const auto p = static_cast<std::size_t>(parents[j]);
-        rotation[j] = rotation[p] * local;
-        position[j] = position[p] + rotation[p] * (own - rest_of(p));
-      }
-      const Vec3<S> shift = position[j] - rotation[j] * own;
-      points.insert(points.end(), {position[j].x, position[j].y, position[j].z});
-      const std::array<S, 3> t{shift.x, shift.y, shift.z};
-      for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) transforms.push_back(rotation[j](row, column));
-        transforms.push_back(t[static_cast<std::size_t>(row)]);
-      }
+
+  void check(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
+    const Index n = rotations.size(0), j = joints();
+    if (rotations.shape() != Shape{n, j, 9} || betas.shape() != Shape{n, shapedirs.size(1)} ||
+        translation.shape() != Shape{n, 3}) {
+      raise<shape_error>(204, "BodyModel: betas ", betas.shape(), ", rotations ", rotations.shape(), ", translation ",
+                         translation.shape(), " for ", j, " joints and ", shapedirs.size(1), " shape coefficients");
     }
-    return {reshape<3>(concat(std::span<const S>(points), 1), {n, joints(), 3}),
-            reshape<3>(concat(std::span<const S>(transforms), 1), {n, joints(), 12})};
+  }
+  static Tensor<B, 1> identity_row() {
+    return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
+  }
+
+  /// The vertices in the rest pose with blend shapes: (N, 3 V).
+  Tensor<B, 2> blended_shapes(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
+    const Index n = rotations.size(0), j = joints(), v = vertices();
+    const auto mean = reshape<1>(v_template, {3 * v});
+    const auto shaped = shapedirs.size(1) == 0 ? reshape<2>(mean, {1, 3 * v}) + Tensor<B, 2>::zeros({n, 1})
+                                               : linear(betas, shapedirs, &mean);
+    if (posedirs.size(1) == 0) return shaped;
+    const auto feature = reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)});
+    const Tensor<B, 1>* const no_bias = nullptr;
+    return linear(feature, posedirs, no_bias, Activation::none, &shaped);
+  }
+
+  /// All poses at once: every number is a tensor (N, 1).
+  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations) const {
+    using T = Tensor<B, 2>;
+    const Index n = rotations.size(0);
+    JointTransforms<T> world;
+    std::vector<T> points, transforms;
+    detail::walk_chain(
+        std::span(parents), world,
+        [&](std::size_t j) {
+          auto c = [&](Index axis) {
+            return slice(rest, 1, 3 * static_cast<Index>(j) + axis, 3 * static_cast<Index>(j) + axis + 1);
+          };
+          return Vec3<T>{c(0), c(1), c(2)};
+        },
+        [&](std::size_t j) {
+          const auto flat = reshape<2>(slice(rotations, 1, static_cast<Index>(j), static_cast<Index>(j) + 1), {n, 9});
+          Matrix3<T> local;
+          for (Index i = 0; i < 9; ++i) local.m[static_cast<std::size_t>(i)] = slice(flat, 1, i, i + 1);
+          return local;
+        },
+        [&](std::size_t, const Matrix3<T>& r, const Vec3<T>& p, const Vec3<T>& t) {
+          points.insert(points.end(), {p.x, p.y, p.z});
+          transforms.insert(transforms.end(), {r.m[0], r.m[1], r.m[2], t.x, r.m[3], r.m[4], r.m[5], t.y, r.m[6], r.m[7],
+                                               r.m[8], t.z});
+        });
+    return {reshape<3>(concat(std::span<const T>(points), 1), {n, joints(), 3}),
+            reshape<3>(concat(std::span<const T>(transforms), 1), {n, joints(), 12})};
+  }
+
+  /// (N, V, 3) from the vertices before skinning, (N, 3 V), and the joints' transforms, (N, J, 12).
+  Tensor<B, 3> skinned(const Tensor<B, 2>& before, const Tensor<B, 3>& transforms) const {
+    const Index n = before.size(0), j = joints(), v = vertices();
+    const auto posed = reshape<3>(before, {n, v, 3});
+    // Transform of every vertex: (V, J) (J, N 12) -> (N, V, 12)
+    const auto by_joint = reshape<2>(permute(transforms, {1, 0, 2}), {j, n * 12});
+    const auto blended = permute(reshape<3>(matmul(weights, by_joint), {v, n, 12}), {1, 0, 2});
+    std::vector<Tensor<B, 3>> axes;
+    for (Index row = 0; row < 3; ++row) {
+      auto entry = [&](Index column) { return slice(blended, 2, 4 * row + column, 4 * row + column + 1); };
+      axes.push_back(entry(0) * slice(posed, 2, 0, 1) + entry(1) * slice(posed, 2, 1, 2) +
+                     entry(2) * slice(posed, 2, 2, 3) + entry(3));
+    }
+    return concat(std::span<const Tensor<B, 3>>(axes), 2);
+  }
+
+  /// Pose by pose, moved by the translation.
+  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
+    const Index n = rotations.size(0), j = joints();
+    const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
+    Chain chain;
+    chain.positions = detail::written_tensor<B, 3>({n, j, 3}, [&](S* positions) {
+      chain.transforms = detail::written_tensor<B, 3>({n, j, skin_transform_size}, [&](S* transforms) {
+        constexpr Index block = 64;
+        parallel_for((n + block - 1) / block, [&](Index b) {
+          JointTransforms<S> world;
+          for (Index pose = b * block; pose < std::min(n, (b + 1) * block); ++pose) {
+            const S *own_rest = rest_at + pose * 3 * j, *own = rotation_at + pose * 9 * j, *tau = tau_at + 3 * pose;
+            detail::walk_chain(
+                std::span(parents), world,
+                [&](std::size_t i) {
+                  const S* r = own_rest + 3 * i;
+                  return Vec3<S>{r[0], r[1], r[2]};
+                },
+                [&](std::size_t i) {
+                  Matrix3<S> local;
+                  std::copy_n(own + 9 * i, 9, local.m.begin());
+                  return local;
+                },
+                [&](std::size_t i, const Matrix3<S>& r, const Vec3<S>& p, const Vec3<S>& t) {
+                  const Index at = pose * j + static_cast<Index>(i);
+                  const S moved[3] = {p.x + tau[0], p.y + tau[1], p.z + tau[2]};
+                  std::copy_n(moved, 3, positions + 3 * at);
+                  const S columns[] = {r.m[0], r.m[3], r.m[6], 0, r.m[1], r.m[4], r.m[7], 0, r.m[2], r.m[5],
+                                       r.m[8], 0, t.x + tau[0], t.y + tau[1], t.z + tau[2], 0};
+                  std::copy_n(columns, skin_transform_size, transforms + skin_transform_size * at);
+                });
+          }
+        });
+      });
+    });
+    return chain;
   }
 };
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The family of a body: told by its number of joints. `other`: a body of the same form, but not of the family.
+enum class BodyKind { smpl, smplh, smplx, other };
+enum class BodyGender { neutral, male, female };
+
+struct BodyKindInfo {
+  BodyKind kind;
+  std::string_view name;
+  Index joints, vertices;
+  int left_hand, right_hand;  // first finger joint; -1: the model has none
+  std::string_view site;      // where its files can be had
+};
+inline constexpr std::array<BodyKindInfo, 3> body_kinds{{
+    {BodyKind::smpl, "SMPL", 24, 6890, -1, -1, "https://smpl.is.tue.mpg.de"},
+    {BodyKind::smplh, "SMPL-H", 52, 6890, 22, 37, "https://mano.is.tue.mpg.de"},
+    {BodyKind::smplx, "SMPL-X", 55, 10475, 25, 40, "https://smpl-x.is.tue.mpg.de"},
+}};
+constexpr BodyKind body_kind_of(Index joints) {
+  for (const BodyKindInfo& k : body_kinds) {
+    if (k.joints == joints) return k.kind;
+  }
+  return BodyKind::other;
+}
+inline std::string to_string(BodyKind kind) {
+  return kind == BodyKind::other ? "other" : std::string(body_kinds[static_cast<std::size_t>(kind)].name);
+}
+
+/// A point of the body: its name and the vertex that it is.
+struct BodyPoint {
+  std::string_view name;
+  Index smpl, smplx;  // vertex of SMPL and SMPL-H, of SMPL-X
+};
+/// In the order in which they follow the joints.
+inline constexpr std::array<BodyPoint, 21> body_points{{
+    {"nose", 332, 9120},
+    {"right_eye", 6260, 9929},
+    {"left_eye", 2800, 9448},
+    {"right_ear", 4071, 616},
+    {"left_ear", 583, 6},
+    {"left_big_toe", 3216, 5770},
+    {"left_small_toe", 3226, 5780},
+    {"left_heel", 3387, 8846},
+    {"right_big_toe", 6617, 8463},
+    {"right_small_toe", 6624, 8474},
+    {"right_heel", 6787, 8635},
+    {"left_thumb", 2746, 5361},
+    {"left_index", 2319, 4933},
+    {"left_middle", 2445, 5058},
+    {"left_ring", 2556, 5169},
+    {"left_pinky", 2673, 5286},
+    {"right_thumb", 6191, 8079},
+    {"right_index", 5782, 7669},
+    {"right_middle", 5905, 7794},
+    {"right_ring", 6016, 7905},
+    {"right_pinky", 6133, 8022},
+}};
+/// The vertices of `body_points` in a body of this kind; none for other bodies.
+inline std::vector<Index> extra_vertices(BodyKind kind) {
+  std::vector<Index> out;
+  for (const BodyPoint& p : body_points) {
+    if (kind != BodyKind::other) out.push_back(kind == BodyKind::smplx ? p.smplx : p.smpl);
+  }
+  return out;
+}
+
+/// The space of poses of one hand: 15 joints as rotation vectors.
+template <Backend B>
+struct HandPoses {
+  static constexpr bool trainable = false;
+  Tensor<B, 2> components;  // (n, 45): the most important first
+  Tensor<B, 1> mean;        // (45)
+
+  static constexpr auto fields() {
+    return motionlang::fields("components", &HandPoses::components, "mean", &HandPoses::mean);
+  }
+  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is stretched out,
+  /// not the mean pose. Throws shape_error 203 if there are fewer components.
+  Tensor<B, 3> operator()(const Tensor<B, 2>& coefficients, bool flat = false) const {
+    const auto offset = matmul(coefficients, slice(components, 0, 0, coefficients.size(1)));
+    return reshape<3>(flat ? offset : offset + reshape<2>(mean, {1, 45}), {coefficients.size(0), 15, 3});
+  }
+};
+
+/// A body with its surface. Nothing of it is trained.
+template <Backend B>
+struct Body {
+  static constexpr bool trainable = false;
+  BodyKind kind = BodyKind::other;
+  BodyModel<B> model;
+  std::vector<std::array<Index, 3>> faces;  // vertices of every triangle, counter-clockwise from outside
+  Index expressions = 0;                    // of the model's coefficients, the last ones
+  std::optional<HandPoses<B>> left_hand, right_hand;
+};
+
+/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others (fingers, say) as
+/// they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames, none means zeros.
+/// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204
+template <Backend B>
+PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
+                       std::span<const typename B::scalar> betas = {}) {
+  using S = typename B::scalar;
+  const std::vector<int>& own = motion.skeleton.parents;
+  if (own.size() > model.parents.size() || !std::equal(own.begin(), own.end(), model.parents.begin())) {
+    raise<config_error>(106, "pose_body: the ", own.size(), " joints of motion '", motion.name,
+                        "' are not the first ones of a body of ", model.joints());
+  }
+  const Index frames = motion.frames(), joints = model.joints(), coefficients = model.shapedirs.size(1);
+  std::vector<S> shape(betas.begin(), betas.end()), rotations, translation;
+  if (shape.empty()) shape.assign(static_cast<std::size_t>(coefficients), S(0));
+  if (static_cast<Index>(shape.size()) != coefficients) {
+    raise<shape_error>(204, "pose_body: ", shape.size(), " coefficients for a body of ", coefficients);
+  }
+  const auto one = Tensor<B, 2>::from(shape, {1, coefficients});
+  const auto rest = model.rest_joints(one);
+  const Vec3<S> pelvis{rest.span()[0], rest.span()[1], rest.span()[2]};
+  for (Index f = 0; f < frames; ++f) {
+    for (Index j = 0; j < joints; ++j) {
+      const auto i = static_cast<std::size_t>(j);
+      const Matrix3<double> m = i < own.size() ? to_matrix(motion.rotations(f)[i]) : Matrix3<double>::identity();
+      for (const double x : m.m) rotations.push_back(static_cast<S>(x));
+    }
+    const Vec3<S> t = vec_cast<S>(motion.root_at(f)) - pelvis;
+    translation.insert(translation.end(), {t.x, t.y, t.z});
+  }
+  return model(broadcast_to<2>(one, {frames, coefficients}), Tensor<B, 3>::from(rotations, {frames, joints, 9}),
+               Tensor<B, 2>::from(translation, {frames, 3}));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP  // <motionlang/kinematics/body_joints.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP
+/// Which joints of a known skeleton are the hips, knees, feet, shoulders and the head. The tables of retargeting say so.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
+/// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
+/// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
+/// "mixamorig1:" and, where colons were lost, "mixamorig".
+inline std::string_view bare_joint_name(std::string_view name) {
+  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
+  constexpr std::string_view mixamo = "mixamorig";
+  if (!name.starts_with(mixamo)) return name;
+  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
+  return rest == name.npos ? name : name.substr(rest);
+}
+/// The number of a joint by its name or else by its bare name; -1.
+inline int find_joint(const Skeleton& skeleton, std::string_view name) {
+  int j = skeleton.find(name);
+  for (int k = 0; k < skeleton.size() && j < 0; ++k) {
+    if (bare_joint_name(skeleton.name(k)) == name) j = k;
+  }
+  return j;
+}
+
+/// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
+struct MappedJoint {
+  std::string target;  // name in SMPL
+  std::string source;
+  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
+  /// for files whose rotations are all zero in that pose.
+  std::string axes = "+x+y";
+  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z forward.
+  Vec3<double> turn{};
+  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
+  /// its parent.
+  std::string second{};
+  double share = 0;
+};
+
+/// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.
+struct SkeletonTable {
+  std::string name;
+  std::vector<MappedJoint> joints;
+  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// (with `turn`) is known to be the T-pose although its bones are not straight.
+  bool straighten = true;
+  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
+  /// skin is bound. Otherwise feet lean to the side with their shins.
+  bool level_soles = false;
+
+  const MappedJoint* find(std::string_view target) const {
+    for (const MappedJoint& j : joints) {
+      if (j.target == target) return &j;
+    }
+    return nullptr;
+  }
+  /// The first joint that the table needs and the skeleton lacks; empty if there is none.
+  std::string missing(const Skeleton& source) const {
+    for (const MappedJoint& j : joints) {
+      const bool optional =
+          j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
+      if (!optional && find_joint(source, j.source) < 0) return j.source;
+      if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
+    }
+    return {};
+  }
+  /// How many of its joints the skeleton has.
+  int found(const Skeleton& source) const {
+    int n = 0;
+    for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
+    return n;
+  }
+};
+
+// clang-format off
+/// The built-in tables. Shares of the spine follow from the heights of the joints between hips and neck.
+inline const std::vector<SkeletonTable>& skeleton_tables() {
+  static const std::vector<SkeletonTable> tables{
+      {"SMPL",
+       {{"pelvis", "pelvis"}, {"spine1", "spine1"}, {"spine2", "spine2"}, {"spine3", "spine3"}, {"neck", "neck"}, {"head", "head"},
+        {"left_hip", "left_hip"}, {"left_knee", "left_knee"}, {"left_ankle", "left_ankle"}, {"left_foot", "left_foot"},
+        {"right_hip", "right_hip"}, {"right_knee", "right_knee"}, {"right_ankle", "right_ankle"}, {"right_foot", "right_foot"},
+        {"left_collar", "left_collar"}, {"left_shoulder", "left_shoulder"}, {"left_elbow", "left_elbow"}, {"left_wrist", "left_wrist"}, {"left_hand", "left_hand"},
+        {"right_collar", "right_collar"}, {"right_shoulder", "right_shoulder"}, {"right_elbow", "right_elbow"}, {"right_wrist", "right_wrist"}, {"right_hand", "right_hand"}}},
+      // Made from the MotionBuilder files. The turns were measured on the 58 trials that exist as both.
+      {"CMU Daz",
+       {{"pelvis", "hip"}, {"spine1", "hip", "+x+y", {}, "abdomen", 0.74}, {"spine2", "abdomen", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"},
+        {"neck", "neck", "+x+y", {6, 0, 0}}, {"head", "head", "+x+y", {-16, 0, 0}},
+        {"left_hip", "lThigh", "+x+y", {-4.7, 0, 0}}, {"left_knee", "lShin", "+x+y", {-4.2, 0, 0}}, {"left_ankle", "lFoot"},
+        {"right_hip", "rThigh", "+x+y", {-4.7, 0, 0}}, {"right_knee", "rShin", "+x+y", {-4.2, 0, 0}}, {"right_ankle", "rFoot"},
+        {"left_collar", "lCollar"}, {"left_shoulder", "lShldr", "+x+y", {0, 0, 8}}, {"left_elbow", "lForeArm", "+x+y", {0, 0, 8}}, {"left_wrist", "lHand", "+x+y", {0, 0, 8}}, {"left_hand", "lMid1"},
+        {"right_collar", "rCollar"}, {"right_shoulder", "rShldr", "+x+y", {0, 0, -8}}, {"right_elbow", "rForeArm", "+x+y", {0, 0, -8}}, {"right_wrist", "rHand", "+x+y", {0, 0, -8}}, {"right_hand", "rMid1"}},
+       false},
+      {"CMU MotionBuilder",
+       {{"pelvis", "Hips"}, {"spine1", "LowerBack"}, {"spine2", "Spine"}, {"spine3", "Spine1"}, {"neck", "Neck", "+x+y", {}, "Neck1", 0.5}, {"head", "Head"},
+        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+        {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftFingerBase"}, {"left_hand", "LeftHandIndex1"},
+        {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightFingerBase"}, {"right_hand", "RightHandIndex1"}}},
+      {"CMU ASF",
+       {{"pelvis", "root"}, {"spine1", "lowerback"}, {"spine2", "upperback"}, {"spine3", "thorax"}, {"neck", "lowerneck", "+x+y", {}, "upperneck", 0.5}, {"head", "head"},
+        {"left_hip", "lfemur"}, {"left_knee", "ltibia"}, {"left_ankle", "lfoot"}, {"left_foot", "ltoes"},
+        {"right_hip", "rfemur"}, {"right_knee", "rtibia"}, {"right_ankle", "rfoot"}, {"right_foot", "rtoes"},
+        {"left_collar", "lclavicle"}, {"left_shoulder", "lhumerus"}, {"left_elbow", "lradius"}, {"left_wrist", "lhand"}, {"left_hand", "lfingers"},
+        {"right_collar", "rclavicle"}, {"right_shoulder", "rhumerus"}, {"right_elbow", "rradius"}, {"right_wrist", "rhand"}, {"right_hand", "rfingers"}}},
+      // Local axes of Maya's kind: x runs along the bone (on the right side against it), nothing is zero in a T-pose.
+      {"Bandai-Namco",
+       {{"pelvis", "Hips", "-y+x"}, {"spine1", "Hips", "-y+x", {}, "Spine", 0.48}, {"spine2", "Spine", "+z+x"}, {"spine3", "Chest", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
+        {"left_hip", "UpperLeg_L", "+y-x"}, {"left_knee", "LowerLeg_L", "+y-x"}, {"left_ankle", "Foot_L", "+y+z", {39.5, 0, 0}}, {"left_foot", "Toes_L", "+y+z", {21, 0, 0}},
+        {"right_hip", "UpperLeg_R", "+y+x"}, {"right_knee", "LowerLeg_R", "+y+x"}, {"right_ankle", "Foot_R", "+y-z", {39.5, 0, 0}}, {"right_foot", "Toes_R", "+y-z", {21, 0, 0}},
+        {"left_collar", "Shoulder_L", "+x+y"}, {"left_shoulder", "UpperArm_L", "+x+y"}, {"left_elbow", "LowerArm_L", "+x+y"}, {"left_wrist", "Hand_L", "+x+y"},
+        {"right_collar", "Shoulder_R", "+x-y"}, {"right_shoulder", "UpperArm_R", "+x-y"}, {"right_elbow", "LowerArm_R", "+x-y"}, {"right_wrist", "Hand_R", "+x-y"}}},
+      {"ReactIdle",
+       {{"pelvis", "pelvis"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "spine.001", 0.5}, {"spine3", "spine.001"}, {"neck", "neck"}, {"head", "face"},
+        {"left_hip", "thigh.L"}, {"left_knee", "shin.L"}, {"left_ankle", "foot.L"},
+        {"right_hip", "thigh.R"}, {"right_knee", "shin.R"}, {"right_ankle", "foot.R"},
+        {"left_collar", "shoulder.L"}, {"left_shoulder", "upper_arm.L"}, {"left_elbow", "forearm.L"},
+        {"right_collar", "shoulder.R"}, {"right_shoulder", "upper_arm.R"}, {"right_elbow", "forearm.R"}}},
+      {"ACCAD",
+       {{"pelvis", "Hips", "-z+x"}, {"spine1", "ToSpine"}, {"spine2", "Spine", "+z+x"}, {"spine3", "Spine1", "+z+x"}, {"neck", "Neck", "-z+x"}, {"head", "Head", "-y+x"},
+        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+        {"left_collar", "LeftShoulder", "+z+x"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"},
+        {"right_collar", "RightShoulder", "+z+x"}, {"right_shoulder", "RightArm", "-x+y"}, {"right_elbow", "RightForeArm", "-x+y"}, {"right_wrist", "RightHand", "-x+y"}}},
+      // The figure of the first BVH files: upright, but with hanging arms when all rotations are zero.
+      {"Biovision",
+       {{"pelvis", "Hips"}, {"spine1", "Hips", "+x+y", {}, "Chest", 0.5}, {"spine2", "Chest"}, {"spine3", "Chest"}, {"neck", "Neck"}, {"head", "Head"},
+        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLowLeg"}, {"left_ankle", "LeftFoot"},
+        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLowLeg"}, {"right_ankle", "RightFoot"},
+        {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftUpArm", "-y+x"}, {"left_elbow", "LeftLowArm", "-y+x"}, {"left_wrist", "LeftHand", "-y+x"},
+        {"right_collar", "RightCollar"}, {"right_shoulder", "RightUpArm", "+y-x"}, {"right_elbow", "RightLowArm", "+y-x"}, {"right_wrist", "RightHand", "+y-x"}}},
+      // SMPL's joints as its add-ons for Blender and engines write them.
+      {"SMPL add-on",
+       {{"pelvis", "Pelvis"}, {"spine1", "Spine1"}, {"spine2", "Spine2"}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+        {"left_hip", "L_Hip"}, {"left_knee", "L_Knee"}, {"left_ankle", "L_Ankle"}, {"left_foot", "L_Foot"},
+        {"right_hip", "R_Hip"}, {"right_knee", "R_Knee"}, {"right_ankle", "R_Ankle"}, {"right_foot", "R_Foot"},
+        {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
+        {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
+       true, true},
+      // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
+      {"Mixamo",
+       {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
+        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+        {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+        {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
+       true, true},
+      {"KayKit",
+       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
+        {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
+        {"right_hip", "upperleg.r"}, {"right_knee", "lowerleg.r"}, {"right_ankle", "foot.r"}, {"right_foot", "toes.r"},
+        {"left_shoulder", "upperarm.l"}, {"left_elbow", "lowerarm.l"}, {"left_wrist", "wrist.l"}, {"left_hand", "hand.l"},
+        {"right_shoulder", "upperarm.r"}, {"right_elbow", "lowerarm.r"}, {"right_wrist", "wrist.r"}, {"right_hand", "hand.r"}},
+       true, true},
+      {"Quaternius",
+       {{"pelvis", "DEF-hips"}, {"spine1", "DEF-spine.001"}, {"spine2", "DEF-spine.002"}, {"spine3", "DEF-spine.003"}, {"neck", "DEF-neck"}, {"head", "DEF-head"},
+        {"left_hip", "DEF-thigh.L"}, {"left_knee", "DEF-shin.L"}, {"left_ankle", "DEF-foot.L"}, {"left_foot", "DEF-toe.L"},
+        {"right_hip", "DEF-thigh.R"}, {"right_knee", "DEF-shin.R"}, {"right_ankle", "DEF-foot.R"}, {"right_foot", "DEF-toe.R"},
+        {"left_collar", "DEF-shoulder.L"}, {"left_shoulder", "DEF-upper_arm.L"}, {"left_elbow", "DEF-forearm.L"}, {"left_wrist", "DEF-hand.L"}, {"left_hand", "DEF-f_middle.01.L"},
+        {"right_collar", "DEF-shoulder.R"}, {"right_shoulder", "DEF-upper_arm.R"}, {"right_elbow", "DEF-forearm.R"}, {"right_wrist", "DEF-hand.R"}, {"right_hand", "DEF-f_middle.01.R"}},
+       true, true},
+      // The mannequins; the fourth has three joints in the spine and one in the neck.
+      {"Unreal 5",
+       {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_03"}, {"spine3", "spine_05"}, {"neck", "neck_01", "+x+y", {}, "neck_02", 0.5}, {"head", "head"},
+        {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+        {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+        {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+        {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+       true, true},
+      {"Unreal 4",
+       {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_02"}, {"spine3", "spine_03"}, {"neck", "neck_01"}, {"head", "head"},
+        {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+        {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+        {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+        {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+       true, true},
+      // The humanoid bones of VRM; the joints of a file have names of their own, VRoid's are below.
+      {"VRM",
+       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
+        {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+        {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+        {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+        {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+       true, true},
+      {"VRM without upper chest",
+       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
+        {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+        {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+        {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+        {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+       true, true},
+      {"VRoid",
+       {{"pelvis", "J_Bip_C_Hips"}, {"spine1", "J_Bip_C_Spine"}, {"spine2", "J_Bip_C_Chest"}, {"spine3", "J_Bip_C_UpperChest"}, {"neck", "J_Bip_C_Neck"}, {"head", "J_Bip_C_Head"},
+        {"left_hip", "J_Bip_L_UpperLeg"}, {"left_knee", "J_Bip_L_LowerLeg"}, {"left_ankle", "J_Bip_L_Foot"}, {"left_foot", "J_Bip_L_ToeBase"},
+        {"right_hip", "J_Bip_R_UpperLeg"}, {"right_knee", "J_Bip_R_LowerLeg"}, {"right_ankle", "J_Bip_R_Foot"}, {"right_foot", "J_Bip_R_ToeBase"},
+        {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
+        {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
+       true, true},
+  };
+  return tables;
+}
+// clang-format on
+
+/// The table whose joints the skeleton has; of several the one with the most. Throws config_error 103 with the joint that
+/// the closest table misses.
+inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+  const SkeletonTable* best = nullptr;
+  const SkeletonTable* closest = nullptr;
+  for (const SkeletonTable& table : skeleton_tables()) {
+    const int found = table.found(source);
+    if (table.missing(source).empty() && (best == nullptr || found > best->found(source))) best = &table;
+    if (closest == nullptr || found > closest->found(source)) closest = &table;
+  }
+  if (best == nullptr) {
+    raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
+                        source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
+                        closest->missing(source), "'");
+  }
+  return *best;
+}
+/// A built-in table by name. Throws config_error 103.
+inline const SkeletonTable& skeleton_table(std::string_view name) {
+  for (const SkeletonTable& table : skeleton_tables()) {
+    if (table.name == name) return table;
+  }
+  raise<config_error>(103, "skeleton_table: no table '", name, "'");
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Numbers of joints; -1 where the skeleton has none.
+struct BodyJoints {
+  struct Pair {
+    int left = -1, right = -1;
+    bool known() const { return left >= 0 && right >= 0; }
+  };
+  int pelvis = -1, head = -1;
+  Pair hip, knee, ankle, toe, shoulder;
+};
+
+/// Nothing for a skeleton that no table fits.
+inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
+  const SkeletonTable* best = nullptr;
+  for (const SkeletonTable& table : skeleton_tables()) {
+    const bool fits = table.missing(skeleton).empty();
+    if (fits && (best == nullptr || table.found(skeleton) > best->found(skeleton))) best = &table;
+  }
+  if (best == nullptr) return std::nullopt;
+  auto joint = [&](std::string_view smpl) {
+    const MappedJoint* row = best->find(smpl);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  };
+  auto pair = [&](const std::string& smpl) { return BodyJoints::Pair{joint("left_" + smpl), joint("right_" + smpl)}; };
+  return BodyJoints{joint("pelvis"), joint("head"), pair("hip"),     pair("knee"),
+                    pair("ankle"),   pair("foot"),  pair("shoulder")};
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -5259,80 +6397,6 @@ std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
 /// When feet touch the floor. Y up, metres.
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
-/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
-///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-struct Motion {
-  Skeleton skeleton;
-  double fps = 20;
-  std::vector<Vec3<double>> root;         // (frames)
-  std::vector<Quaternion<double>> local;  // (frames, joints), joint fastest
-  std::string name{};                     // of the clip, for messages and files
-
-  Index frames() const { return static_cast<Index>(root.size()); }
-  double seconds() const { return static_cast<double>(frames()) / fps; }
-
-  std::span<const Quaternion<double>> rotations(Index frame) const {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
-  }
-  std::span<Quaternion<double>> rotations(Index frame) {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    return std::span(local).subspan(static_cast<std::size_t>(frame) * joints, joints);
-  }
-  const Vec3<double>& root_at(Index frame) const { return root[static_cast<std::size_t>(frame)]; }
-
-  /// Joint positions and rotations of one frame in the world.
-  void world(Index frame, JointTransforms<double>& result) const {
-    forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
-  }
-  /// Joint positions of all frames, (frames, joints).
-  std::vector<Vec3<double>> positions() const {
-    std::vector<Vec3<double>> out;
-    out.reserve(local.size());
-    JointTransforms<double> t;
-    for (Index f = 0; f < frames(); ++f) {
-      world(f, t);
-      out.insert(out.end(), t.position.begin(), t.position.end());
-    }
-    return out;
-  }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
-  /// on a value that is not finite and on a rotation of length 0.
-  void validate() const {
-    skeleton.validate();
-    if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
-      raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
-                         skeleton.size(), " joints");
-    }
-    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
-    for (std::size_t f = 0; f < root.size(); ++f) {
-      const auto& r = root[f];
-      if (!std::isfinite(r.x + r.y + r.z))
-        raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
-    }
-    for (std::size_t i = 0; i < local.size(); ++i) {
-      const auto& q = local[i];
-      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
-      if (!finite || dot(q, q) < 1e-12) {
-        const std::size_t joints = skeleton.parents.size();
-        raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
-                             i / joints, finite ? " has length 0" : " is not finite");
-      }
-    }
-  }
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A joint that may touch the floor, and the height below which it does.
@@ -5401,7 +6465,7 @@ inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
 /// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
 /// are predicted side by side and agree only nearly.
 ///
-///     Motion steady = fix_feet(motion);      // path_from_feet, then lock_feet
+///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP  // <motionlang/kinematics/limb_ik.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP
@@ -5490,6 +6554,7 @@ struct FootFixOptions {
   double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+  double clearance = 0.03;  // m; toes swing this high above where they stand: 3 to 5 cm in recorded walking
 };
 
 namespace detail {
@@ -5549,28 +6614,84 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
 
 namespace detail {
 
+/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it. Nothing
+/// for a foot that swings, and in the last frame.
+inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
+                                                               std::span<const Vec3<double>> positions, const Leg& leg,
+                                                               const FootFixOptions& options) {
+  std::vector<std::optional<Vec3<double>>> steps(static_cast<std::size_t>(motion.frames()));
+  const auto [ankle_joint, toe_joint] = feet_of(leg, options);
+  for (Index f = 0; f + 1 < motion.frames(); ++f) {
+    const auto ankle = slide(positions, motion.skeleton.size(), f, ankle_joint, options.floor),
+               toe = slide(positions, motion.skeleton.size(), f, toe_joint, options.floor);
+    const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
+    if (pivot.low && pivot.length() * motion.fps < options.speed) steps[static_cast<std::size_t>(f)] = pivot.step;
+  }
+  return steps;
+}
+
+/// Moves the foot of a leg in every frame by its offset.
+inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset) {
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Vec3<double> by = offset[static_cast<std::size_t>(f)];
+    if (norm(by) < 1e-6) continue;
+    motion.world(f, world);
+    const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
+    const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
+    reach(motion.skeleton, motion.rotations(f), world, leg.limb, target, forward);
+  }
+}
+
+/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights where
+/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than a tenth of its way: a foot
+/// that only trembles is left alone.
+inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
+                                             const Leg& leg, const FootFixOptions& options) {
+  const Index frames = motion.frames(), joints = motion.skeleton.size();
+  const auto standing = standing_steps(motion, positions, leg, options);
+  auto toe = [&](Index f) { return positions[static_cast<std::size_t>(f * joints + leg.toe)]; };
+  std::vector<Vec3<double>> lift(static_cast<std::size_t>(frames));
+  for (Index first = 0; first + 1 < frames; ++first) {  // first: the last frame in which the foot stands
+    if (standing[static_cast<std::size_t>(first)]) continue;
+    Index last = first + 1;  // the next frame in which it stands
+    while (last + 1 < frames && !standing[static_cast<std::size_t>(last)]) ++last;
+    const bool from_floor = first > 0, to_floor = last + 1 < frames;
+    auto bump = [&](Index f) {  // at an end of the clip the foot is in mid-swing
+      const double t = static_cast<double>(f - first) / static_cast<double>(last - first);
+      const double s = std::sin(std::numbers::pi * (from_floor && to_floor ? t : from_floor ? t / 2 : (1 - t) / 2));
+      return s * s;
+    };
+    if (from_floor || to_floor) {
+      const double from = toe(first).y, to = toe(last).y;
+      const double level = options.clearance + (!to_floor ? from : !from_floor ? to : std::min(from, to));
+      double height = 0, way = 0;
+      for (Index f = first; f <= last; ++f) {
+        if (bump(f) > 0.5) height = std::max(height, (level - toe(f).y) / bump(f));
+        if (f > first) way += norm(Vec3<double>{toe(f).x - toe(f - 1).x, 0, toe(f).z - toe(f - 1).z});
+      }
+      height = std::min({height, options.clearance, way / 10});
+      for (Index f = first; f <= last; ++f) lift[static_cast<std::size_t>(f)].y = height * bump(f);
+    }
+    first = last - 1;
+  }
+  return lift;
+}
+
 /// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide; its
 /// mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
-  const Index joints = motion.skeleton.size(), frames = motion.frames();
-  // held[f]: the foot stands from frame f to f + 1; step: how far it slides meanwhile
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(frames), 0), fixed(held);
-  std::vector<Vec3<double>> step(held.size()), offset(held.size());
-  const auto [ankle_joint, toe_joint] = feet_of(leg, options);
-  for (Index f = 0; f + 1 < frames; ++f) {
-    const auto ankle = slide(positions, joints, f, ankle_joint, options.floor),
-               toe = slide(positions, joints, f, toe_joint, options.floor);
-    const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
-    const auto at = static_cast<std::size_t>(f);
-    if (pivot.low && pivot.length() * motion.fps < options.speed) held[at] = 1, step[at] = pivot.step;
-  }
-  for (std::size_t f = 0; f < held.size(); ++f) {
-    if (held[f] == 0) continue;
+  const Index frames = motion.frames();
+  const auto standing = standing_steps(motion, positions, leg, options);
+  std::vector<std::uint8_t> fixed(standing.size(), 0);
+  std::vector<Vec3<double>> offset(standing.size());
+  for (std::size_t f = 0; f < standing.size(); ++f) {
+    if (!standing[f]) continue;
     const std::size_t first = f;
     Vec3<double> sum{};
-    for (; held[f] != 0; ++f) {  // the last frame is never held
-      offset[f + 1] = offset[f] - step[f];
+    for (; standing[f]; ++f) {  // nothing in the last frame
+      offset[f + 1] = offset[f] - *standing[f];
       sum = sum + offset[f + 1];
     }
     const Vec3<double> mean = (1.0 / static_cast<double>(f - first + 1)) * sum;
@@ -5607,25 +6728,25 @@ inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_l
   if (motion.frames() < 2) return motion;
   const auto positions = motion.positions();
   Motion out = motion;
-  JointTransforms<double> world;
-  for (const Leg& leg : legs) {
-    const auto offset = detail::foot_offsets(motion, positions, leg, options);
-    for (Index f = 0; f < motion.frames(); ++f) {
-      const Vec3<double> by = offset[static_cast<std::size_t>(f)];
-      if (norm(by) < 1e-6) continue;
-      out.world(f, world);
-      const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
-      const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
-      reach(out.skeleton, out.rotations(f), world, leg.limb, target, forward);
-    }
-  }
+  for (const Leg& leg : legs) detail::move_foot(out, leg, detail::foot_offsets(motion, positions, leg, options));
   return out;
 }
 
-/// path_from_feet, then lock_feet. Throws what they throw.
+/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
+/// stands is not moved. Throws as lock_feet.
+inline Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                           const FootFixOptions& options = {}) {
+  detail::require_legs("raise_swings", motion.skeleton, legs);
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) detail::move_foot(out, leg, detail::swing_lifts(motion, positions, leg, options));
+  return out;
+}
+
+/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
-  return lock_feet(path_from_feet(motion, legs, options), legs, options);
+  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5898,197 +7019,6 @@ std::vector<Vec3<S>> mirror_joints(std::span<const Vec3<S>> joints, std::span<co
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
-/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
-/// functions; the clip that is passed stays as it is.
-
-#include <iterator>   // begin
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
-inline Motion crop(const Motion& motion, Index first, Index last) {
-  if (first < 0 || last < first || last > motion.frames()) {
-    raise<shape_error>(203, "crop: frames ", first, " to ", last, " of a clip of ", motion.frames());
-  }
-  const Index joints = motion.skeleton.size();
-  return {motion.skeleton, motion.fps,
-          std::vector<Vec3<double>>(motion.root.begin() + first, motion.root.begin() + last),
-          std::vector<Quaternion<double>>(motion.local.begin() + first * joints, motion.local.begin() + last * joints),
-          motion.name};
-}
-
-/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
-/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
-/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
-/// Throws config_error 101 unless fps > 0.
-inline Motion resample(const Motion& motion, double fps) {
-  if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
-  Motion out{motion.skeleton, fps, {}, {}, motion.name};
-  if (motion.frames() == 0) return out;
-  const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
-  const auto last = static_cast<double>(motion.frames() - 1);
-  const auto frames = static_cast<Index>(std::floor(last / step + rounding)) + 1;
-  out.root.reserve(static_cast<std::size_t>(frames));
-  out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
-  for (Index i = 0; i < frames; ++i) {
-    const double moment = std::min(static_cast<double>(i) * step, last), whole = std::floor(moment + rounding);
-    const auto a = static_cast<Index>(whole), b = std::min(a + 1, motion.frames() - 1);
-    const double t = moment - whole < rounding ? 0 : moment - whole;
-    out.root.push_back((1 - t) * motion.root_at(a) + t * motion.root_at(b));
-    const auto from = motion.rotations(a), to = motion.rotations(b);
-    for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(t == 0 ? from[j] : slerp(from[j], to[j], t));
-  }
-  return out;
-}
-
-/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
-/// 0.
-inline Motion change_speed(const Motion& motion, double factor) {
-  if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
-  Motion out = resample(motion, motion.fps / factor);
-  out.fps = motion.fps;
-  return out;
-}
-
-/// `second` after `first`, as they stand (no blending, no alignment). Throws config_error 102 if skeletons or frame
-/// rates differ.
-inline Motion concatenate(const Motion& first, const Motion& second) {
-  if (first.skeleton != second.skeleton || first.fps != second.fps) {
-    raise<config_error>(102, "concatenate: '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
-                        " frames per second, '", second.name, "' ", second.skeleton.size(), " at ", second.fps);
-  }
-  Motion out = first;
-  out.root.insert(out.root.end(), second.root.begin(), second.root.end());
-  out.local.insert(out.local.end(), second.local.begin(), second.local.end());
-  return out;
-}
-
-namespace detail {
-
-/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
-inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
-inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
-
-inline bool has_side_word(std::string_view name) {
-  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
-    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
-  });
-}
-/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
-inline std::vector<std::string> other_side(const std::string& name) {
-  std::vector<std::string> candidates;
-  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
-    candidates.push_back(std::string(name).replace(at, mark.size(), other));
-  };
-  for (const int side : {0, 1}) {
-    for (const auto& pair : side_words) {
-      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
-    }
-    for (const auto& pair : side_letters) {
-      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
-      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
-    }
-  }
-  return candidates;
-}
-
-}  // namespace detail
-
-/// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
-/// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
-inline std::vector<int> mirror_partners(const Skeleton& skeleton) {
-  std::vector<int> partners;
-  for (int j = 0; j < skeleton.size(); ++j) {
-    const std::string& name = skeleton.name(j);
-    int partner = -1;
-    for (const std::string& candidate : detail::other_side(name)) {
-      if (partner < 0) partner = skeleton.find(candidate);
-    }
-    if (partner < 0 && detail::has_side_word(name))
-      raise<config_error>(103, "mirror_partners: '", name, "' has no partner");
-    partners.push_back(partner < 0 ? j : partner);
-  }
-  return partners;
-}
-
-/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
-///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
-/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
-/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
-inline Motion mirror(const Motion& motion, std::span<const int> partners) {
-  const Skeleton& skeleton = motion.skeleton;
-  const auto joints = static_cast<std::size_t>(skeleton.size());
-  if (partners.size() != joints) {
-    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", joints, " joints");
-  }
-  Motion out = motion;
-  for (std::size_t j = 0; j < joints; ++j) {
-    const int p = partners[j], parent = skeleton.parents[j];
-    const bool paired = p >= 0 && p < skeleton.size() && partners[static_cast<std::size_t>(p)] == static_cast<int>(j);
-    if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
-      raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
-    }
-    const Vec3<double>& offset = skeleton.offsets[j];
-    out.skeleton.offsets[static_cast<std::size_t>(p)] = {-offset.x, offset.y, offset.z};
-  }
-  for (Vec3<double>& r : out.root) r.x = -r.x;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    const auto from = motion.rotations(f);
-    const auto to = out.rotations(f);
-    for (std::size_t j = 0; j < joints; ++j) {
-      to[static_cast<std::size_t>(partners[j])] = {from[j].w, from[j].x, -from[j].y, -from[j].z};
-    }
-  }
-  return out;
-}
-/// With the partners that the names of the joints tell.
-inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
-
-/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
-/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
-///
-/// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. Returns 0 for skeletons whose
-/// zero pose is no T-pose: call it before retargeting.
-inline Index detect_t_pose_lead_in(const Motion& motion) {
-  constexpr double degrees = std::numbers::pi / 180, zero_pose = 5 * degrees, fastest = 0.5 * degrees;
-  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  const auto longest = static_cast<Index>(std::ceil(0.1 * motion.fps));  // of a blend, frames
-  const Index seen = std::min<Index>(motion.frames() - 1, longest + static_cast<Index>(motion.fps));
-  if (seen < 2 || joints < 2) return 0;
-  double from_zero = 0;
-  for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
-  if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
-
-  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame f to f + 1
-  for (Index f = 0; f < seen; ++f) {
-    const auto a = motion.rotations(f), b = motion.rotations(f + 1);
-    double& turn = step[static_cast<std::size_t>(f)];
-    for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
-  }
-  std::vector<double> sorted(step.begin() + 1, step.end());
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double usual = sorted[sorted.size() / 2];
-  auto inserted = [&](Index f) {
-    const double turn = step[static_cast<std::size_t>(f)];
-    const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];
-    return turn > 3 * usual && turn > fastest && turn > 0.65 * before;  // a blend slows down gradually
-  };
-  Index blend = 0;
-  while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
-  return blend < 2 ? blend : std::min(2 * blend, motion.frames() - 1);
-}
-
-/// The clip without those frames.
-inline Motion drop_lead_in(const Motion& motion) {
-  return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 #ifndef MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP  // <motionlang/kinematics/overlay.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP
 /// Two motions in one body: some parts move as in one clip, the rest as in another.
@@ -6186,163 +7116,23 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
-/// Retargeting: the same movement on another skeleton, here one with SMPL's joint names.
+/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
 ///
-///     G_t(f) = G_s(f) C_s^-1
-/// G_s, G_t: world rotations of a source joint s and of the target joint t that follows it; C_s: the world rotation
-/// that s has when the source stands in the rest pose of the target (a T-pose, facing +Z). A source in that pose so
-/// gives the target's rest pose, whatever its local axes, and chains may have different numbers of joints. Bones keep
-/// the target's lengths; the path is scaled by the ratio of the legs.
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
-/// Which joint of a known skeleton moves which joint of SMPL: the tables behind retargeting, and how to recognise one.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// One joint of the target and the joint of the source whose orientation it takes.
-struct MappedJoint {
-  std::string target;  // name in SMPL
-  std::string source;
-  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
-  /// for files whose rotations are all zero in that pose.
-  std::string axes = "+x+y";
-  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z forward.
-  Vec3<double> turn{};
-  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
-  /// its parent.
-  std::string second{};
-  double share = 0;
-};
-
-/// A kind of skeleton. Hands and toes may be missing in a source; all other joints of the table must be there.
-struct SkeletonTable {
-  std::string name;
-  std::vector<MappedJoint> joints;
-  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
-  /// (with `turn`) is known to be the T-pose although its bones are not straight.
-  bool straighten = true;
-
-  const MappedJoint* find(std::string_view target) const {
-    for (const MappedJoint& j : joints) {
-      if (j.target == target) return &j;
-    }
-    return nullptr;
-  }
-  /// The first joint that the table needs and the skeleton lacks; empty if there is none.
-  std::string missing(const Skeleton& source) const {
-    for (const MappedJoint& j : joints) {
-      const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot");
-      if (!optional && source.find(j.source) < 0) return j.source;
-      if (!j.second.empty() && source.find(j.second) < 0) return j.second;
-    }
-    return {};
-  }
-  /// How many of its joints the skeleton has.
-  int found(const Skeleton& source) const {
-    int n = 0;
-    for (const MappedJoint& j : joints) n += source.find(j.source) >= 0 ? 1 : 0;
-    return n;
-  }
-};
-
-// clang-format off
-/// The built-in tables. Shares of the spine follow from the heights of the joints between hips and neck.
-inline const std::vector<SkeletonTable>& skeleton_tables() {
-  static const std::vector<SkeletonTable> tables{
-      {"SMPL",
-       {{"pelvis", "pelvis"}, {"spine1", "spine1"}, {"spine2", "spine2"}, {"spine3", "spine3"}, {"neck", "neck"}, {"head", "head"},
-        {"left_hip", "left_hip"}, {"left_knee", "left_knee"}, {"left_ankle", "left_ankle"}, {"left_foot", "left_foot"},
-        {"right_hip", "right_hip"}, {"right_knee", "right_knee"}, {"right_ankle", "right_ankle"}, {"right_foot", "right_foot"},
-        {"left_collar", "left_collar"}, {"left_shoulder", "left_shoulder"}, {"left_elbow", "left_elbow"}, {"left_wrist", "left_wrist"}, {"left_hand", "left_hand"},
-        {"right_collar", "right_collar"}, {"right_shoulder", "right_shoulder"}, {"right_elbow", "right_elbow"}, {"right_wrist", "right_wrist"}, {"right_hand", "right_hand"}}},
-      // Made from the MotionBuilder files. The turns were measured on the 58 trials that exist as both.
-      {"CMU Daz",
-       {{"pelvis", "hip"}, {"spine1", "hip", "+x+y", {}, "abdomen", 0.74}, {"spine2", "abdomen", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"},
-        {"neck", "neck", "+x+y", {6, 0, 0}}, {"head", "head", "+x+y", {-16, 0, 0}},
-        {"left_hip", "lThigh", "+x+y", {-4.7, 0, 0}}, {"left_knee", "lShin", "+x+y", {-4.2, 0, 0}}, {"left_ankle", "lFoot"},
-        {"right_hip", "rThigh", "+x+y", {-4.7, 0, 0}}, {"right_knee", "rShin", "+x+y", {-4.2, 0, 0}}, {"right_ankle", "rFoot"},
-        {"left_collar", "lCollar"}, {"left_shoulder", "lShldr", "+x+y", {0, 0, 8}}, {"left_elbow", "lForeArm", "+x+y", {0, 0, 8}}, {"left_wrist", "lHand", "+x+y", {0, 0, 8}}, {"left_hand", "lMid1"},
-        {"right_collar", "rCollar"}, {"right_shoulder", "rShldr", "+x+y", {0, 0, -8}}, {"right_elbow", "rForeArm", "+x+y", {0, 0, -8}}, {"right_wrist", "rHand", "+x+y", {0, 0, -8}}, {"right_hand", "rMid1"}},
-       false},
-      {"CMU MotionBuilder",
-       {{"pelvis", "Hips"}, {"spine1", "LowerBack"}, {"spine2", "Spine"}, {"spine3", "Spine1"}, {"neck", "Neck", "+x+y", {}, "Neck1", 0.5}, {"head", "Head"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
-        {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftFingerBase"}, {"left_hand", "LeftHandIndex1"},
-        {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightFingerBase"}, {"right_hand", "RightHandIndex1"}}},
-      {"CMU ASF",
-       {{"pelvis", "root"}, {"spine1", "lowerback"}, {"spine2", "upperback"}, {"spine3", "thorax"}, {"neck", "lowerneck", "+x+y", {}, "upperneck", 0.5}, {"head", "head"},
-        {"left_hip", "lfemur"}, {"left_knee", "ltibia"}, {"left_ankle", "lfoot"}, {"left_foot", "ltoes"},
-        {"right_hip", "rfemur"}, {"right_knee", "rtibia"}, {"right_ankle", "rfoot"}, {"right_foot", "rtoes"},
-        {"left_collar", "lclavicle"}, {"left_shoulder", "lhumerus"}, {"left_elbow", "lradius"}, {"left_wrist", "lhand"}, {"left_hand", "lfingers"},
-        {"right_collar", "rclavicle"}, {"right_shoulder", "rhumerus"}, {"right_elbow", "rradius"}, {"right_wrist", "rhand"}, {"right_hand", "rfingers"}}},
-      // Local axes of Maya's kind: x runs along the bone (on the right side against it), nothing is zero in a T-pose.
-      {"Bandai-Namco",
-       {{"pelvis", "Hips", "-y+x"}, {"spine1", "Hips", "-y+x", {}, "Spine", 0.48}, {"spine2", "Spine", "+z+x"}, {"spine3", "Chest", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
-        {"left_hip", "UpperLeg_L", "+y-x"}, {"left_knee", "LowerLeg_L", "+y-x"}, {"left_ankle", "Foot_L", "+y+z", {39.5, 0, 0}}, {"left_foot", "Toes_L", "+y+z", {21, 0, 0}},
-        {"right_hip", "UpperLeg_R", "+y+x"}, {"right_knee", "LowerLeg_R", "+y+x"}, {"right_ankle", "Foot_R", "+y-z", {39.5, 0, 0}}, {"right_foot", "Toes_R", "+y-z", {21, 0, 0}},
-        {"left_collar", "Shoulder_L", "+x+y"}, {"left_shoulder", "UpperArm_L", "+x+y"}, {"left_elbow", "LowerArm_L", "+x+y"}, {"left_wrist", "Hand_L", "+x+y"},
-        {"right_collar", "Shoulder_R", "+x-y"}, {"right_shoulder", "UpperArm_R", "+x-y"}, {"right_elbow", "LowerArm_R", "+x-y"}, {"right_wrist", "Hand_R", "+x-y"}}},
-      {"ReactIdle",
-       {{"pelvis", "pelvis"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "spine.001", 0.5}, {"spine3", "spine.001"}, {"neck", "neck"}, {"head", "face"},
-        {"left_hip", "thigh.L"}, {"left_knee", "shin.L"}, {"left_ankle", "foot.L"},
-        {"right_hip", "thigh.R"}, {"right_knee", "shin.R"}, {"right_ankle", "foot.R"},
-        {"left_collar", "shoulder.L"}, {"left_shoulder", "upper_arm.L"}, {"left_elbow", "forearm.L"},
-        {"right_collar", "shoulder.R"}, {"right_shoulder", "upper_arm.R"}, {"right_elbow", "forearm.R"}}},
-      {"ACCAD",
-       {{"pelvis", "Hips", "-z+x"}, {"spine1", "ToSpine"}, {"spine2", "Spine", "+z+x"}, {"spine3", "Spine1", "+z+x"}, {"neck", "Neck", "-z+x"}, {"head", "Head", "-y+x"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
-        {"left_collar", "LeftShoulder", "+z+x"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"},
-        {"right_collar", "RightShoulder", "+z+x"}, {"right_shoulder", "RightArm", "-x+y"}, {"right_elbow", "RightForeArm", "-x+y"}, {"right_wrist", "RightHand", "-x+y"}}},
-      // The figure of the first BVH files: upright, but with hanging arms when all rotations are zero.
-      {"Biovision",
-       {{"pelvis", "Hips"}, {"spine1", "Hips", "+x+y", {}, "Chest", 0.5}, {"spine2", "Chest"}, {"spine3", "Chest"}, {"neck", "Neck"}, {"head", "Head"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLowLeg"}, {"left_ankle", "LeftFoot"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLowLeg"}, {"right_ankle", "RightFoot"},
-        {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftUpArm", "-y+x"}, {"left_elbow", "LeftLowArm", "-y+x"}, {"left_wrist", "LeftHand", "-y+x"},
-        {"right_collar", "RightCollar"}, {"right_shoulder", "RightUpArm", "+y-x"}, {"right_elbow", "RightLowArm", "+y-x"}, {"right_wrist", "RightHand", "+y-x"}}},
-  };
-  return tables;
-}
-// clang-format on
-
-/// The table whose joints the skeleton has; of several the one with the most. Throws config_error 103 with the joint that
-/// the closest table misses.
-inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
-  const SkeletonTable* best = nullptr;
-  const SkeletonTable* closest = nullptr;
-  for (const SkeletonTable& table : skeleton_tables()) {
-    const int found = table.found(source);
-    if (table.missing(source).empty() && (best == nullptr || found > best->found(source))) best = &table;
-    if (closest == nullptr || found > closest->found(source)) closest = &table;
-  }
-  if (best == nullptr) {
-    raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
-                        source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
-                        closest->missing(source), "'");
-  }
-  return *best;
-}
-/// A built-in table by name. Throws config_error 103.
-inline const SkeletonTable& skeleton_table(std::string_view name) {
-  for (const SkeletonTable& table : skeleton_tables()) {
-    if (table.name == name) return table;
-  }
-  raise<config_error>(103, "skeleton_table: no table '", name, "'");
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
+///     G_t(f) = G_s(f) C_s^-1 C_t
+/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the world
+/// rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the target
+/// does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever the local
+/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Bones keep the
+/// target's lengths; the path is scaled by the ratio of the legs.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// What a map did with the joints of both skeletons.
 struct RetargetReport {
-  std::string table;
-  std::vector<std::string> unmapped;    // joints of the target that stay at rest
-  std::vector<std::string> unused;      // joints of the source that nothing follows
+  std::string table, target_table;                          // the kinds of source and target
+  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
+  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
+  std::vector<std::string> unused;                          // joints of the source that nothing follows
   double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
 };
 inline std::string to_string(const RetargetReport& r) {
@@ -6352,8 +7142,12 @@ inline std::string to_string(const RetargetReport& r) {
     return out.empty() ? std::string("none") : out;
   };
   auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
-  return concat_text(r.table, ": legs x ", rounded(r.leg_ratio), ", arms x ", rounded(r.arm_ratio),
-                     "; target joints at rest: ", list(r.unmapped), "; source joints not used: ", list(r.unused));
+  std::vector<std::string> pairs;
+  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
+  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
+                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
+                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
+                     "\n  source joints not used: ", list(r.unused));
 }
 
 namespace detail {
@@ -6398,25 +7192,105 @@ inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{(std::numbers::pi / 180) * joint.turn}) * frame;
 }
 
+/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
+/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
+class StandingSkeleton {
+ public:
+  Skeleton skeleton;
+  SkeletonTable table;
+  std::vector<Quaternion<double>> rotation;  // of each joint in the world
+
+  StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    rotation.assign(joints, Quaternion<double>::identity());
+    position_.assign(joints, {});
+    std::vector<bool> given(joints, false);
+    for (const MappedJoint& m : table.joints) {
+      const int j = find_joint(skeleton, m.source);
+      if (j < 0) continue;
+      rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
+      given[static_cast<std::size_t>(j)] = true;
+    }
+    for (std::size_t j = 1; j < joints; ++j) {
+      const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+      if (!given[j]) rotation[j] = rotation[parent];
+      position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
+    }
+    face_forward();
+  }
+
+  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  int joint(std::string_view role) const {
+    const MappedJoint* row = table.find(role);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  }
+  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  std::string role(int joint) const {
+    std::string best;
+    double largest = 0;
+    for (const MappedJoint& m : table.joints) {
+      const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
+                           : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
+                                                                                          : 0;
+      if (share > 0 && share >= largest) best = m.target, largest = share;
+    }
+    return best;
+  }
+  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
+  /// are not straight: as in SMPL.
+  Vec3<double> bone(const LimbBone& limb) const {
+    const int a = joint(limb.joint), b = joint(limb.end);
+    if (a < 0 || b < 0) return {};
+    if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
+    return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+  }
+  double length(const LimbBone& limb) const {
+    const int a = joint(limb.joint), b = joint(limb.end);
+    if (a < 0 || b < 0) return 0;
+    return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
+  }
+
+ private:
+  void face_forward() {
+    const int left = joint("left_hip"), right = joint("right_hip");
+    if (left < 0 || right < 0) return;
+    const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
+    constexpr double quarter = std::numbers::pi / 2;
+    const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
+    if (quarters == 0) return;
+    const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
+    for (Quaternion<double>& q : rotation) q = back * q;
+    for (Vec3<double>& p : position_) p = rotate(back, p);
+  }
+
+  std::vector<Vec3<double>> position_;
+};
+
 }  // namespace detail
 
 /// How one skeleton follows another; made once, used for every clip.
 class SkeletonMap {
  public:
-  /// Throws config_error 103 with the name of a joint that the table needs and a skeleton lacks (or, for axes that are
-  /// none), 101 if the legs of a skeleton have no length.
-  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& table)
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
+  /// that are none, or hips that a skeleton has not), 101 if the legs of a skeleton have no length.
+  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
+              const SkeletonTable& target_table)
       : source_(source), target_(target) {
-    const std::string missing = table.missing(source);
-    if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", table.name, " needs a joint '", missing, "'");
-    report_.table = table.name;
-    rest_pose(table);
-    connect(table);
-    measure();
+    const std::string missing = source_table.missing(source);
+    if (!missing.empty())
+      raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
+    report_.table = source_table.name;
+    report_.target_table = target_table.name;
+    const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+    connect(from, to);
+    measure(from, to);
   }
-  /// With the built-in table that fits the source.
+  /// The target has SMPL's names.
+  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
+      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
+  /// With the built-in tables that fit.
   explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
-      : SkeletonMap(source, target, detect_skeleton_table(source)) {}
+      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
 
   const Skeleton& source() const { return source_; }
   const Skeleton& target() const { return target_; }
@@ -6429,18 +7303,21 @@ class SkeletonMap {
       const Link& link = links_[t];
       const int parent = target_.parents[t];
       const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
-      world[t] = link.source < 0 ? up : turned(from, link.source, link.undo);
+      world[t] = up * link.at_rest;
+      if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
       if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
       local[t] = inverse(up) * world[t];
     }
     const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
-    root = report_.leg_ratio * middle - rotate(world[0], hips_);
+    root =
+        report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
   }
 
  private:
   struct Link {
     int source = -1, second = -1;
-    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1
+    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
+    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
     double share = 0;
   };
 
@@ -6450,102 +7327,90 @@ class SkeletonMap {
   static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
     return from.position[static_cast<std::size_t>(joint)];
   }
-
-  /// World rotations (before the bones are turned) and positions of the source in its T-pose.
-  void rest_pose(const SkeletonTable& table) {
-    const auto joints = static_cast<std::size_t>(source_.size());
-    rest_rotation_.assign(joints, Quaternion<double>::identity());
-    rest_position_.assign(joints, {});
-    std::vector<bool> given(joints, false);
-    for (const MappedJoint& m : table.joints) {
-      const int s = source_.find(m.source);
-      if (s < 0) continue;
-      rest_rotation_[static_cast<std::size_t>(s)] = detail::axes_rotation(m);
-      given[static_cast<std::size_t>(s)] = true;
+  /// A joint of the target seen from its root.
+  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const {
+    Vec3<double> p{};
+    for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
+      p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
     }
-    for (std::size_t s = 1; s < joints; ++s) {
-      const auto parent = static_cast<std::size_t>(source_.parents[s]);
-      if (!given[s]) rest_rotation_[s] = rest_rotation_[parent];
-      rest_position_[s] = rest_position_[parent] + rotate(rest_rotation_[parent], source_.offsets[s]);
-    }
+    return p;
   }
 
-  void connect(const SkeletonTable& table) {
+  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
     links_.resize(static_cast<std::size_t>(target_.size()));
     std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
+    // of the bones of the source, from its T-pose to the target's
+    std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
     for (std::size_t t = 0; t < links_.size(); ++t) {
-      const MappedJoint* row = table.find(target_.names[t]);
-      if (row == nullptr || source_.find(row->source) < 0) {
+      Link& link = links_[t];
+      const int parent = target_.parents[t];
+      const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
+      const std::string role = to.role(static_cast<int>(t));
+      turn[t] = bone_turn(role, from, to, up);
+      if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
+      auto follow = [&](int s) {
+        used[static_cast<std::size_t>(s)] = true;
+        return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
+      };
+      const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
+      link.source = row == nullptr ? -1 : find_joint(source_, row->source);
+      if (link.source < 0) {
         report_.unmapped.push_back(target_.names[t]);
         continue;
       }
-      links_[t] = {.source = source_.find(row->source), .share = row->share};
-      used[static_cast<std::size_t>(links_[t].source)] = true;
-      if (row->second.empty()) continue;
-      links_[t].second = source_.find(row->second);
-      used[static_cast<std::size_t>(links_[t].second)] = true;
-    }
-    std::vector<Quaternion<double>> turn(
-        links_.size(), Quaternion<double>::identity());  // of the bones, from the T-pose of the source to the target's
-    for (std::size_t t = 0; t < links_.size(); ++t) {
-      if (table.straighten) turn[t] = bone_turn(static_cast<int>(t), turn);
-      Link& link = links_[t];
-      if (link.source >= 0) link.undo = inverse(turn[t] * rest_rotation_[static_cast<std::size_t>(link.source)]);
-      if (link.second >= 0) link.undo_second = inverse(turn[t] * rest_rotation_[static_cast<std::size_t>(link.second)]);
+      link.undo = follow(link.source);
+      std::string name = source_.name(link.source);
+      if (!row->second.empty()) {
+        link.second = find_joint(source_, row->second);
+        link.undo_second = follow(link.second);
+        link.share = row->share;
+        name += " + " + source_.name(link.second);
+      }
+      report_.mapped.emplace_back(target_.names[t], std::move(name));
     }
     for (std::size_t s = 0; s < used.size(); ++s) {
       if (!used[s]) report_.unused.push_back(source_.names[s]);
     }
   }
 
-  /// The rotation that brings a joint of the source from its T-pose to the target's rest pose. Limbs are turned along,
-  /// joint by joint; feet only roll with their shins, so that soles stay level; the trunk is taken as it stands.
-  Quaternion<double> bone_turn(int t, const std::vector<Quaternion<double>>& turn) const {
-    const auto up =
-        target_.parent(t) < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(target_.parent(t))];
-    const std::string& name = target_.name(t);
-    if (const detail::LimbBone* limb = detail::find_limb_bone(name)) {
-      const Vec3<double> bone = source_bone(*limb), wanted = target_bone(*limb);
+  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand level,
+  /// so that soles stay level; the trunk is taken as it stands.
+  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                      const detail::StandingSkeleton& to, const Quaternion<double>& up) {
+    if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
+      const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
       if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
       return rotation_between(rotate(up, bone), wanted) * up;
     }
-    if (name == "left_ankle" || name == "right_ankle") {
-      const detail::LimbBone shin{name == "left_ankle" ? "left_knee" : "right_knee", name};
-      const Vec3<double> bone = source_bone(shin), wanted = target_bone(shin);
-      const double roll = std::atan2(wanted.x, -wanted.y) - std::atan2(bone.x, -bone.y);
-      return from_axis_angle(Vec3<double>{0, 0, 1}, roll);
+    if (role == "left_ankle" || role == "right_ankle") {
+      const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
+      auto roll = [&](const detail::StandingSkeleton& s) {
+        const Vec3<double> bone = s.bone(shin);
+        return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
+      };
+      return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
     }
-    if (name == "left_foot" || name == "right_foot" || name == "left_hand" || name == "right_hand") return up;
-    return Quaternion<double>::identity();
-  }
-  /// The bone of a limb in the T-pose of the source; zero if a joint is not mapped.
-  Vec3<double> source_bone(const detail::LimbBone& limb) const {
-    const int a = source_of(limb.joint), b = source_of(limb.end);
-    if (a < 0 || b < 0) return {};
-    return rest_position_[static_cast<std::size_t>(b)] - rest_position_[static_cast<std::size_t>(a)];
-  }
-  Vec3<double> target_bone(const detail::LimbBone& limb) const {
-    const int end = target_.find(limb.end);
-    return end < 0 ? Vec3<double>{} : target_.offset(end);
-  }
-  int source_of(std::string_view target_joint) const {
-    const int t = target_.find(target_joint);
-    return t < 0 ? -1 : links_[static_cast<std::size_t>(t)].source;
+    const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
+    return follows ? up : Quaternion<double>::identity();
   }
 
   /// Lengths of legs and arms, and where the hips are.
-  void measure() {
-    hips_ = 0.5 * (target_.offset(target_["left_hip"]) + target_.offset(target_["right_hip"]));
-    left_hip_ = source_of("left_hip");
-    right_hip_ = source_of("right_hip");
-    if (left_hip_ < 0 || right_hip_ < 0)
-      raise<config_error>(103, "SkeletonMap: ", report_.table, " has no 'left_hip' or no 'right_hip'");
+  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+    auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
+      const int j = s.joint(role);
+      if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
+      return j;
+    };
+    left_hip_ = hip(from, "left_hip");
+    right_hip_ = hip(from, "right_hip");
+    target_left_hip_ = hip(to, "left_hip");
+    target_right_hip_ = hip(to, "right_hip");
     auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
       double here = 0, there = 0;
       for (const detail::LimbBone& bone : bones) {
-        const double length = norm(source_bone(bone));
-        here += length > 0 ? norm(target_bone(bone)) : 0;
-        there += length;
+        const double length = from.length(bone), wanted = to.length(bone);
+        if (length > 0 && wanted > 0) here += wanted, there += length;
       }
       return there > 0 ? here / there : 0;
     };
@@ -6558,11 +7423,8 @@ class SkeletonMap {
 
   Skeleton source_, target_;
   RetargetReport report_;
-  std::vector<Quaternion<double>> rest_rotation_;  // of the source
-  std::vector<Vec3<double>> rest_position_;
   std::vector<Link> links_;  // of the target's joints
-  int left_hip_ = -1, right_hip_ = -1;
-  Vec3<double> hips_{};  // middle of the target's hips, seen from its root
+  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
 };
 
 /// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
@@ -6604,10 +7466,88 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in table that fits the clip. Throws config_error 103 with the joint that is missing.
+/// With the built-in tables that fit the clip and the target. Throws config_error 103 with the joint that is missing.
 inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
                        const RetargetOptions& options = {}) {
   return retarget(motion, SkeletonMap(motion.skeleton, target), options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
+/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct SmoothOptions {
+  /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
+  /// 10 Hz 35 %. Heels and toes strike the floor at such rates: more makes feet slide.
+  double sigma = 0.04;
+};
+
+namespace detail {
+
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them best,
+/// errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not blunted and
+/// ends are not pulled. Fewer than three values: the frame itself.
+///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
+/// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
+inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
+  std::vector<double> c;
+  std::array<double, 5> s{};
+  for (Index k = first; k <= last; ++k) {
+    const auto x = static_cast<double>(k);
+    c.push_back(std::exp(-0.5 * x * x / (sigma * sigma)));
+    double power = c.back();
+    for (double& sum : s) sum += power, power *= x;
+  }
+  const std::array<double, 3> row{s[2] * s[4] - s[3] * s[3], s[2] * s[3] - s[1] * s[4], s[1] * s[3] - s[2] * s[2]};
+  const double determinant = s[0] * row[0] + s[1] * row[1] + s[2] * row[2];
+  for (Index k = first; k <= last; ++k) {
+    const auto x = static_cast<double>(k);
+    double& weight = c[static_cast<std::size_t>(k - first)];
+    if (last - first < 2)
+      weight = k == 0 ? 1 : 0;
+    else
+      weight *= (row[0] + row[1] * x + row[2] * x * x) / determinant;
+  }
+  return c;
+}
+
+}  // namespace detail
+
+/// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
+/// where they are: as rotation vectors seen from the frame itself.
+///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
+/// With fewer than two neighbours on each side within reach nothing changes.
+/// Throws config_error 101 unless sigma >= 0.
+inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {}) {
+  const double sigma = options.sigma * motion.fps;  // frames
+  if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  if (radius < 2) return motion;
+  const auto inner = detail::parabola_weights(-radius, radius, sigma);
+  Motion out = motion;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Index first = std::max(-radius, -f), last = std::min(radius, motion.frames() - 1 - f);
+    const auto c = last - first == 2 * radius ? inner : detail::parabola_weights(first, last, sigma);
+    auto weight = [&](Index k) { return c[static_cast<std::size_t>(k - first)]; };
+    Vec3<double> root{};
+    for (Index k = first; k <= last; ++k) root = root + weight(k) * motion.root_at(f + k);
+    out.root[static_cast<std::size_t>(f)] = root;
+    const auto here = motion.rotations(f);
+    for (std::size_t j = 0; j < here.size(); ++j) {
+      const Quaternion<double> undo = inverse(here[j]);
+      Vec3<double> turn{};
+      for (Index k = first; k <= last; ++k) {
+        if (k != 0) turn = turn + weight(k) * log_so3(undo * motion.rotations(f + k)[j]);
+      }
+      out.rotations(f)[j] = normalized(here[j] * to_quaternion(AxisAngle<double>{turn}));
+    }
+  }
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -6712,9 +7652,32 @@ struct NoInit {
 };
 static_assert(Rng<NoInit>);
 
+namespace detail {
+
+/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+template <Backend B, int R>
+Tensor<B, R> untouched_zeros(const Shape& shape) {
+  using S = typename B::scalar;
+  if constexpr (AutodiffBackend<B>) {
+    return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
+  } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+    const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
+    if (zeros == nullptr) throw std::bad_alloc();
+    return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
+  } else {
+    return Tensor<B, R>::zeros(shape);
+  }
+}
+
+template <class G>
+inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit>;
+
+}  // namespace detail
+
 /// Uniform in [-bound, bound].
 template <Backend B, int R>
 Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.uniform(std::span<typename B::scalar>(values));
   for (auto& v : values) v = static_cast<typename B::scalar>((2 * static_cast<double>(v) - 1) * bound);
@@ -6730,6 +7693,7 @@ Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
 /// Normal with the given standard deviation.
 template <Backend B, int R>
 Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.normal(std::span<typename B::scalar>(values));
   for (auto& v : values) v = static_cast<typename B::scalar>(static_cast<double>(v) * std);
@@ -6933,19 +7897,19 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
   detail::check_attention(q, k, v, q_offsets, k_offsets, {.heads = heads});
   const Index d = q.size(1), width = d / heads;
   const auto channels = reshape<2>(softmax(reshape<2>(q, {q.size(0) * heads, width})), {q.size(0), d});
-  std::vector<Tensor<B, 2>> sequences;
+  PoolVector<Tensor<B, 2>> sequences;
   for (Index s = 0; s < q_offsets.count(); ++s) {
     const auto qs = slice(channels, 0, q_offsets.begin(s), q_offsets.end(s));
     const auto kt = softmax(transpose(slice(k, 0, k_offsets.begin(s), k_offsets.end(s))));  // (width, time)
     const auto vs = slice(v, 0, k_offsets.begin(s), k_offsets.end(s));
-    std::vector<Tensor<B, 2>> parts;
+    PoolVector<Tensor<B, 2>> parts;
     for (Index h = 0; h < heads; ++h) {
       const auto a = matmul(slice(kt, 0, h * width, (h + 1) * width), slice(vs, 1, h * width, (h + 1) * width));
       parts.push_back(matmul(slice(qs, 1, h * width, (h + 1) * width), a));
     }
-    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
+    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts.begin(), parts.size()), 1));
   }
-  return concat(std::span<const Tensor<B, 2>>(sequences), 0);
+  return concat(std::span<const Tensor<B, 2>>(sequences.begin(), sequences.size()), 0);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -7017,6 +7981,98 @@ struct MultiheadAttention {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_NN_POOLING_HPP  // <motionlang/nn/pooling.hpp>
+#define MOTIONLANG_HAS_NN_POOLING_HPP
+/// From the vectors of all tokens to one vector for each text.
+
+#ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
+#define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
+/// What a text encoder gives and a denoiser takes: some token vectors for every text.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct TextFeatures {
+  Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
+  std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
+
+  Index count() const { return tokens.count(); }
+
+  /// From one vector per text.
+  static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
+};
+
+/// Texts picked by number, with repetition.
+template <Backend B>
+TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
+  PoolVector<Index> rows, lengths;
+  TextFeatures<B> out;
+  for (Index i : which) {
+    if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
+    lengths.push_back(text.tokens.offsets.length(i));
+    for (Index r = text.tokens.offsets.begin(i); r < text.tokens.offsets.end(i); ++r) rows.push_back(r);
+    if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
+  }
+  out.tokens = {gather(text.tokens.rows, rows), Offsets(std::span<const Index>(lengths))};
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of rows: a row has the
+/// same bits alone and among others.
+template <Backend B>
+Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
+  const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
+  return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
+}
+
+/// The mean of each sequence, (sequences, width); zeros for an empty one.
+template <Backend B>
+Tensor<B, 2> mean_rows(const Sequences<B>& x) {
+  std::vector<typename B::scalar> share;
+  for (Index i = 0; i < x.count(); ++i)
+    share.push_back(static_cast<typename B::scalar>(1 / std::max(1.0, static_cast<double>(x.offsets.length(i)))));
+  return scatter_add(x.rows, sequence_of_row(x.offsets), x.count()) * Tensor<B, 2>::from(share, {x.count(), 1});
+}
+
+/// One row of each sequence, `at[i]` of sequence i. Throws shape_error 203 if there is no such row, 204 if the counts differ.
+template <Backend B>
+Tensor<B, 2> pick_rows(const Sequences<B>& x, std::span<const Index> at) {
+  if (static_cast<Index>(at.size()) != x.count())
+    raise<shape_error>(204, "pick_rows: ", at.size(), " places for ", x.count(), " sequences");
+  PoolVector<Index> rows;
+  for (Index i = 0; i < x.count(); ++i) {
+    const Index row = at[static_cast<std::size_t>(i)];
+    if (row < 0 || row >= x.offsets.length(i))
+      raise<shape_error>(203, "pick_rows: row ", row, " of ", x.offsets.length(i), " in sequence ", i);
+    rows.push_back(x.offsets.begin(i) + row);
+  }
+  return gather(x.rows, rows);
+}
+
+/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last one where the
+/// network does not say.
+enum class Pooling { none, mean, first, end };
+
+/// (texts, width). Throws config_error 101 for Pooling::none, shape_error 203 for a text without tokens.
+template <Backend B>
+Tensor<B, 2> pool(const TextFeatures<B>& text, Pooling pooling) {
+  if (pooling == Pooling::none) raise<config_error>(101, "pool: Pooling::none has no vector for a text");
+  if (pooling == Pooling::mean) return mean_rows(text.tokens);
+  if (pooling == Pooling::end && !text.end_position.empty()) return pick_rows(text.tokens, text.end_position);
+  std::vector<Index> at;
+  for (Index i = 0; i < text.count(); ++i)
+    at.push_back(pooling == Pooling::first ? 0 : text.tokens.offsets.length(i) - 1);
+  return pick_rows(text.tokens, at);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP  // <motionlang/nn/positional_encoding.hpp>
 #define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
 /// Sinusoidal positions.
@@ -7077,41 +8133,6 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
     for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
   }
   return x.with(gather(table, rows) + x.rows);
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
-#define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
-/// What a text encoder gives and a denoiser takes: some token vectors for every text.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-template <Backend B>
-struct TextFeatures {
-  Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
-  std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-
-  Index count() const { return tokens.count(); }
-
-  /// From one vector per text.
-  static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
-};
-
-/// Texts picked by number, with repetition.
-template <Backend B>
-TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
-  PoolVector<Index> rows, lengths;
-  TextFeatures<B> out;
-  for (Index i : which) {
-    if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
-    lengths.push_back(text.tokens.offsets.length(i));
-    for (Index r = text.tokens.offsets.begin(i); r < text.tokens.offsets.end(i); ++r) rows.push_back(r);
-    if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
-  }
-  out.tokens = {gather(text.tokens.rows, rows), Offsets(std::span<const Index>(lengths))};
-  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -7326,13 +8347,6 @@ struct TransformerDecoder {
 /// Contrastive loss with filtered negatives (InfoNCE).
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Rows divided by max(norm, 1e-12).
-template <Backend B>
-Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
-  const auto squared = reshape<2>(sum(square(x), 1), {x.size(0), 1});
-  return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
-}
 
 ///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and <t_i, t_j> > 2 threshold - 1
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
@@ -7688,6 +8702,24 @@ AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
+#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
+/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct AmassSequence {
+  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
+  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
+  std::vector<double> trans{};    // (frames, 3)
+  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
+  std::string gender = "neutral";
+  double fps = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
 #define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
 /// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
@@ -7763,7 +8795,10 @@ inline FrameSlice slice_of_seconds(double start, double end, double fps, Index f
   if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
     raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
   }
-  const auto first = static_cast<Index>(start * fps), last = std::min(static_cast<Index>(end * fps), frames);
+  const auto index = [&](double seconds) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
+  };
+  const Index first = index(start), last = index(end);
   return last > first ? FrameSlice{first, last - first} : FrameSlice{};
 }
 
@@ -8257,6 +9292,140 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
   }
   const std::vector<S> lengths(skeleton.lengths.begin(), skeleton.lengths.end());
   return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_HUMANML3D_SOURCE_HPP  // <motionlang/features/humanml3d_source.hpp>
+#define MOTIONLANG_HAS_FEATURES_HUMANML3D_SOURCE_HPP
+/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The body
+/// is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
+///
+/// Source   Guo et al. (CVPR 2022), raw_pose_processing.ipynb; spec humanml3d-features.md 8
+/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up and
+///          stay as they are, and the index is not applied to them.
+///
+///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
+///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
+///     });
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A row of index.csv: a clip is a part of a sequence.
+struct HumanMl3dSource {
+  std::string source_path;  // "./pose_data/KIT/3/kick_high_left02_poses.npy"
+  Index start_frame = 0;    // at 20 frames per second, behind the lead
+  Index end_frame = -1;     // -1: to the end
+  std::string new_name;     // "000000.npy"
+  bool operator==(const HumanMl3dSource&) const = default;
+};
+
+struct HumanMl3dSourceOptions {
+  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant.
+  bool drop_last_frame = false;
+};
+
+inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }
+/// HumanML3D has two bodies: everybody but "male" is posed with the female one.
+inline bool humanml3d_uses_male_body(std::string_view gender) { return gender == "male"; }
+
+/// Frames at 20 per second that are dropped before the index counts: people stand in a T-pose there.
+inline Index humanml3d_lead(std::string_view source_path) {
+  struct Lead {
+    std::string_view data_set;
+    Index frames;
+  };
+  constexpr Lead leads[] = {{"Eyes_Japan_Dataset", 60},
+                            {"MPI_HDM05", 60},
+                            {"TotalCapture", 20},
+                            {"MPI_Limits", 20},
+                            {"Transitions_mocap", 10}};
+  Index frames = 0;
+  for (const Lead& lead : leads) {
+    if (source_path.find(lead.data_set) != source_path.npos) frames += lead.frames;
+  }
+  return frames;
+}
+
+/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to end.
+/// An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
+/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
+inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
+                                                  const HumanMl3dSourceOptions& options = {}) {
+  std::vector<Index> picked = every_nth_frame(frames, fps, 20);
+  if (is_humanact12(row.source_path)) return picked;
+  if (row.start_frame < 0 || row.end_frame < -1) {
+    raise<config_error>(101, "humanml3d_source_frames: '", row.new_name, "' from frame ", row.start_frame, " to ",
+                        row.end_frame);
+  }
+  const Index available = std::max<Index>(0, std::ssize(picked) - humanml3d_lead(row.source_path));
+  const Index last = row.end_frame == -1 ? available - (options.drop_last_frame ? 1 : 0) : row.end_frame;
+  picked.erase(picked.begin(), picked.end() - available);
+  picked.resize(static_cast<std::size_t>(std::clamp<Index>(last, 0, available)));
+  picked.erase(picked.begin(), picked.begin() + std::min<Index>(row.start_frame, std::ssize(picked)));
+  return picked;
+}
+
+/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and gives their joints,
+/// (frames, J) with J >= 22: of AMASS Z up, of HumanAct12 as its files have them (give 20 as their fps).
+/// Throws config_error 101 as humanml3d_source_frames, shape_error 205 if `pose` gives other than whole frames.
+template <Scalar S, class Pose>
+std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index frames, double fps, Pose&& pose,
+                                             const HumanMl3dSourceOptions& options = {}) {
+  const std::vector<Index> numbers = humanml3d_source_frames(row, frames, fps, options);
+  if (numbers.empty()) return {};
+  const std::vector<Vec3<S>> posed = pose(std::span<const Index>(numbers));
+  const std::size_t joints = posed.size() / numbers.size();
+  if (joints < 22 || posed.size() % numbers.size() != 0) {
+    raise<shape_error>(205, "humanml3d_source_joints: ", posed.size(), " joints for ", numbers.size(),
+                       " frames; expected 22 or more for each");
+  }
+  const bool y_up = is_humanact12(row.source_path);
+  std::vector<Vec3<S>> out;
+  out.reserve(22 * numbers.size());
+  for (std::size_t at = 0; at < posed.size(); at += joints) {
+    for (std::size_t j = at; j < at + 22; ++j) {
+      const Vec3<S>& p = posed[j];
+      out.push_back(y_up ? p : Vec3<S>{-p.x, p.z, p.y});
+    }
+  }
+  return out;
+}
+
+/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
+/// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
+/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it has not.
+template <Backend B>
+std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
+                                                   std::span<const Index> frames) {
+  using S = typename B::scalar;
+  const Index n = std::ssize(frames), joints = model.joints(), shapes = model.shapedirs.size(1);
+  if (sequence.columns < 3 * joints || std::ssize(sequence.betas) < shapes) {
+    raise<shape_error>(205, "posed_joints: ", sequence.columns, " pose values and ", sequence.betas.size(),
+                       " shape coefficients, the model needs ", 3 * joints, " and ", shapes);
+  }
+  std::vector<S> betas, rotations, translations;
+  for (const Index frame : frames) {
+    if (frame < 0 || frame >= sequence.frames) {
+      raise<shape_error>(203, "posed_joints: frame ", frame, " of ", sequence.frames);
+    }
+    for (Index k = 0; k < shapes; ++k) betas.push_back(static_cast<S>(sequence.betas[static_cast<std::size_t>(k)]));
+    const auto pose = std::span(sequence.poses).subspan(static_cast<std::size_t>(frame * sequence.columns));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
+      const auto r = to_matrix(AxisAngle<double>{{pose[3 * j], pose[3 * j + 1], pose[3 * j + 2]}});
+      for (const double value : r.m) rotations.push_back(static_cast<S>(value));
+    }
+    const double* t = sequence.trans.data() + 3 * frame;
+    for (int k = 0; k < 3; ++k) translations.push_back(static_cast<S>(t[k]));
+  }
+  const auto posed =
+      model.posed_joints(Tensor<B, 2>::from(betas, {n, shapes}), Tensor<B, 3>::from(rotations, {n, joints, 9}),
+                         Tensor<B, 2>::from(translations, {n, 3}));
+  const auto values = posed.to_vector();
+  std::vector<Vec3<S>> out;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.push_back({values[i], values[i + 1], values[i + 2]});
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -9931,7 +11100,7 @@ struct MotionDiffuseDenoiser {
   Tensor<B, 2> time_embedding(std::span<const Index> t) const {
     using S = typename B::scalar;
     const Index half = config.latent_dim / 2;
-    std::vector<S> values(t.size() * static_cast<std::size_t>(2 * half));
+    PoolVector<S> values(t.size() * static_cast<std::size_t>(2 * half));
     for (std::size_t s = 0; s < t.size(); ++s) {
       for (Index k = 0; k < half; ++k) {
         const float w =
@@ -9942,7 +11111,7 @@ struct MotionDiffuseDenoiser {
             static_cast<S>(std::sin(angle));
       }
     }
-    return time_out(time_in(Tensor<B, 2>::from(values, {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
+    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values.begin(), values.size()), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
   }
   Sequences<B> embed_frames(const Sequences<B>& x) const {
     PoolVector<Index> position;
@@ -10156,24 +11325,1329 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
-#define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come with a
-/// motion model and be trained together with it.
+#ifndef MOTIONLANG_HAS_TEXT_BERT_HPP  // <motionlang/text/bert.hpp>
+#define MOTIONLANG_HAS_TEXT_BERT_HPP
+/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors, in whether
+/// there are token types, and in how positions count.
+///
+///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
+///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
+///
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Weights are read where they
+/// lie; `prepare` is not needed, and would take the memory of the weights a second time.
 
-#ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
-#define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
-/// The concept of a text encoder.
+#ifndef MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP  // <motionlang/text/token_offsets.hpp>
+#define MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP
+/// Where the texts of a batch of ids begin.
+
+#ifndef MOTIONLANG_HAS_TEXT_TOKENIZER_HPP  // <motionlang/text/tokenizer.hpp>
+#define MOTIONLANG_HAS_TEXT_TOKENIZER_HPP
+/// The concept of a tokenizer, batches of ids, and the strings that stand for an id wherever they occur in a text.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others; "" is a text like any other
-/// Models   CaptionEncoder, and yours
-template <class E, class B>
-concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
-  { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
+/// Turns a text into the ids that a network takes, framed by the marks for begin and end.
+/// Laws     every id is at least 0 and below size(); any bytes are a text, what is not UTF-8 counts as U+FFFD
+/// Models   WordPiece, BertTokenizer, ClipTokenizer, and yours
+template <class T>
+concept Tokenizer = requires(const T& t, std::string_view text) {
+  { t.encode(text) } -> std::same_as<std::vector<Index>>;
+  { t.size() } -> std::same_as<Index>;
 };
+
+/// The ids of several texts, one text after the other: what an embedding and `Offsets(lengths)` take.
+struct TokenBatch {
+  std::vector<Index> ids, lengths;
+
+  Index count() const { return static_cast<Index>(lengths.size()); }
+  Index longest() const { return lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()); }
+
+  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a text is
+  /// longer.
+  std::vector<Index> padded(Index pad, Index width = 0) const {
+    if (width == 0) width = longest();
+    if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
+    std::vector<Index> out(static_cast<std::size_t>(count() * width), pad);
+    auto from = ids.begin();
+    for (std::size_t i = 0; i < lengths.size(); from += lengths[i], ++i)
+      std::copy_n(from, lengths[i], out.begin() + static_cast<std::ptrdiff_t>(i) * width);
+    return out;
+  }
+};
+
+template <Tokenizer T>
+TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
+  TokenBatch out;
+  for (const std::string& text : texts) {
+    const std::vector<Index> ids = tokenizer.encode(text);
+    out.ids.insert(out.ids.end(), ids.begin(), ids.end());
+    out.lengths.push_back(static_cast<Index>(ids.size()));
+  }
+  return out;
+}
+
+/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no question
+/// here, since all our tokenizers drop white space.
+struct AddedToken {
+  std::string content;
+  Index id = 0;
+  bool normalized = false;  // looked for in the normalised text, not in the raw one
+  bool operator==(const AddedToken&) const = default;
+};
+
+namespace detail {
+
+/// Finds added tokens in a text: the leftmost, and the longest of those that begin at one place.
+class AddedTokenSearch {
+ public:
+  AddedTokenSearch() = default;
+  explicit AddedTokenSearch(std::vector<AddedToken> tokens) : tokens_(std::move(tokens)) {
+    std::erase_if(tokens_, [](const AddedToken& t) { return t.content.empty(); });
+    std::stable_sort(tokens_.begin(), tokens_.end(),
+                     [](const AddedToken& a, const AddedToken& b) { return a.content.size() > b.content.size(); });
+    for (const AddedToken& t : tokens_) begins_[static_cast<unsigned char>(t.content.front())] = true;
+  }
+  bool empty() const { return tokens_.empty(); }
+  bool has(Index id) const {
+    return std::any_of(tokens_.begin(), tokens_.end(), [&](const AddedToken& t) { return t.id == id; });
+  }
+
+  /// Calls on_text(part) for what lies between the tokens and on_token(id) for them, in the order of the text.
+  template <class OnText, class OnToken>
+  void split(std::string_view text, OnText on_text, OnToken on_token) const {
+    std::size_t from = 0;
+    for (std::size_t at = 0; at < text.size();) {
+      const AddedToken* token = begins_[static_cast<unsigned char>(text[at])] ? match(text.substr(at)) : nullptr;
+      if (token == nullptr) {
+        ++at;
+        continue;
+      }
+      if (from < at) on_text(text.substr(from, at - from));
+      on_token(token->id);
+      from = at += token->content.size();
+    }
+    if (from < text.size()) on_text(text.substr(from));
+  }
+
+ private:
+  const AddedToken* match(std::string_view text) const {
+    for (const AddedToken& t : tokens_) {
+      if (text.starts_with(t.content)) return &t;
+    }
+    return nullptr;
+  }
+
+  std::vector<AddedToken> tokens_;
+  std::array<bool, 256> begins_{};
+};
+
+}  // namespace detail
+
+/// The frame around one text or a pair: ids and the places of the texts, each with its token type.
+/// BERT: [CLS] A [SEP] B [SEP], types 0 0 0 1 1.
+struct FramePart {
+  enum Kind { token, text_a, text_b };
+  Kind kind = token;
+  Index id = 0;  // of a token
+  Index type = 0;
+  bool operator==(const FramePart&) const = default;
+};
+
+/// The ids of two texts in one frame, and the token type of each.
+struct TokenPair {
+  std::vector<Index> ids, types;
+};
+
+namespace detail {
+
+inline TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {}) {
+  TokenPair out;
+  for (const FramePart& part : frame) {
+    if (part.kind == FramePart::token) {
+      out.ids.push_back(part.id);
+    } else {
+      const auto text = part.kind == FramePart::text_a ? a : b;
+      out.ids.insert(out.ids.end(), text.begin(), text.end());
+    }
+    out.types.resize(out.ids.size(), part.type);
+  }
+  return out;
+}
+
+/// Ids that a frame adds to its texts.
+inline std::size_t frame_size(std::span<const FramePart> frame) {
+  return static_cast<std::size_t>(
+      std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Throws shape_error 207 if the lengths are not those of the ids.
+inline Offsets token_offsets(const TokenBatch& batch) {
+  Offsets offsets(batch.lengths);
+  if (offsets.rows() != static_cast<Index>(batch.ids.size()))
+    raise<shape_error>(207, "TokenBatch: lengths of ", offsets.rows(), " ids, there are ", batch.ids.size());
+  return offsets;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BertConfig {
+  Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
+  Index token_types = 2, buckets = 32;  // only where the member has them
+  Index padding = 0;                    // the id of padding; positions of MPNet depend on it
+  Activation activation = Activation::gelu;
+  double eps = 1e-12;
+};
+
+inline constexpr BertConfig distilbert_base{};
+inline constexpr BertConfig minilm_l6{.width = 384, .d_ff = 1536};
+inline constexpr BertConfig mpnet_base{.vocabulary = 30527, .layers = 12, .positions = 514, .padding = 1, .eps = 1e-5};
+
+/// Names of the published state dicts (Hugging Face), and what a member has.
+struct DistilBertKeys {
+  static constexpr const char *model_type = "distilbert", *layers = "transformer.layer", *query = "attention.q_lin",
+                              *key = "attention.k_lin", *value = "attention.v_lin", *attended = "attention.out_lin",
+                              *attended_norm = "sa_layer_norm", *up = "ffn.lin1", *down = "ffn.lin2",
+                              *norm = "output_layer_norm";
+  static constexpr bool token_types = false, relative_scores = false, positions_behind_padding = false;
+};
+struct BertKeys {
+  static constexpr const char *model_type = "bert", *layers = "encoder.layer", *query = "attention.self.query",
+                              *key = "attention.self.key", *value = "attention.self.value",
+                              *attended = "attention.output.dense", *attended_norm = "attention.output.LayerNorm",
+                              *up = "intermediate.dense", *down = "output.dense", *norm = "output.LayerNorm";
+  static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false;
+};
+struct MpnetKeys {
+  static constexpr const char *model_type = "mpnet", *layers = "encoder.layer", *query = "attention.attn.q",
+                              *key = "attention.attn.k", *value = "attention.attn.v", *attended = "attention.attn.o",
+                              *attended_norm = "attention.LayerNorm", *up = "intermediate.dense",
+                              *down = "output.dense", *norm = "output.LayerNorm";
+  static constexpr bool token_types = false, relative_scores = true, positions_behind_padding = true;
+};
+
+/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later ones; up to a
+/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section 2.1; the borders
+/// 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
+constexpr Index mpnet_bucket(Index r) {
+  constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
+  const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
+  if (distance < 8) return later + distance;
+  Index offset = 8;
+  for (Index border : borders) offset += distance >= border ? 1 : 0;
+  return later + offset;
+}
+
+/// Post-norm:   x = LN(SA(x) + x);   x = LN(W2 act(W1 x) + x)
+template <Backend B, class Keys>
+struct BertLayer {
+  Linear<B> query, key, value, attended;
+  LayerNorm<B> attended_norm;
+  Linear<B> up, down;
+  LayerNorm<B> norm;
+  Index heads = 1;
+  Activation activation = Activation::gelu;
+
+  static constexpr auto fields() {
+    using M = BertLayer;
+    return motionlang::fields(Keys::query, &M::query, Keys::key, &M::key, Keys::value, &M::value, Keys::attended,
+                              &M::attended, Keys::attended_norm, &M::attended_norm, Keys::up, &M::up, Keys::down,
+                              &M::down, Keys::norm, &M::norm, "heads", &M::heads, "activation", &M::activation);
+  }
+  BertLayer() = default;
+  BertLayer(const BertConfig& c, Rng auto& rng)
+      : query(c.width, c.width, rng),
+        key(c.width, c.width, rng),
+        value(c.width, c.width, rng),
+        attended(c.width, c.width, rng),
+        attended_norm(c.width),
+        up(c.width, c.d_ff, rng),
+        down(c.d_ff, c.width, rng),
+        norm(c.width),
+        heads(c.heads),
+        activation(c.activation) {
+    check_heads(c.width, c.heads);
+    attended_norm.eps = norm.eps = c.eps;
+  }
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores) const {
+    const auto a = attention(query(x), key(x), value(x), offsets, offsets, {.heads = heads}, relative_scores);
+    const auto y = attended_norm(attended(a, Activation::none, &x));
+    return norm(down(up(y, activation), Activation::none, &y));
+  }
+};
+
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. In evaluation mode,
+///         without pooler and heads.
+template <Backend B, class Keys>
+struct BertNetwork {
+  Embedding<B> words, positions;
+  std::optional<Embedding<B>> token_types, relative_scores;
+  LayerNorm<B> norm;
+  std::vector<BertLayer<B, Keys>> layers;
+  Index padding = 0;
+
+  static constexpr auto fields() {
+    using M = BertNetwork;
+    return motionlang::fields("embeddings.word_embeddings", &M::words, "embeddings.position_embeddings", &M::positions,
+                              "embeddings.token_type_embeddings", &M::token_types, "embeddings.LayerNorm", &M::norm,
+                              Keys::layers, &M::layers, "encoder.relative_attention_bias", &M::relative_scores,
+                              "padding", &M::padding);
+  }
+  using Config = BertConfig;
+  using keys = Keys;
+
+  BertNetwork() = default;
+  BertNetwork(const BertConfig& c, Rng auto& rng)
+      : words(c.vocabulary, c.width, rng, 0.02),
+        positions(c.positions, c.width, rng, 0.02),
+        norm(c.width),
+        padding(c.padding) {
+    norm.eps = c.eps;
+    if (Keys::token_types) token_types.emplace(c.token_types, c.width, rng, 0.02);
+    if (Keys::relative_scores) relative_scores.emplace(c.buckets, c.heads, rng, 0.02);
+    for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
+  }
+
+  /// Ids of the longest text that there are positions for.
+  Index longest() const { return positions.weight.size(0) - first_position(); }
+
+  /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long, shape_error 203 for
+  /// an unknown id.
+  TextFeatures<B> operator()(const TokenBatch& batch) const {
+    const Offsets offsets = token_offsets(batch);
+    if (offsets.longest() > longest())
+      raise<config_error>(101, Keys::model_type, ": a text of ", offsets.longest(), " pieces; there are positions for ",
+                          longest(), " (let the tokenizer cut it)");
+    auto x = words(batch.ids) + positions(position_ids(batch));
+    if (token_types) x = x + slice(token_types->weight, 0, 0, 1);
+    x = norm(x);
+    std::optional<Tensor<B, 2>> scores;
+    if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
+    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr);
+    return {{x, offsets}};
+  }
+
+ private:
+  Index first_position() const { return Keys::positions_behind_padding ? padding + 1 : 0; }
+
+  std::vector<Index> position_ids(const TokenBatch& batch) const {
+    std::vector<Index> out;
+    for (Index length : batch.lengths) {
+      Index next = first_position();
+      for (Index i = 0; i < length; ++i) {
+        const bool padded = Keys::positions_behind_padding && batch.ids[out.size()] == padding;
+        out.push_back(padded ? padding : next++);
+      }
+    }
+    return out;
+  }
+  /// (heads, 2 n - 1): for the distances -(n - 1) ... n - 1.
+  Tensor<B, 2> scores_of_distances(Index n) const {
+    PoolVector<Index> buckets;
+    for (Index r = 1 - n; r < n; ++r) buckets.push_back(mpnet_bucket(r));
+    return transpose(gather(relative_scores->weight, buckets));
+  }
+};
+
+template <Backend B>
+using DistilBert = BertNetwork<B, DistilBertKeys>;
+template <Backend B>
+using Bert = BertNetwork<B, BertKeys>;
+template <Backend B>
+using Mpnet = BertNetwork<B, MpnetKeys>;
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP  // <motionlang/text/bert_tokenizer.hpp>
+#define MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP
+/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging Face give
+/// them. Vocabularies are read by io/tokenizer_files.hpp.
+///
+///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
+///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
+///
+/// Source   Devlin et al. (2019), the published tokenizer; spec text-encoders.md 7 and 8
+/// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer combining marks
+///          are known here
+
+#ifndef MOTIONLANG_HAS_TEXT_UNICODE_HPP  // <motionlang/text/unicode.hpp>
+#define MOTIONLANG_HAS_TEXT_UNICODE_HPP
+/// What tokenizers need of Unicode: classes of characters, lower case, canonical decomposition and composition (NFD, NFC).
+/// No locale, no collation, no other normal forms.
+///
+/// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are generated
+///         by tests/tools/make_unicode_tables.py
+
+#ifndef MOTIONLANG_HAS_TEXT_DETAIL_UNICODE_TABLES_HPP  // <motionlang/text/detail/unicode_tables.hpp>
+#define MOTIONLANG_HAS_TEXT_DETAIL_UNICODE_TABLES_HPP
+/// Tables of the Unicode Character Database 15.0.0, for text/unicode.hpp.
+/// The data are Copyright (C) 1991-2022 Unicode, Inc.; terms of use: https://www.unicode.org/terms_of_use.html
+/// Generated by tests/tools/make_unicode_tables.py: do not edit.
+
+// clang-format off
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+inline constexpr char unicode_version[] = "15.0.0";
+
+/// Runs of code points with the same properties: first << 8 | CharClass.
+inline constexpr std::uint32_t class_runs[] = {
+    0x10,0x930,0xE10,0x2020,0x2104,0x2400,0x2504,0x2784,0x2804,0x2B00,0x2C04,0x2E84,0x2F04,0x3002,0x3A84,0x3B04,0x3C00,
+    0x3F04,0x4141,0x5B04,0x5E80,0x5F04,0x6080,0x6141,0x7B04,0x7C00,0x7D04,0x7E00,0x7F10,0x8530,0x8610,0xA020,0xA104,
+    0xA200,0xA704,0xA880,0xA900,0xAA41,0xAB04,0xAC00,0xAD90,0xAE00,0xAF80,0xB000,0xB202,0xB480,0xB541,0xB604,0xB784,
+    0xB880,0xB902,0xBA41,0xBB04,0xBC02,0xBF04,0xC041,0xD700,0xD841,0xF700,0xF841,0x1BB01,0x1BC41,0x1C001,0x1C441,0x29401,
+    0x29541,0x2B0C1,0x2B981,0x2C0C1,0x2C280,0x2C681,0x2D280,0x2E0C1,0x2E580,0x2EC81,0x2ED80,0x2EE81,0x2EF80,0x30088,
+    0x345C8,0x34688,0x37041,0x37481,0x37580,0x37641,0x37800,0x37AC1,0x37B41,0x37E04,0x37F41,0x38000,0x38480,0x38641,
+    0x38784,0x38841,0x38B00,0x38C41,0x38D00,0x38E41,0x3A200,0x3A341,0x3F600,0x3F741,0x48200,0x48388,0x48880,0x48A41,
+    0x53000,0x53141,0x55700,0x55981,0x55A04,0x55F84,0x56041,0x58904,0x58B00,0x59188,0x5BE04,0x5BF88,0x5C004,0x5C188,
+    0x5C304,0x5C488,0x5C604,0x5C788,0x5C800,0x5D001,0x5EB00,0x5EF01,0x5F304,0x5F484,0x5F500,0x60090,0x60600,0x60904,
+    0x60B00,0x60C04,0x60E00,0x61088,0x61B04,0x61C90,0x61D04,0x62001,0x64081,0x64101,0x64B88,0x66002,0x66A04,0x66E01,
+    0x67088,0x67101,0x6D404,0x6D501,0x6D688,0x6DD90,0x6DE00,0x6DF88,0x6E581,0x6E788,0x6E900,0x6EA88,0x6EE01,0x6F002,
+    0x6FA01,0x6FD00,0x6FF01,0x70004,0x70E00,0x70F90,0x71001,0x71188,0x71201,0x73088,0x74B00,0x74D01,0x7A688,0x7B101,
+    0x7B200,0x7C002,0x7CA01,0x7EB88,0x7F481,0x7F600,0x7F704,0x7FA81,0x7FB00,0x7FD88,0x7FE00,0x80001,0x81688,0x81A81,
+    0x81B88,0x82481,0x82588,0x82881,0x82988,0x82E00,0x83004,0x83F00,0x84001,0x85988,0x85C00,0x85E04,0x85F00,0x86001,
+    0x86B00,0x87001,0x88880,0x88901,0x88F00,0x89090,0x89200,0x89888,0x8A001,0x8C981,0x8CA88,0x8E290,0x8E388,0x90300,
+    0x90401,0x93A88,0x93B00,0x93C88,0x93D01,0x93E00,0x94188,0x94900,0x94D88,0x94E00,0x95001,0x95188,0x95801,0x96288,
+    0x96404,0x96602,0x97004,0x97181,0x97201,0x98188,0x98200,0x98501,0x98D00,0x98F01,0x99100,0x99301,0x9A900,0x9AA01,
+    0x9B100,0x9B201,0x9B300,0x9B601,0x9BA00,0x9BC88,0x9BD01,0x9BE00,0x9C188,0x9C500,0x9CD88,0x9CE01,0x9CF00,0x9DC01,
+    0x9DE00,0x9DF01,0x9E288,0x9E400,0x9E602,0x9F001,0x9F200,0x9F402,0x9FA00,0x9FC01,0x9FD04,0x9FE88,0x9FF00,0xA0188,
+    0xA0300,0xA0501,0xA0B00,0xA0F01,0xA1100,0xA1301,0xA2900,0xA2A01,0xA3100,0xA3201,0xA3400,0xA3501,0xA3700,0xA3801,
+    0xA3A00,0xA3C88,0xA3D00,0xA4188,0xA4300,0xA4788,0xA4900,0xA4B88,0xA4E00,0xA5188,0xA5200,0xA5901,0xA5D00,0xA5E01,
+    0xA5F00,0xA6602,0xA7088,0xA7201,0xA7588,0xA7604,0xA7700,0xA8188,0xA8300,0xA8501,0xA8E00,0xA8F01,0xA9200,0xA9301,
+    0xAA900,0xAAA01,0xAB100,0xAB201,0xAB400,0xAB501,0xABA00,0xABC88,0xABD01,0xABE00,0xAC188,0xAC600,0xAC788,0xAC900,
+    0xACD88,0xACE00,0xAD001,0xAD100,0xAE001,0xAE288,0xAE400,0xAE602,0xAF004,0xAF100,0xAF901,0xAFA88,0xB0000,0xB0188,
+    0xB0200,0xB0501,0xB0D00,0xB0F01,0xB1100,0xB1301,0xB2900,0xB2A01,0xB3100,0xB3201,0xB3400,0xB3501,0xB3A00,0xB3C88,
+    0xB3D01,0xB3E00,0xB3F88,0xB4000,0xB4188,0xB4500,0xB4D88,0xB4E00,0xB5588,0xB5700,0xB5C01,0xB5E00,0xB5F01,0xB6288,
+    0xB6400,0xB6602,0xB7000,0xB7101,0xB7202,0xB7800,0xB8288,0xB8301,0xB8400,0xB8501,0xB8B00,0xB8E01,0xB9100,0xB9201,
+    0xB9600,0xB9901,0xB9B00,0xB9C01,0xB9D00,0xB9E01,0xBA000,0xBA301,0xBA500,0xBA801,0xBAB00,0xBAE01,0xBBA00,0xBC088,
+    0xBC100,0xBCD88,0xBCE00,0xBD001,0xBD100,0xBE602,0xBF300,0xC0088,0xC0100,0xC0488,0xC0501,0xC0D00,0xC0E01,0xC1100,
+    0xC1201,0xC2900,0xC2A01,0xC3A00,0xC3C88,0xC3D01,0xC3E88,0xC4100,0xC4688,0xC4900,0xC4A88,0xC4E00,0xC5588,0xC5700,
+    0xC5801,0xC5B00,0xC5D01,0xC5E00,0xC6001,0xC6288,0xC6400,0xC6602,0xC7000,0xC7704,0xC7802,0xC7F00,0xC8001,0xC8188,
+    0xC8200,0xC8404,0xC8501,0xC8D00,0xC8E01,0xC9100,0xC9201,0xCA900,0xCAA01,0xCB400,0xCB501,0xCBA00,0xCBC88,0xCBD01,
+    0xCBE00,0xCBF88,0xCC000,0xCC688,0xCC700,0xCCC88,0xCCE00,0xCDD01,0xCDF00,0xCE001,0xCE288,0xCE400,0xCE602,0xCF000,
+    0xCF101,0xCF300,0xD0088,0xD0200,0xD0401,0xD0D00,0xD0E01,0xD1100,0xD1201,0xD3B88,0xD3D01,0xD3E00,0xD4188,0xD4500,
+    0xD4D88,0xD4E01,0xD4F00,0xD5401,0xD5700,0xD5802,0xD5F01,0xD6288,0xD6400,0xD6602,0xD7900,0xD7A01,0xD8000,0xD8188,
+    0xD8200,0xD8501,0xD9700,0xD9A01,0xDB200,0xDB301,0xDBC00,0xDBD01,0xDBE00,0xDC001,0xDC700,0xDCA88,0xDCB00,0xDD288,
+    0xDD500,0xDD688,0xDD700,0xDE602,0xDF000,0xDF404,0xDF500,0xE0101,0xE3188,0xE3201,0xE3488,0xE3B00,0xE4001,0xE4681,
+    0xE4788,0xE4F04,0xE5002,0xE5A04,0xE5C00,0xE8101,0xE8300,0xE8401,0xE8500,0xE8601,0xE8B00,0xE8C01,0xEA400,0xEA501,
+    0xEA600,0xEA701,0xEB188,0xEB201,0xEB488,0xEBD01,0xEBE00,0xEC001,0xEC500,0xEC681,0xEC700,0xEC888,0xECF00,0xED002,
+    0xEDA00,0xEDC01,0xEE000,0xF0001,0xF0100,0xF0404,0xF1300,0xF1404,0xF1500,0xF1888,0xF1A00,0xF2002,0xF3400,0xF3588,
+    0xF3600,0xF3788,0xF3800,0xF3988,0xF3A04,0xF3E00,0xF4001,0xF4800,0xF4901,0xF6D00,0xF7188,0xF7F00,0xF8088,0xF8504,
+    0xF8688,0xF8801,0xF8D88,0xF9800,0xF9988,0xFBD00,0xFC688,0xFC700,0xFD004,0xFD500,0xFD904,0xFDB00,0x100001,0x102B00,
+    0x102D88,0x103100,0x103288,0x103800,0x103988,0x103B00,0x103D88,0x103F01,0x104002,0x104A04,0x105001,0x105600,0x105888,
+    0x105A01,0x105E88,0x106101,0x106200,0x106501,0x106700,0x106E01,0x107188,0x107501,0x108288,0x108300,0x108588,0x108700,
+    0x108D88,0x108E01,0x108F00,0x109002,0x109A00,0x109D88,0x109E00,0x10A041,0x10C600,0x10C741,0x10C800,0x10CD41,0x10CE00,
+    0x10D041,0x10FB04,0x10FCC1,0x10FD41,0x110001,0x124900,0x124A01,0x124E00,0x125001,0x125700,0x125801,0x125900,0x125A01,
+    0x125E00,0x126001,0x128900,0x128A01,0x128E00,0x129001,0x12B100,0x12B201,0x12B600,0x12B801,0x12BF00,0x12C001,0x12C100,
+    0x12C201,0x12C600,0x12C801,0x12D700,0x12D801,0x131100,0x131201,0x131600,0x131801,0x135B00,0x135D88,0x136004,0x136902,
+    0x137D00,0x138001,0x139000,0x13A041,0x13F600,0x13F841,0x13FE00,0x140004,0x140101,0x166D00,0x166E04,0x166F01,0x168020,
+    0x168101,0x169B04,0x169D00,0x16A001,0x16EB04,0x16EE02,0x16F101,0x16F900,0x170001,0x171288,0x171500,0x171F01,0x173288,
+    0x173400,0x173504,0x173700,0x174001,0x175288,0x175400,0x176001,0x176D00,0x176E01,0x177100,0x177288,0x177400,0x178001,
+    0x17B488,0x17B600,0x17B788,0x17BE00,0x17C688,0x17C700,0x17C988,0x17D404,0x17D781,0x17D804,0x17DB00,0x17DC01,0x17DD88,
+    0x17DE00,0x17E002,0x17EA00,0x17F002,0x17FA00,0x180004,0x180B88,0x180E90,0x180F88,0x181002,0x181A00,0x182001,0x184381,
+    0x184401,0x187900,0x188001,0x188588,0x188701,0x18A988,0x18AA01,0x18AB00,0x18B001,0x18F600,0x190001,0x191F00,0x192088,
+    0x192300,0x192788,0x192900,0x193288,0x193300,0x193988,0x193C00,0x194404,0x194602,0x195001,0x196E00,0x197001,0x197500,
+    0x198001,0x19AC00,0x19B001,0x19CA00,0x19D002,0x19DB00,0x1A0001,0x1A1788,0x1A1900,0x1A1B88,0x1A1C00,0x1A1E04,0x1A2001,
+    0x1A5500,0x1A5688,0x1A5700,0x1A5888,0x1A5F00,0x1A6088,0x1A6100,0x1A6288,0x1A6300,0x1A6588,0x1A6D00,0x1A7388,0x1A7D00,
+    0x1A7F88,0x1A8002,0x1A8A00,0x1A9002,0x1A9A00,0x1AA004,0x1AA781,0x1AA804,0x1AAE00,0x1AB088,0x1ABE80,0x1ABF88,0x1ACF00,
+    0x1B0088,0x1B0400,0x1B0501,0x1B3488,0x1B3500,0x1B3688,0x1B3B00,0x1B3C88,0x1B3D00,0x1B4288,0x1B4300,0x1B4501,0x1B4D00,
+    0x1B5002,0x1B5A04,0x1B6100,0x1B6B88,0x1B7400,0x1B7D04,0x1B7F00,0x1B8088,0x1B8200,0x1B8301,0x1BA100,0x1BA288,0x1BA600,
+    0x1BA888,0x1BAA00,0x1BAB88,0x1BAE01,0x1BB002,0x1BBA01,0x1BE688,0x1BE700,0x1BE888,0x1BEA00,0x1BED88,0x1BEE00,0x1BEF88,
+    0x1BF200,0x1BFC04,0x1C0001,0x1C2400,0x1C2C88,0x1C3400,0x1C3688,0x1C3800,0x1C3B04,0x1C4002,0x1C4A00,0x1C4D01,0x1C5002,
+    0x1C5A01,0x1C7881,0x1C7E04,0x1C8041,0x1C8900,0x1C9041,0x1CBB00,0x1CBD41,0x1CC004,0x1CC800,0x1CD088,0x1CD304,0x1CD488,
+    0x1CE100,0x1CE288,0x1CE901,0x1CED88,0x1CEE01,0x1CF488,0x1CF501,0x1CF700,0x1CF888,0x1CFA01,0x1CFB00,0x1D0041,0x1D2CC1,
+    0x1D6B41,0x1D78C1,0x1D7941,0x1D9BC1,0x1DC088,0x1E0041,0x1F1600,0x1F1841,0x1F1E00,0x1F2041,0x1F4600,0x1F4841,0x1F4E00,
+    0x1F5041,0x1F5800,0x1F5941,0x1F5A00,0x1F5B41,0x1F5C00,0x1F5D41,0x1F5E00,0x1F5F41,0x1F7E00,0x1F8041,0x1FB500,0x1FB641,
+    0x1FBD80,0x1FBE41,0x1FBF80,0x1FC241,0x1FC500,0x1FC641,0x1FCD80,0x1FD041,0x1FD400,0x1FD641,0x1FDC00,0x1FDD80,0x1FE041,
+    0x1FED80,0x1FF000,0x1FF241,0x1FF500,0x1FF641,0x1FFD80,0x1FFF00,0x200020,0x200B90,0x201004,0x201884,0x201A04,0x202484,
+    0x202504,0x202784,0x202820,0x202A90,0x202F20,0x203004,0x204400,0x204504,0x205200,0x205304,0x205F20,0x206090,0x206500,
+    0x206690,0x207002,0x2071C1,0x207200,0x207402,0x207A00,0x207D04,0x207FC1,0x208002,0x208A00,0x208D04,0x208F00,0x2090C1,
+    0x209D00,0x20D088,0x20DD80,0x20E188,0x20E280,0x20E588,0x20F100,0x210241,0x210300,0x210741,0x210800,0x210A41,0x211400,
+    0x211541,0x211600,0x211941,0x211E00,0x212441,0x212500,0x212641,0x212700,0x212841,0x212900,0x212A41,0x212E00,0x212F41,
+    0x213501,0x213941,0x213A00,0x213C41,0x214000,0x214541,0x214A00,0x214E41,0x214F00,0x215002,0x216042,0x218002,0x218341,
+    0x218502,0x218A00,0x230804,0x230C00,0x232904,0x232B00,0x246002,0x249C00,0x24B640,0x24EA02,0x250000,0x276804,0x277602,
+    0x279400,0x27C504,0x27C700,0x27E604,0x27F000,0x298304,0x299900,0x29D804,0x29DC00,0x29FC04,0x29FE00,0x2C0041,0x2C7CC1,
+    0x2C7E41,0x2CE500,0x2CEB41,0x2CEF88,0x2CF241,0x2CF400,0x2CF904,0x2CFD02,0x2CFE04,0x2D0041,0x2D2600,0x2D2741,0x2D2800,
+    0x2D2D41,0x2D2E00,0x2D3001,0x2D6800,0x2D6F81,0x2D7004,0x2D7100,0x2D7F88,0x2D8001,0x2D9700,0x2DA001,0x2DA700,0x2DA801,
+    0x2DAF00,0x2DB001,0x2DB700,0x2DB801,0x2DBF00,0x2DC001,0x2DC700,0x2DC801,0x2DCF00,0x2DD001,0x2DD700,0x2DD801,0x2DDF00,
+    0x2DE088,0x2E0004,0x2E2F81,0x2E3004,0x2E5000,0x2E5204,0x2E5E00,0x300020,0x300104,0x300400,0x300581,0x300601,0x300702,
+    0x300804,0x301200,0x301404,0x302000,0x302102,0x302A88,0x302E00,0x303004,0x303181,0x303600,0x303802,0x303B81,0x303C01,
+    0x303D04,0x303E00,0x304101,0x309700,0x309988,0x309B80,0x309D81,0x309F01,0x30A004,0x30A101,0x30FB04,0x30FC81,0x30FF01,
+    0x310000,0x310501,0x313000,0x313101,0x318F00,0x319202,0x319600,0x31A001,0x31C000,0x31F001,0x320000,0x322002,0x322A00,
+    0x324802,0x325000,0x325102,0x326000,0x328002,0x328A00,0x32B102,0x32C000,0x340001,0x4DC000,0x4E0001,0xA01581,0xA01601,
+    0xA48D00,0xA4D001,0xA4F881,0xA4FE04,0xA50001,0xA60C81,0xA60D04,0xA61001,0xA62002,0xA62A01,0xA62C00,0xA64041,0xA66E01,
+    0xA66F88,0xA67080,0xA67304,0xA67488,0xA67E04,0xA67F81,0xA68041,0xA69CC1,0xA69E88,0xA6A001,0xA6E602,0xA6F088,0xA6F204,
+    0xA6F800,0xA70080,0xA71781,0xA72080,0xA72241,0xA770C1,0xA77141,0xA78881,0xA78980,0xA78B41,0xA78F01,0xA79041,0xA7CB00,
+    0xA7D041,0xA7D200,0xA7D341,0xA7D400,0xA7D541,0xA7DA00,0xA7F2C1,0xA7F541,0xA7F701,0xA7F8C1,0xA7FA41,0xA7FB01,0xA80288,
+    0xA80301,0xA80688,0xA80701,0xA80B88,0xA80C01,0xA82300,0xA82588,0xA82700,0xA82C88,0xA82D00,0xA83002,0xA83600,0xA84001,
+    0xA87404,0xA87800,0xA88201,0xA8B400,0xA8C488,0xA8C600,0xA8CE04,0xA8D002,0xA8DA00,0xA8E088,0xA8F201,0xA8F804,0xA8FB01,
+    0xA8FC04,0xA8FD01,0xA8FF88,0xA90002,0xA90A01,0xA92688,0xA92E04,0xA93001,0xA94788,0xA95200,0xA95F04,0xA96001,0xA97D00,
+    0xA98088,0xA98300,0xA98401,0xA9B388,0xA9B400,0xA9B688,0xA9BA00,0xA9BC88,0xA9BE00,0xA9C104,0xA9CE00,0xA9CF81,0xA9D002,
+    0xA9DA00,0xA9DE04,0xA9E001,0xA9E588,0xA9E681,0xA9E701,0xA9F002,0xA9FA01,0xA9FF00,0xAA0001,0xAA2988,0xAA2F00,0xAA3188,
+    0xAA3300,0xAA3588,0xAA3700,0xAA4001,0xAA4388,0xAA4401,0xAA4C88,0xAA4D00,0xAA5002,0xAA5A00,0xAA5C04,0xAA6001,0xAA7081,
+    0xAA7101,0xAA7700,0xAA7A01,0xAA7B00,0xAA7C88,0xAA7D00,0xAA7E01,0xAAB088,0xAAB101,0xAAB288,0xAAB501,0xAAB788,0xAAB901,
+    0xAABE88,0xAAC001,0xAAC188,0xAAC201,0xAAC300,0xAADB01,0xAADD81,0xAADE04,0xAAE001,0xAAEB00,0xAAEC88,0xAAEE00,0xAAF004,
+    0xAAF201,0xAAF381,0xAAF500,0xAAF688,0xAAF700,0xAB0101,0xAB0700,0xAB0901,0xAB0F00,0xAB1101,0xAB1700,0xAB2001,0xAB2700,
+    0xAB2801,0xAB2F00,0xAB3041,0xAB5B80,0xAB5CC1,0xAB6041,0xAB69C1,0xAB6A80,0xAB6C00,0xAB7041,0xABC001,0xABE300,0xABE588,
+    0xABE600,0xABE888,0xABE900,0xABEB04,0xABEC00,0xABED88,0xABEE00,0xABF002,0xABFA00,0xAC0001,0xD7A400,0xD7B001,0xD7C700,
+    0xD7CB01,0xD7FC00,0xD80010,0xF90001,0xFA6E00,0xFA7001,0xFADA00,0xFB0041,0xFB0700,0xFB1341,0xFB1800,0xFB1D01,0xFB1E88,
+    0xFB1F01,0xFB2900,0xFB2A01,0xFB3700,0xFB3801,0xFB3D00,0xFB3E01,0xFB3F00,0xFB4001,0xFB4200,0xFB4301,0xFB4500,0xFB4601,
+    0xFBB280,0xFBC300,0xFBD301,0xFD3E04,0xFD4000,0xFD5001,0xFD9000,0xFD9201,0xFDC800,0xFDF001,0xFDFC00,0xFE0088,0xFE1004,
+    0xFE1384,0xFE1404,0xFE1A00,0xFE2088,0xFE3004,0xFE5284,0xFE5300,0xFE5404,0xFE5584,0xFE5604,0xFE6200,0xFE6304,0xFE6400,
+    0xFE6804,0xFE6900,0xFE6A04,0xFE6C00,0xFE7001,0xFE7500,0xFE7601,0xFEFD00,0xFEFF90,0xFF0000,0xFF0104,0xFF0400,0xFF0504,
+    0xFF0784,0xFF0804,0xFF0B00,0xFF0C04,0xFF0E84,0xFF0F04,0xFF1002,0xFF1A84,0xFF1B04,0xFF1C00,0xFF1F04,0xFF2141,0xFF3B04,
+    0xFF3E80,0xFF3F04,0xFF4080,0xFF4141,0xFF5B04,0xFF5C00,0xFF5D04,0xFF5E00,0xFF5F04,0xFF6601,0xFF7081,0xFF7101,0xFF9E81,
+    0xFFA001,0xFFBF00,0xFFC201,0xFFC800,0xFFCA01,0xFFD000,0xFFD201,0xFFD800,0xFFDA01,0xFFDD00,0xFFE380,0xFFE400,0xFFF990,
+    0xFFFC00,0x1000001,0x1000C00,0x1000D01,0x1002700,0x1002801,0x1003B00,0x1003C01,0x1003E00,0x1003F01,0x1004E00,
+    0x1005001,0x1005E00,0x1008001,0x100FB00,0x1010004,0x1010300,0x1010702,0x1013400,0x1014002,0x1017900,0x1018A02,
+    0x1018C00,0x101FD88,0x101FE00,0x1028001,0x1029D00,0x102A001,0x102D100,0x102E088,0x102E102,0x102FC00,0x1030001,
+    0x1032002,0x1032400,0x1032D01,0x1034102,0x1034201,0x1034A02,0x1034B00,0x1035001,0x1037688,0x1037B00,0x1038001,
+    0x1039E00,0x1039F04,0x103A001,0x103C400,0x103C801,0x103D004,0x103D102,0x103D600,0x1040041,0x1045001,0x1049E00,
+    0x104A002,0x104AA00,0x104B041,0x104D400,0x104D841,0x104FC00,0x1050001,0x1052800,0x1053001,0x1056400,0x1056F04,
+    0x1057041,0x1057B00,0x1057C41,0x1058B00,0x1058C41,0x1059300,0x1059441,0x1059600,0x1059741,0x105A200,0x105A341,
+    0x105B200,0x105B341,0x105BA00,0x105BB41,0x105BD00,0x1060001,0x1073700,0x1074001,0x1075600,0x1076001,0x1076800,
+    0x10780C1,0x1078181,0x10783C1,0x1078600,0x10787C1,0x107B100,0x107B2C1,0x107BB00,0x1080001,0x1080600,0x1080801,
+    0x1080900,0x1080A01,0x1083600,0x1083701,0x1083900,0x1083C01,0x1083D00,0x1083F01,0x1085600,0x1085704,0x1085802,
+    0x1086001,0x1087700,0x1087902,0x1088001,0x1089F00,0x108A702,0x108B000,0x108E001,0x108F300,0x108F401,0x108F600,
+    0x108FB02,0x1090001,0x1091602,0x1091C00,0x1091F04,0x1092001,0x1093A00,0x1093F04,0x1094000,0x1098001,0x109B800,
+    0x109BC02,0x109BE01,0x109C002,0x109D000,0x109D202,0x10A0001,0x10A0188,0x10A0400,0x10A0588,0x10A0700,0x10A0C88,
+    0x10A1001,0x10A1400,0x10A1501,0x10A1800,0x10A1901,0x10A3600,0x10A3888,0x10A3B00,0x10A3F88,0x10A4002,0x10A4900,
+    0x10A5004,0x10A5900,0x10A6001,0x10A7D02,0x10A7F04,0x10A8001,0x10A9D02,0x10AA000,0x10AC001,0x10AC800,0x10AC901,
+    0x10AE588,0x10AE700,0x10AEB02,0x10AF004,0x10AF700,0x10B0001,0x10B3600,0x10B3904,0x10B4001,0x10B5600,0x10B5802,
+    0x10B6001,0x10B7300,0x10B7802,0x10B8001,0x10B9200,0x10B9904,0x10B9D00,0x10BA902,0x10BB000,0x10C0001,0x10C4900,
+    0x10C8041,0x10CB300,0x10CC041,0x10CF300,0x10CFA02,0x10D0001,0x10D2488,0x10D2800,0x10D3002,0x10D3A00,0x10E6002,
+    0x10E7F00,0x10E8001,0x10EAA00,0x10EAB88,0x10EAD04,0x10EAE00,0x10EB001,0x10EB200,0x10EFD88,0x10F0001,0x10F1D02,
+    0x10F2701,0x10F2800,0x10F3001,0x10F4688,0x10F5102,0x10F5504,0x10F5A00,0x10F7001,0x10F8288,0x10F8604,0x10F8A00,
+    0x10FB001,0x10FC502,0x10FCC00,0x10FE001,0x10FF700,0x1100188,0x1100200,0x1100301,0x1103888,0x1104704,0x1104E00,
+    0x1105202,0x1107088,0x1107101,0x1107388,0x1107501,0x1107600,0x1107F88,0x1108200,0x1108301,0x110B000,0x110B388,
+    0x110B700,0x110B988,0x110BB04,0x110BD90,0x110BE04,0x110C288,0x110C300,0x110CD90,0x110CE00,0x110D001,0x110E900,
+    0x110F002,0x110FA00,0x1110088,0x1110301,0x1112788,0x1112C00,0x1112D88,0x1113500,0x1113602,0x1114004,0x1114401,
+    0x1114500,0x1114701,0x1114800,0x1115001,0x1117388,0x1117404,0x1117601,0x1117700,0x1118088,0x1118200,0x1118301,
+    0x111B300,0x111B688,0x111BF00,0x111C101,0x111C504,0x111C988,0x111CD04,0x111CE00,0x111CF88,0x111D002,0x111DA01,
+    0x111DB04,0x111DC01,0x111DD04,0x111E000,0x111E102,0x111F500,0x1120001,0x1121200,0x1121301,0x1122C00,0x1122F88,
+    0x1123200,0x1123488,0x1123500,0x1123688,0x1123804,0x1123E88,0x1123F01,0x1124188,0x1124200,0x1128001,0x1128700,
+    0x1128801,0x1128900,0x1128A01,0x1128E00,0x1128F01,0x1129E00,0x1129F01,0x112A904,0x112AA00,0x112B001,0x112DF88,
+    0x112E000,0x112E388,0x112EB00,0x112F002,0x112FA00,0x1130088,0x1130200,0x1130501,0x1130D00,0x1130F01,0x1131100,
+    0x1131301,0x1132900,0x1132A01,0x1133100,0x1133201,0x1133400,0x1133501,0x1133A00,0x1133B88,0x1133D01,0x1133E00,
+    0x1134088,0x1134100,0x1135001,0x1135100,0x1135D01,0x1136200,0x1136688,0x1136D00,0x1137088,0x1137500,0x1140001,
+    0x1143500,0x1143888,0x1144000,0x1144288,0x1144500,0x1144688,0x1144701,0x1144B04,0x1145002,0x1145A04,0x1145C00,
+    0x1145D04,0x1145E88,0x1145F01,0x1146200,0x1148001,0x114B000,0x114B388,0x114B900,0x114BA88,0x114BB00,0x114BF88,
+    0x114C100,0x114C288,0x114C401,0x114C604,0x114C701,0x114C800,0x114D002,0x114DA00,0x1158001,0x115AF00,0x115B288,
+    0x115B600,0x115BC88,0x115BE00,0x115BF88,0x115C104,0x115D801,0x115DC88,0x115DE00,0x1160001,0x1163000,0x1163388,
+    0x1163B00,0x1163D88,0x1163E00,0x1163F88,0x1164104,0x1164401,0x1164500,0x1165002,0x1165A00,0x1166004,0x1166D00,
+    0x1168001,0x116AB88,0x116AC00,0x116AD88,0x116AE00,0x116B088,0x116B600,0x116B788,0x116B801,0x116B904,0x116BA00,
+    0x116C002,0x116CA00,0x1170001,0x1171B00,0x1171D88,0x1172000,0x1172288,0x1172600,0x1172788,0x1172C00,0x1173002,
+    0x1173C04,0x1173F00,0x1174001,0x1174700,0x1180001,0x1182C00,0x1182F88,0x1183800,0x1183988,0x1183B04,0x1183C00,
+    0x118A041,0x118E002,0x118F300,0x118FF01,0x1190700,0x1190901,0x1190A00,0x1190C01,0x1191400,0x1191501,0x1191700,
+    0x1191801,0x1193000,0x1193B88,0x1193D00,0x1193E88,0x1193F01,0x1194000,0x1194101,0x1194200,0x1194388,0x1194404,
+    0x1194700,0x1195002,0x1195A00,0x119A001,0x119A800,0x119AA01,0x119D100,0x119D488,0x119D800,0x119DA88,0x119DC00,
+    0x119E088,0x119E101,0x119E204,0x119E301,0x119E400,0x11A0001,0x11A0188,0x11A0B01,0x11A3388,0x11A3900,0x11A3A01,
+    0x11A3B88,0x11A3F04,0x11A4788,0x11A4800,0x11A5001,0x11A5188,0x11A5700,0x11A5988,0x11A5C01,0x11A8A88,0x11A9700,
+    0x11A9888,0x11A9A04,0x11A9D01,0x11A9E04,0x11AA300,0x11AB001,0x11AF900,0x11B0004,0x11B0A00,0x11C0001,0x11C0900,
+    0x11C0A01,0x11C2F00,0x11C3088,0x11C3700,0x11C3888,0x11C3E00,0x11C3F88,0x11C4001,0x11C4104,0x11C4600,0x11C5002,
+    0x11C6D00,0x11C7004,0x11C7201,0x11C9000,0x11C9288,0x11CA800,0x11CAA88,0x11CB100,0x11CB288,0x11CB400,0x11CB588,
+    0x11CB700,0x11D0001,0x11D0700,0x11D0801,0x11D0A00,0x11D0B01,0x11D3188,0x11D3700,0x11D3A88,0x11D3B00,0x11D3C88,
+    0x11D3E00,0x11D3F88,0x11D4601,0x11D4788,0x11D4800,0x11D5002,0x11D5A00,0x11D6001,0x11D6600,0x11D6701,0x11D6900,
+    0x11D6A01,0x11D8A00,0x11D9088,0x11D9200,0x11D9588,0x11D9600,0x11D9788,0x11D9801,0x11D9900,0x11DA002,0x11DAA00,
+    0x11EE001,0x11EF388,0x11EF500,0x11EF704,0x11EF900,0x11F0088,0x11F0201,0x11F0300,0x11F0401,0x11F1100,0x11F1201,
+    0x11F3400,0x11F3688,0x11F3B00,0x11F4088,0x11F4100,0x11F4288,0x11F4304,0x11F5002,0x11F5A00,0x11FB001,0x11FB100,
+    0x11FC002,0x11FD500,0x11FFF04,0x1200001,0x1239A00,0x1240002,0x1246F00,0x1247004,0x1247500,0x1248001,0x1254400,
+    0x12F9001,0x12FF104,0x12FF300,0x1300001,0x1343090,0x1344088,0x1344101,0x1344788,0x1345600,0x1440001,0x1464700,
+    0x1680001,0x16A3900,0x16A4001,0x16A5F00,0x16A6002,0x16A6A00,0x16A6E04,0x16A7001,0x16ABF00,0x16AC002,0x16ACA00,
+    0x16AD001,0x16AEE00,0x16AF088,0x16AF504,0x16AF600,0x16B0001,0x16B3088,0x16B3704,0x16B3C00,0x16B4081,0x16B4404,
+    0x16B4500,0x16B5002,0x16B5A00,0x16B5B02,0x16B6200,0x16B6301,0x16B7800,0x16B7D01,0x16B9000,0x16E4041,0x16E8002,
+    0x16E9704,0x16E9B00,0x16F0001,0x16F4B00,0x16F4F88,0x16F5001,0x16F5100,0x16F8F88,0x16F9381,0x16FA000,0x16FE081,
+    0x16FE204,0x16FE381,0x16FE488,0x16FE500,0x1700001,0x187F800,0x1880001,0x18CD600,0x18D0001,0x18D0900,0x1AFF081,
+    0x1AFF400,0x1AFF581,0x1AFFC00,0x1AFFD81,0x1AFFF00,0x1B00001,0x1B12300,0x1B13201,0x1B13300,0x1B15001,0x1B15300,
+    0x1B15501,0x1B15600,0x1B16401,0x1B16800,0x1B17001,0x1B2FC00,0x1BC0001,0x1BC6B00,0x1BC7001,0x1BC7D00,0x1BC8001,
+    0x1BC8900,0x1BC9001,0x1BC9A00,0x1BC9D88,0x1BC9F04,0x1BCA090,0x1BCA400,0x1CF0088,0x1CF2E00,0x1CF3088,0x1CF4700,
+    0x1D16788,0x1D16A00,0x1D17390,0x1D17B88,0x1D18300,0x1D18588,0x1D18C00,0x1D1AA88,0x1D1AE00,0x1D24288,0x1D24500,
+    0x1D2C002,0x1D2D400,0x1D2E002,0x1D2F400,0x1D36002,0x1D37900,0x1D40041,0x1D45500,0x1D45641,0x1D49D00,0x1D49E41,
+    0x1D4A000,0x1D4A241,0x1D4A300,0x1D4A541,0x1D4A700,0x1D4A941,0x1D4AD00,0x1D4AE41,0x1D4BA00,0x1D4BB41,0x1D4BC00,
+    0x1D4BD41,0x1D4C400,0x1D4C541,0x1D50600,0x1D50741,0x1D50B00,0x1D50D41,0x1D51500,0x1D51641,0x1D51D00,0x1D51E41,
+    0x1D53A00,0x1D53B41,0x1D53F00,0x1D54041,0x1D54500,0x1D54641,0x1D54700,0x1D54A41,0x1D55100,0x1D55241,0x1D6A600,
+    0x1D6A841,0x1D6C100,0x1D6C241,0x1D6DB00,0x1D6DC41,0x1D6FB00,0x1D6FC41,0x1D71500,0x1D71641,0x1D73500,0x1D73641,
+    0x1D74F00,0x1D75041,0x1D76F00,0x1D77041,0x1D78900,0x1D78A41,0x1D7A900,0x1D7AA41,0x1D7C300,0x1D7C441,0x1D7CC00,
+    0x1D7CE02,0x1D80000,0x1DA0088,0x1DA3700,0x1DA3B88,0x1DA6D00,0x1DA7588,0x1DA7600,0x1DA8488,0x1DA8500,0x1DA8704,
+    0x1DA8C00,0x1DA9B88,0x1DAA000,0x1DAA188,0x1DAB000,0x1DF0041,0x1DF0A01,0x1DF0B41,0x1DF1F00,0x1DF2541,0x1DF2B00,
+    0x1E00088,0x1E00700,0x1E00888,0x1E01900,0x1E01B88,0x1E02200,0x1E02388,0x1E02500,0x1E02688,0x1E02B00,0x1E030C1,
+    0x1E06E00,0x1E08F88,0x1E09000,0x1E10001,0x1E12D00,0x1E13088,0x1E13781,0x1E13E00,0x1E14002,0x1E14A00,0x1E14E01,
+    0x1E14F00,0x1E29001,0x1E2AE88,0x1E2AF00,0x1E2C001,0x1E2EC88,0x1E2F002,0x1E2FA00,0x1E4D001,0x1E4EB81,0x1E4EC88,
+    0x1E4F002,0x1E4FA00,0x1E7E001,0x1E7E700,0x1E7E801,0x1E7EC00,0x1E7ED01,0x1E7EF00,0x1E7F001,0x1E7FF00,0x1E80001,
+    0x1E8C500,0x1E8C702,0x1E8D088,0x1E8D700,0x1E90041,0x1E94488,0x1E94B81,0x1E94C00,0x1E95002,0x1E95A00,0x1E95E04,
+    0x1E96000,0x1EC7102,0x1ECAC00,0x1ECAD02,0x1ECB000,0x1ECB102,0x1ECB500,0x1ED0102,0x1ED2E00,0x1ED2F02,0x1ED3E00,
+    0x1EE0001,0x1EE0400,0x1EE0501,0x1EE2000,0x1EE2101,0x1EE2300,0x1EE2401,0x1EE2500,0x1EE2701,0x1EE2800,0x1EE2901,
+    0x1EE3300,0x1EE3401,0x1EE3800,0x1EE3901,0x1EE3A00,0x1EE3B01,0x1EE3C00,0x1EE4201,0x1EE4300,0x1EE4701,0x1EE4800,
+    0x1EE4901,0x1EE4A00,0x1EE4B01,0x1EE4C00,0x1EE4D01,0x1EE5000,0x1EE5101,0x1EE5300,0x1EE5401,0x1EE5500,0x1EE5701,
+    0x1EE5800,0x1EE5901,0x1EE5A00,0x1EE5B01,0x1EE5C00,0x1EE5D01,0x1EE5E00,0x1EE5F01,0x1EE6000,0x1EE6101,0x1EE6300,
+    0x1EE6401,0x1EE6500,0x1EE6701,0x1EE6B00,0x1EE6C01,0x1EE7300,0x1EE7401,0x1EE7800,0x1EE7901,0x1EE7D00,0x1EE7E01,
+    0x1EE7F00,0x1EE8001,0x1EE8A00,0x1EE8B01,0x1EE9C00,0x1EEA101,0x1EEA400,0x1EEA501,0x1EEAA00,0x1EEAB01,0x1EEBC00,
+    0x1F10002,0x1F10D00,0x1F13040,0x1F14A00,0x1F15040,0x1F16A00,0x1F17040,0x1F18A00,0x1F3FB80,0x1F40000,0x1FBF002,
+    0x1FBFA00,0x2000001,0x2A6E000,0x2A70001,0x2B73A00,0x2B74001,0x2B81E00,0x2B82001,0x2CEA200,0x2CEB001,0x2EBE100,
+    0x2F80001,0x2FA1E00,0x3000001,0x3134B00,0x3135001,0x323B000,0xE000190,0xE000200,0xE002090,0xE008000,0xE010088,
+    0xE01F000,0xF000010,0xFFFFE00,0x10000010,0x10FFFE00,
+};
+
+/// Simple lower case: first, first + step, ... last are moved by `difference`.
+struct LowerRun {
+  std::uint32_t first, last, step;
+  std::int32_t difference;
+};
+inline constexpr LowerRun lower_runs[] = {
+    {0x41,0x5A,1,0x20},{0xC0,0xD6,1,0x20},{0xD8,0xDE,1,0x20},{0x100,0x12E,2,1},{0x130,0x130,1,-0xC7},{0x132,0x136,2,1},
+    {0x139,0x147,2,1},{0x14A,0x176,2,1},{0x178,0x178,1,-0x79},{0x179,0x17D,2,1},{0x181,0x181,1,0xD2},{0x182,0x184,2,1},
+    {0x186,0x186,1,0xCE},{0x187,0x187,1,1},{0x189,0x18A,1,0xCD},{0x18B,0x18B,1,1},{0x18E,0x18E,1,0x4F},
+    {0x18F,0x18F,1,0xCA},{0x190,0x190,1,0xCB},{0x191,0x191,1,1},{0x193,0x193,1,0xCD},{0x194,0x194,1,0xCF},
+    {0x196,0x196,1,0xD3},{0x197,0x197,1,0xD1},{0x198,0x198,1,1},{0x19C,0x19C,1,0xD3},{0x19D,0x19D,1,0xD5},
+    {0x19F,0x19F,1,0xD6},{0x1A0,0x1A4,2,1},{0x1A6,0x1A6,1,0xDA},{0x1A7,0x1A7,1,1},{0x1A9,0x1A9,1,0xDA},{0x1AC,0x1AC,1,1},
+    {0x1AE,0x1AE,1,0xDA},{0x1AF,0x1AF,1,1},{0x1B1,0x1B2,1,0xD9},{0x1B3,0x1B5,2,1},{0x1B7,0x1B7,1,0xDB},{0x1B8,0x1B8,1,1},
+    {0x1BC,0x1BC,1,1},{0x1C4,0x1C4,1,2},{0x1C5,0x1C5,1,1},{0x1C7,0x1C7,1,2},{0x1C8,0x1C8,1,1},{0x1CA,0x1CA,1,2},
+    {0x1CB,0x1DB,2,1},{0x1DE,0x1EE,2,1},{0x1F1,0x1F1,1,2},{0x1F2,0x1F4,2,1},{0x1F6,0x1F6,1,-0x61},{0x1F7,0x1F7,1,-0x38},
+    {0x1F8,0x21E,2,1},{0x220,0x220,1,-0x82},{0x222,0x232,2,1},{0x23A,0x23A,1,0x2A2B},{0x23B,0x23B,1,1},
+    {0x23D,0x23D,1,-0xA3},{0x23E,0x23E,1,0x2A28},{0x241,0x241,1,1},{0x243,0x243,1,-0xC3},{0x244,0x244,1,0x45},
+    {0x245,0x245,1,0x47},{0x246,0x24E,2,1},{0x370,0x372,2,1},{0x376,0x376,1,1},{0x37F,0x37F,1,0x74},{0x386,0x386,1,0x26},
+    {0x388,0x38A,1,0x25},{0x38C,0x38C,1,0x40},{0x38E,0x38F,1,0x3F},{0x391,0x3A1,1,0x20},{0x3A3,0x3AB,1,0x20},
+    {0x3CF,0x3CF,1,8},{0x3D8,0x3EE,2,1},{0x3F4,0x3F4,1,-0x3C},{0x3F7,0x3F7,1,1},{0x3F9,0x3F9,1,-7},{0x3FA,0x3FA,1,1},
+    {0x3FD,0x3FF,1,-0x82},{0x400,0x40F,1,0x50},{0x410,0x42F,1,0x20},{0x460,0x480,2,1},{0x48A,0x4BE,2,1},
+    {0x4C0,0x4C0,1,0xF},{0x4C1,0x4CD,2,1},{0x4D0,0x52E,2,1},{0x531,0x556,1,0x30},{0x10A0,0x10C5,1,0x1C60},
+    {0x10C7,0x10C7,1,0x1C60},{0x10CD,0x10CD,1,0x1C60},{0x13A0,0x13EF,1,0x97D0},{0x13F0,0x13F5,1,8},
+    {0x1C90,0x1CBA,1,-0xBC0},{0x1CBD,0x1CBF,1,-0xBC0},{0x1E00,0x1E94,2,1},{0x1E9E,0x1E9E,1,-0x1DBF},{0x1EA0,0x1EFE,2,1},
+    {0x1F08,0x1F0F,1,-8},{0x1F18,0x1F1D,1,-8},{0x1F28,0x1F2F,1,-8},{0x1F38,0x1F3F,1,-8},{0x1F48,0x1F4D,1,-8},
+    {0x1F59,0x1F5F,2,-8},{0x1F68,0x1F6F,1,-8},{0x1F88,0x1F8F,1,-8},{0x1F98,0x1F9F,1,-8},{0x1FA8,0x1FAF,1,-8},
+    {0x1FB8,0x1FB9,1,-8},{0x1FBA,0x1FBB,1,-0x4A},{0x1FBC,0x1FBC,1,-9},{0x1FC8,0x1FCB,1,-0x56},{0x1FCC,0x1FCC,1,-9},
+    {0x1FD8,0x1FD9,1,-8},{0x1FDA,0x1FDB,1,-0x64},{0x1FE8,0x1FE9,1,-8},{0x1FEA,0x1FEB,1,-0x70},{0x1FEC,0x1FEC,1,-7},
+    {0x1FF8,0x1FF9,1,-0x80},{0x1FFA,0x1FFB,1,-0x7E},{0x1FFC,0x1FFC,1,-9},{0x2126,0x2126,1,-0x1D5D},
+    {0x212A,0x212A,1,-0x20BF},{0x212B,0x212B,1,-0x2046},{0x2132,0x2132,1,0x1C},{0x2160,0x216F,1,0x10},
+    {0x2183,0x2183,1,1},{0x24B6,0x24CF,1,0x1A},{0x2C00,0x2C2F,1,0x30},{0x2C60,0x2C60,1,1},{0x2C62,0x2C62,1,-0x29F7},
+    {0x2C63,0x2C63,1,-0xEE6},{0x2C64,0x2C64,1,-0x29E7},{0x2C67,0x2C6B,2,1},{0x2C6D,0x2C6D,1,-0x2A1C},
+    {0x2C6E,0x2C6E,1,-0x29FD},{0x2C6F,0x2C6F,1,-0x2A1F},{0x2C70,0x2C70,1,-0x2A1E},{0x2C72,0x2C72,1,1},
+    {0x2C75,0x2C75,1,1},{0x2C7E,0x2C7F,1,-0x2A3F},{0x2C80,0x2CE2,2,1},{0x2CEB,0x2CED,2,1},{0x2CF2,0x2CF2,1,1},
+    {0xA640,0xA66C,2,1},{0xA680,0xA69A,2,1},{0xA722,0xA72E,2,1},{0xA732,0xA76E,2,1},{0xA779,0xA77B,2,1},
+    {0xA77D,0xA77D,1,-0x8A04},{0xA77E,0xA786,2,1},{0xA78B,0xA78B,1,1},{0xA78D,0xA78D,1,-0xA528},{0xA790,0xA792,2,1},
+    {0xA796,0xA7A8,2,1},{0xA7AA,0xA7AA,1,-0xA544},{0xA7AB,0xA7AB,1,-0xA54F},{0xA7AC,0xA7AC,1,-0xA54B},
+    {0xA7AD,0xA7AD,1,-0xA541},{0xA7AE,0xA7AE,1,-0xA544},{0xA7B0,0xA7B0,1,-0xA512},{0xA7B1,0xA7B1,1,-0xA52A},
+    {0xA7B2,0xA7B2,1,-0xA515},{0xA7B3,0xA7B3,1,0x3A0},{0xA7B4,0xA7C2,2,1},{0xA7C4,0xA7C4,1,-0x30},
+    {0xA7C5,0xA7C5,1,-0xA543},{0xA7C6,0xA7C6,1,-0x8A38},{0xA7C7,0xA7C9,2,1},{0xA7D0,0xA7D0,1,1},{0xA7D6,0xA7D8,2,1},
+    {0xA7F5,0xA7F5,1,1},{0xFF21,0xFF3A,1,0x20},{0x10400,0x10427,1,0x28},{0x104B0,0x104D3,1,0x28},
+    {0x10570,0x1057A,1,0x27},{0x1057C,0x1058A,1,0x27},{0x1058C,0x10592,1,0x27},{0x10594,0x10595,1,0x27},
+    {0x10C80,0x10CB2,1,0x40},{0x118A0,0x118BF,1,0x20},{0x16E40,0x16E5F,1,0x20},{0x1E900,0x1E921,1,0x22},
+};
+
+/// Canonical combining classes other than 0.
+struct CombiningRun {
+  std::uint32_t first, last, combining;
+};
+inline constexpr CombiningRun combining_runs[] = {
+    {0x300,0x314,0xE6},{0x315,0x315,0xE8},{0x316,0x319,0xDC},{0x31A,0x31A,0xE8},{0x31B,0x31B,0xD8},{0x31C,0x320,0xDC},
+    {0x321,0x322,0xCA},{0x323,0x326,0xDC},{0x327,0x328,0xCA},{0x329,0x333,0xDC},{0x334,0x338,1},{0x339,0x33C,0xDC},
+    {0x33D,0x344,0xE6},{0x345,0x345,0xF0},{0x346,0x346,0xE6},{0x347,0x349,0xDC},{0x34A,0x34C,0xE6},{0x34D,0x34E,0xDC},
+    {0x350,0x352,0xE6},{0x353,0x356,0xDC},{0x357,0x357,0xE6},{0x358,0x358,0xE8},{0x359,0x35A,0xDC},{0x35B,0x35B,0xE6},
+    {0x35C,0x35C,0xE9},{0x35D,0x35E,0xEA},{0x35F,0x35F,0xE9},{0x360,0x361,0xEA},{0x362,0x362,0xE9},{0x363,0x36F,0xE6},
+    {0x483,0x487,0xE6},{0x591,0x591,0xDC},{0x592,0x595,0xE6},{0x596,0x596,0xDC},{0x597,0x599,0xE6},{0x59A,0x59A,0xDE},
+    {0x59B,0x59B,0xDC},{0x59C,0x5A1,0xE6},{0x5A2,0x5A7,0xDC},{0x5A8,0x5A9,0xE6},{0x5AA,0x5AA,0xDC},{0x5AB,0x5AC,0xE6},
+    {0x5AD,0x5AD,0xDE},{0x5AE,0x5AE,0xE4},{0x5AF,0x5AF,0xE6},{0x5B0,0x5B0,0xA},{0x5B1,0x5B1,0xB},{0x5B2,0x5B2,0xC},
+    {0x5B3,0x5B3,0xD},{0x5B4,0x5B4,0xE},{0x5B5,0x5B5,0xF},{0x5B6,0x5B6,0x10},{0x5B7,0x5B7,0x11},{0x5B8,0x5B8,0x12},
+    {0x5B9,0x5BA,0x13},{0x5BB,0x5BB,0x14},{0x5BC,0x5BC,0x15},{0x5BD,0x5BD,0x16},{0x5BF,0x5BF,0x17},{0x5C1,0x5C1,0x18},
+    {0x5C2,0x5C2,0x19},{0x5C4,0x5C4,0xE6},{0x5C5,0x5C5,0xDC},{0x5C7,0x5C7,0x12},{0x610,0x617,0xE6},{0x618,0x618,0x1E},
+    {0x619,0x619,0x1F},{0x61A,0x61A,0x20},{0x64B,0x64B,0x1B},{0x64C,0x64C,0x1C},{0x64D,0x64D,0x1D},{0x64E,0x64E,0x1E},
+    {0x64F,0x64F,0x1F},{0x650,0x650,0x20},{0x651,0x651,0x21},{0x652,0x652,0x22},{0x653,0x654,0xE6},{0x655,0x656,0xDC},
+    {0x657,0x65B,0xE6},{0x65C,0x65C,0xDC},{0x65D,0x65E,0xE6},{0x65F,0x65F,0xDC},{0x670,0x670,0x23},{0x6D6,0x6DC,0xE6},
+    {0x6DF,0x6E2,0xE6},{0x6E3,0x6E3,0xDC},{0x6E4,0x6E4,0xE6},{0x6E7,0x6E8,0xE6},{0x6EA,0x6EA,0xDC},{0x6EB,0x6EC,0xE6},
+    {0x6ED,0x6ED,0xDC},{0x711,0x711,0x24},{0x730,0x730,0xE6},{0x731,0x731,0xDC},{0x732,0x733,0xE6},{0x734,0x734,0xDC},
+    {0x735,0x736,0xE6},{0x737,0x739,0xDC},{0x73A,0x73A,0xE6},{0x73B,0x73C,0xDC},{0x73D,0x73D,0xE6},{0x73E,0x73E,0xDC},
+    {0x73F,0x741,0xE6},{0x742,0x742,0xDC},{0x743,0x743,0xE6},{0x744,0x744,0xDC},{0x745,0x745,0xE6},{0x746,0x746,0xDC},
+    {0x747,0x747,0xE6},{0x748,0x748,0xDC},{0x749,0x74A,0xE6},{0x7EB,0x7F1,0xE6},{0x7F2,0x7F2,0xDC},{0x7F3,0x7F3,0xE6},
+    {0x7FD,0x7FD,0xDC},{0x816,0x819,0xE6},{0x81B,0x823,0xE6},{0x825,0x827,0xE6},{0x829,0x82D,0xE6},{0x859,0x85B,0xDC},
+    {0x898,0x898,0xE6},{0x899,0x89B,0xDC},{0x89C,0x89F,0xE6},{0x8CA,0x8CE,0xE6},{0x8CF,0x8D3,0xDC},{0x8D4,0x8E1,0xE6},
+    {0x8E3,0x8E3,0xDC},{0x8E4,0x8E5,0xE6},{0x8E6,0x8E6,0xDC},{0x8E7,0x8E8,0xE6},{0x8E9,0x8E9,0xDC},{0x8EA,0x8EC,0xE6},
+    {0x8ED,0x8EF,0xDC},{0x8F0,0x8F0,0x1B},{0x8F1,0x8F1,0x1C},{0x8F2,0x8F2,0x1D},{0x8F3,0x8F5,0xE6},{0x8F6,0x8F6,0xDC},
+    {0x8F7,0x8F8,0xE6},{0x8F9,0x8FA,0xDC},{0x8FB,0x8FF,0xE6},{0x93C,0x93C,7},{0x94D,0x94D,9},{0x951,0x951,0xE6},
+    {0x952,0x952,0xDC},{0x953,0x954,0xE6},{0x9BC,0x9BC,7},{0x9CD,0x9CD,9},{0x9FE,0x9FE,0xE6},{0xA3C,0xA3C,7},
+    {0xA4D,0xA4D,9},{0xABC,0xABC,7},{0xACD,0xACD,9},{0xB3C,0xB3C,7},{0xB4D,0xB4D,9},{0xBCD,0xBCD,9},{0xC3C,0xC3C,7},
+    {0xC4D,0xC4D,9},{0xC55,0xC55,0x54},{0xC56,0xC56,0x5B},{0xCBC,0xCBC,7},{0xCCD,0xCCD,9},{0xD3B,0xD3C,9},
+    {0xD4D,0xD4D,9},{0xDCA,0xDCA,9},{0xE38,0xE39,0x67},{0xE3A,0xE3A,9},{0xE48,0xE4B,0x6B},{0xEB8,0xEB9,0x76},
+    {0xEBA,0xEBA,9},{0xEC8,0xECB,0x7A},{0xF18,0xF19,0xDC},{0xF35,0xF35,0xDC},{0xF37,0xF37,0xDC},{0xF39,0xF39,0xD8},
+    {0xF71,0xF71,0x81},{0xF72,0xF72,0x82},{0xF74,0xF74,0x84},{0xF7A,0xF7D,0x82},{0xF80,0xF80,0x82},{0xF82,0xF83,0xE6},
+    {0xF84,0xF84,9},{0xF86,0xF87,0xE6},{0xFC6,0xFC6,0xDC},{0x1037,0x1037,7},{0x1039,0x103A,9},{0x108D,0x108D,0xDC},
+    {0x135D,0x135F,0xE6},{0x1714,0x1715,9},{0x1734,0x1734,9},{0x17D2,0x17D2,9},{0x17DD,0x17DD,0xE6},{0x18A9,0x18A9,0xE4},
+    {0x1939,0x1939,0xDE},{0x193A,0x193A,0xE6},{0x193B,0x193B,0xDC},{0x1A17,0x1A17,0xE6},{0x1A18,0x1A18,0xDC},
+    {0x1A60,0x1A60,9},{0x1A75,0x1A7C,0xE6},{0x1A7F,0x1A7F,0xDC},{0x1AB0,0x1AB4,0xE6},{0x1AB5,0x1ABA,0xDC},
+    {0x1ABB,0x1ABC,0xE6},{0x1ABD,0x1ABD,0xDC},{0x1ABF,0x1AC0,0xDC},{0x1AC1,0x1AC2,0xE6},{0x1AC3,0x1AC4,0xDC},
+    {0x1AC5,0x1AC9,0xE6},{0x1ACA,0x1ACA,0xDC},{0x1ACB,0x1ACE,0xE6},{0x1B34,0x1B34,7},{0x1B44,0x1B44,9},
+    {0x1B6B,0x1B6B,0xE6},{0x1B6C,0x1B6C,0xDC},{0x1B6D,0x1B73,0xE6},{0x1BAA,0x1BAB,9},{0x1BE6,0x1BE6,7},{0x1BF2,0x1BF3,9},
+    {0x1C37,0x1C37,7},{0x1CD0,0x1CD2,0xE6},{0x1CD4,0x1CD4,1},{0x1CD5,0x1CD9,0xDC},{0x1CDA,0x1CDB,0xE6},
+    {0x1CDC,0x1CDF,0xDC},{0x1CE0,0x1CE0,0xE6},{0x1CE2,0x1CE8,1},{0x1CED,0x1CED,0xDC},{0x1CF4,0x1CF4,0xE6},
+    {0x1CF8,0x1CF9,0xE6},{0x1DC0,0x1DC1,0xE6},{0x1DC2,0x1DC2,0xDC},{0x1DC3,0x1DC9,0xE6},{0x1DCA,0x1DCA,0xDC},
+    {0x1DCB,0x1DCC,0xE6},{0x1DCD,0x1DCD,0xEA},{0x1DCE,0x1DCE,0xD6},{0x1DCF,0x1DCF,0xDC},{0x1DD0,0x1DD0,0xCA},
+    {0x1DD1,0x1DF5,0xE6},{0x1DF6,0x1DF6,0xE8},{0x1DF7,0x1DF8,0xE4},{0x1DF9,0x1DF9,0xDC},{0x1DFA,0x1DFA,0xDA},
+    {0x1DFB,0x1DFB,0xE6},{0x1DFC,0x1DFC,0xE9},{0x1DFD,0x1DFD,0xDC},{0x1DFE,0x1DFE,0xE6},{0x1DFF,0x1DFF,0xDC},
+    {0x20D0,0x20D1,0xE6},{0x20D2,0x20D3,1},{0x20D4,0x20D7,0xE6},{0x20D8,0x20DA,1},{0x20DB,0x20DC,0xE6},
+    {0x20E1,0x20E1,0xE6},{0x20E5,0x20E6,1},{0x20E7,0x20E7,0xE6},{0x20E8,0x20E8,0xDC},{0x20E9,0x20E9,0xE6},
+    {0x20EA,0x20EB,1},{0x20EC,0x20EF,0xDC},{0x20F0,0x20F0,0xE6},{0x2CEF,0x2CF1,0xE6},{0x2D7F,0x2D7F,9},
+    {0x2DE0,0x2DFF,0xE6},{0x302A,0x302A,0xDA},{0x302B,0x302B,0xE4},{0x302C,0x302C,0xE8},{0x302D,0x302D,0xDE},
+    {0x302E,0x302F,0xE0},{0x3099,0x309A,8},{0xA66F,0xA66F,0xE6},{0xA674,0xA67D,0xE6},{0xA69E,0xA69F,0xE6},
+    {0xA6F0,0xA6F1,0xE6},{0xA806,0xA806,9},{0xA82C,0xA82C,9},{0xA8C4,0xA8C4,9},{0xA8E0,0xA8F1,0xE6},{0xA92B,0xA92D,0xDC},
+    {0xA953,0xA953,9},{0xA9B3,0xA9B3,7},{0xA9C0,0xA9C0,9},{0xAAB0,0xAAB0,0xE6},{0xAAB2,0xAAB3,0xE6},{0xAAB4,0xAAB4,0xDC},
+    {0xAAB7,0xAAB8,0xE6},{0xAABE,0xAABF,0xE6},{0xAAC1,0xAAC1,0xE6},{0xAAF6,0xAAF6,9},{0xABED,0xABED,9},
+    {0xFB1E,0xFB1E,0x1A},{0xFE20,0xFE26,0xE6},{0xFE27,0xFE2D,0xDC},{0xFE2E,0xFE2F,0xE6},{0x101FD,0x101FD,0xDC},
+    {0x102E0,0x102E0,0xDC},{0x10376,0x1037A,0xE6},{0x10A0D,0x10A0D,0xDC},{0x10A0F,0x10A0F,0xE6},{0x10A38,0x10A38,0xE6},
+    {0x10A39,0x10A39,1},{0x10A3A,0x10A3A,0xDC},{0x10A3F,0x10A3F,9},{0x10AE5,0x10AE5,0xE6},{0x10AE6,0x10AE6,0xDC},
+    {0x10D24,0x10D27,0xE6},{0x10EAB,0x10EAC,0xE6},{0x10EFD,0x10EFF,0xDC},{0x10F46,0x10F47,0xDC},{0x10F48,0x10F4A,0xE6},
+    {0x10F4B,0x10F4B,0xDC},{0x10F4C,0x10F4C,0xE6},{0x10F4D,0x10F50,0xDC},{0x10F82,0x10F82,0xE6},{0x10F83,0x10F83,0xDC},
+    {0x10F84,0x10F84,0xE6},{0x10F85,0x10F85,0xDC},{0x11046,0x11046,9},{0x11070,0x11070,9},{0x1107F,0x1107F,9},
+    {0x110B9,0x110B9,9},{0x110BA,0x110BA,7},{0x11100,0x11102,0xE6},{0x11133,0x11134,9},{0x11173,0x11173,7},
+    {0x111C0,0x111C0,9},{0x111CA,0x111CA,7},{0x11235,0x11235,9},{0x11236,0x11236,7},{0x112E9,0x112E9,7},
+    {0x112EA,0x112EA,9},{0x1133B,0x1133C,7},{0x1134D,0x1134D,9},{0x11366,0x1136C,0xE6},{0x11370,0x11374,0xE6},
+    {0x11442,0x11442,9},{0x11446,0x11446,7},{0x1145E,0x1145E,0xE6},{0x114C2,0x114C2,9},{0x114C3,0x114C3,7},
+    {0x115BF,0x115BF,9},{0x115C0,0x115C0,7},{0x1163F,0x1163F,9},{0x116B6,0x116B6,9},{0x116B7,0x116B7,7},
+    {0x1172B,0x1172B,9},{0x11839,0x11839,9},{0x1183A,0x1183A,7},{0x1193D,0x1193E,9},{0x11943,0x11943,7},
+    {0x119E0,0x119E0,9},{0x11A34,0x11A34,9},{0x11A47,0x11A47,9},{0x11A99,0x11A99,9},{0x11C3F,0x11C3F,9},
+    {0x11D42,0x11D42,7},{0x11D44,0x11D45,9},{0x11D97,0x11D97,9},{0x11F41,0x11F42,9},{0x16AF0,0x16AF4,1},
+    {0x16B30,0x16B36,0xE6},{0x16FF0,0x16FF1,6},{0x1BC9E,0x1BC9E,1},{0x1D165,0x1D166,0xD8},{0x1D167,0x1D169,1},
+    {0x1D16D,0x1D16D,0xE2},{0x1D16E,0x1D172,0xD8},{0x1D17B,0x1D182,0xDC},{0x1D185,0x1D189,0xE6},{0x1D18A,0x1D18B,0xDC},
+    {0x1D1AA,0x1D1AD,0xE6},{0x1D242,0x1D244,0xE6},{0x1E000,0x1E006,0xE6},{0x1E008,0x1E018,0xE6},{0x1E01B,0x1E021,0xE6},
+    {0x1E023,0x1E024,0xE6},{0x1E026,0x1E02A,0xE6},{0x1E08F,0x1E08F,0xE6},{0x1E130,0x1E136,0xE6},{0x1E2AE,0x1E2AE,0xE6},
+    {0x1E2EC,0x1E2EF,0xE6},{0x1E4EC,0x1E4ED,0xE8},{0x1E4EE,0x1E4EE,0xDC},{0x1E4EF,0x1E4EF,0xE6},{0x1E8D0,0x1E8D6,0xDC},
+    {0x1E944,0x1E949,0xE6},{0x1E94A,0x1E94A,7},
+};
+
+/// Canonical decompositions as the database has them, one step; second is 0 for a single one. Hangul is not among them.
+struct Decomposition {
+  std::uint32_t composed, first, second;
+};
+inline constexpr Decomposition decompositions[] = {
+    {0xC0,0x41,0x300},{0xC1,0x41,0x301},{0xC2,0x41,0x302},{0xC3,0x41,0x303},{0xC4,0x41,0x308},{0xC5,0x41,0x30A},
+    {0xC7,0x43,0x327},{0xC8,0x45,0x300},{0xC9,0x45,0x301},{0xCA,0x45,0x302},{0xCB,0x45,0x308},{0xCC,0x49,0x300},
+    {0xCD,0x49,0x301},{0xCE,0x49,0x302},{0xCF,0x49,0x308},{0xD1,0x4E,0x303},{0xD2,0x4F,0x300},{0xD3,0x4F,0x301},
+    {0xD4,0x4F,0x302},{0xD5,0x4F,0x303},{0xD6,0x4F,0x308},{0xD9,0x55,0x300},{0xDA,0x55,0x301},{0xDB,0x55,0x302},
+    {0xDC,0x55,0x308},{0xDD,0x59,0x301},{0xE0,0x61,0x300},{0xE1,0x61,0x301},{0xE2,0x61,0x302},{0xE3,0x61,0x303},
+    {0xE4,0x61,0x308},{0xE5,0x61,0x30A},{0xE7,0x63,0x327},{0xE8,0x65,0x300},{0xE9,0x65,0x301},{0xEA,0x65,0x302},
+    {0xEB,0x65,0x308},{0xEC,0x69,0x300},{0xED,0x69,0x301},{0xEE,0x69,0x302},{0xEF,0x69,0x308},{0xF1,0x6E,0x303},
+    {0xF2,0x6F,0x300},{0xF3,0x6F,0x301},{0xF4,0x6F,0x302},{0xF5,0x6F,0x303},{0xF6,0x6F,0x308},{0xF9,0x75,0x300},
+    {0xFA,0x75,0x301},{0xFB,0x75,0x302},{0xFC,0x75,0x308},{0xFD,0x79,0x301},{0xFF,0x79,0x308},{0x100,0x41,0x304},
+    {0x101,0x61,0x304},{0x102,0x41,0x306},{0x103,0x61,0x306},{0x104,0x41,0x328},{0x105,0x61,0x328},{0x106,0x43,0x301},
+    {0x107,0x63,0x301},{0x108,0x43,0x302},{0x109,0x63,0x302},{0x10A,0x43,0x307},{0x10B,0x63,0x307},{0x10C,0x43,0x30C},
+    {0x10D,0x63,0x30C},{0x10E,0x44,0x30C},{0x10F,0x64,0x30C},{0x112,0x45,0x304},{0x113,0x65,0x304},{0x114,0x45,0x306},
+    {0x115,0x65,0x306},{0x116,0x45,0x307},{0x117,0x65,0x307},{0x118,0x45,0x328},{0x119,0x65,0x328},{0x11A,0x45,0x30C},
+    {0x11B,0x65,0x30C},{0x11C,0x47,0x302},{0x11D,0x67,0x302},{0x11E,0x47,0x306},{0x11F,0x67,0x306},{0x120,0x47,0x307},
+    {0x121,0x67,0x307},{0x122,0x47,0x327},{0x123,0x67,0x327},{0x124,0x48,0x302},{0x125,0x68,0x302},{0x128,0x49,0x303},
+    {0x129,0x69,0x303},{0x12A,0x49,0x304},{0x12B,0x69,0x304},{0x12C,0x49,0x306},{0x12D,0x69,0x306},{0x12E,0x49,0x328},
+    {0x12F,0x69,0x328},{0x130,0x49,0x307},{0x134,0x4A,0x302},{0x135,0x6A,0x302},{0x136,0x4B,0x327},{0x137,0x6B,0x327},
+    {0x139,0x4C,0x301},{0x13A,0x6C,0x301},{0x13B,0x4C,0x327},{0x13C,0x6C,0x327},{0x13D,0x4C,0x30C},{0x13E,0x6C,0x30C},
+    {0x143,0x4E,0x301},{0x144,0x6E,0x301},{0x145,0x4E,0x327},{0x146,0x6E,0x327},{0x147,0x4E,0x30C},{0x148,0x6E,0x30C},
+    {0x14C,0x4F,0x304},{0x14D,0x6F,0x304},{0x14E,0x4F,0x306},{0x14F,0x6F,0x306},{0x150,0x4F,0x30B},{0x151,0x6F,0x30B},
+    {0x154,0x52,0x301},{0x155,0x72,0x301},{0x156,0x52,0x327},{0x157,0x72,0x327},{0x158,0x52,0x30C},{0x159,0x72,0x30C},
+    {0x15A,0x53,0x301},{0x15B,0x73,0x301},{0x15C,0x53,0x302},{0x15D,0x73,0x302},{0x15E,0x53,0x327},{0x15F,0x73,0x327},
+    {0x160,0x53,0x30C},{0x161,0x73,0x30C},{0x162,0x54,0x327},{0x163,0x74,0x327},{0x164,0x54,0x30C},{0x165,0x74,0x30C},
+    {0x168,0x55,0x303},{0x169,0x75,0x303},{0x16A,0x55,0x304},{0x16B,0x75,0x304},{0x16C,0x55,0x306},{0x16D,0x75,0x306},
+    {0x16E,0x55,0x30A},{0x16F,0x75,0x30A},{0x170,0x55,0x30B},{0x171,0x75,0x30B},{0x172,0x55,0x328},{0x173,0x75,0x328},
+    {0x174,0x57,0x302},{0x175,0x77,0x302},{0x176,0x59,0x302},{0x177,0x79,0x302},{0x178,0x59,0x308},{0x179,0x5A,0x301},
+    {0x17A,0x7A,0x301},{0x17B,0x5A,0x307},{0x17C,0x7A,0x307},{0x17D,0x5A,0x30C},{0x17E,0x7A,0x30C},{0x1A0,0x4F,0x31B},
+    {0x1A1,0x6F,0x31B},{0x1AF,0x55,0x31B},{0x1B0,0x75,0x31B},{0x1CD,0x41,0x30C},{0x1CE,0x61,0x30C},{0x1CF,0x49,0x30C},
+    {0x1D0,0x69,0x30C},{0x1D1,0x4F,0x30C},{0x1D2,0x6F,0x30C},{0x1D3,0x55,0x30C},{0x1D4,0x75,0x30C},{0x1D5,0xDC,0x304},
+    {0x1D6,0xFC,0x304},{0x1D7,0xDC,0x301},{0x1D8,0xFC,0x301},{0x1D9,0xDC,0x30C},{0x1DA,0xFC,0x30C},{0x1DB,0xDC,0x300},
+    {0x1DC,0xFC,0x300},{0x1DE,0xC4,0x304},{0x1DF,0xE4,0x304},{0x1E0,0x226,0x304},{0x1E1,0x227,0x304},{0x1E2,0xC6,0x304},
+    {0x1E3,0xE6,0x304},{0x1E6,0x47,0x30C},{0x1E7,0x67,0x30C},{0x1E8,0x4B,0x30C},{0x1E9,0x6B,0x30C},{0x1EA,0x4F,0x328},
+    {0x1EB,0x6F,0x328},{0x1EC,0x1EA,0x304},{0x1ED,0x1EB,0x304},{0x1EE,0x1B7,0x30C},{0x1EF,0x292,0x30C},
+    {0x1F0,0x6A,0x30C},{0x1F4,0x47,0x301},{0x1F5,0x67,0x301},{0x1F8,0x4E,0x300},{0x1F9,0x6E,0x300},{0x1FA,0xC5,0x301},
+    {0x1FB,0xE5,0x301},{0x1FC,0xC6,0x301},{0x1FD,0xE6,0x301},{0x1FE,0xD8,0x301},{0x1FF,0xF8,0x301},{0x200,0x41,0x30F},
+    {0x201,0x61,0x30F},{0x202,0x41,0x311},{0x203,0x61,0x311},{0x204,0x45,0x30F},{0x205,0x65,0x30F},{0x206,0x45,0x311},
+    {0x207,0x65,0x311},{0x208,0x49,0x30F},{0x209,0x69,0x30F},{0x20A,0x49,0x311},{0x20B,0x69,0x311},{0x20C,0x4F,0x30F},
+    {0x20D,0x6F,0x30F},{0x20E,0x4F,0x311},{0x20F,0x6F,0x311},{0x210,0x52,0x30F},{0x211,0x72,0x30F},{0x212,0x52,0x311},
+    {0x213,0x72,0x311},{0x214,0x55,0x30F},{0x215,0x75,0x30F},{0x216,0x55,0x311},{0x217,0x75,0x311},{0x218,0x53,0x326},
+    {0x219,0x73,0x326},{0x21A,0x54,0x326},{0x21B,0x74,0x326},{0x21E,0x48,0x30C},{0x21F,0x68,0x30C},{0x226,0x41,0x307},
+    {0x227,0x61,0x307},{0x228,0x45,0x327},{0x229,0x65,0x327},{0x22A,0xD6,0x304},{0x22B,0xF6,0x304},{0x22C,0xD5,0x304},
+    {0x22D,0xF5,0x304},{0x22E,0x4F,0x307},{0x22F,0x6F,0x307},{0x230,0x22E,0x304},{0x231,0x22F,0x304},{0x232,0x59,0x304},
+    {0x233,0x79,0x304},{0x340,0x300,0},{0x341,0x301,0},{0x343,0x313,0},{0x344,0x308,0x301},{0x374,0x2B9,0},
+    {0x37E,0x3B,0},{0x385,0xA8,0x301},{0x386,0x391,0x301},{0x387,0xB7,0},{0x388,0x395,0x301},{0x389,0x397,0x301},
+    {0x38A,0x399,0x301},{0x38C,0x39F,0x301},{0x38E,0x3A5,0x301},{0x38F,0x3A9,0x301},{0x390,0x3CA,0x301},
+    {0x3AA,0x399,0x308},{0x3AB,0x3A5,0x308},{0x3AC,0x3B1,0x301},{0x3AD,0x3B5,0x301},{0x3AE,0x3B7,0x301},
+    {0x3AF,0x3B9,0x301},{0x3B0,0x3CB,0x301},{0x3CA,0x3B9,0x308},{0x3CB,0x3C5,0x308},{0x3CC,0x3BF,0x301},
+    {0x3CD,0x3C5,0x301},{0x3CE,0x3C9,0x301},{0x3D3,0x3D2,0x301},{0x3D4,0x3D2,0x308},{0x400,0x415,0x300},
+    {0x401,0x415,0x308},{0x403,0x413,0x301},{0x407,0x406,0x308},{0x40C,0x41A,0x301},{0x40D,0x418,0x300},
+    {0x40E,0x423,0x306},{0x419,0x418,0x306},{0x439,0x438,0x306},{0x450,0x435,0x300},{0x451,0x435,0x308},
+    {0x453,0x433,0x301},{0x457,0x456,0x308},{0x45C,0x43A,0x301},{0x45D,0x438,0x300},{0x45E,0x443,0x306},
+    {0x476,0x474,0x30F},{0x477,0x475,0x30F},{0x4C1,0x416,0x306},{0x4C2,0x436,0x306},{0x4D0,0x410,0x306},
+    {0x4D1,0x430,0x306},{0x4D2,0x410,0x308},{0x4D3,0x430,0x308},{0x4D6,0x415,0x306},{0x4D7,0x435,0x306},
+    {0x4DA,0x4D8,0x308},{0x4DB,0x4D9,0x308},{0x4DC,0x416,0x308},{0x4DD,0x436,0x308},{0x4DE,0x417,0x308},
+    {0x4DF,0x437,0x308},{0x4E2,0x418,0x304},{0x4E3,0x438,0x304},{0x4E4,0x418,0x308},{0x4E5,0x438,0x308},
+    {0x4E6,0x41E,0x308},{0x4E7,0x43E,0x308},{0x4EA,0x4E8,0x308},{0x4EB,0x4E9,0x308},{0x4EC,0x42D,0x308},
+    {0x4ED,0x44D,0x308},{0x4EE,0x423,0x304},{0x4EF,0x443,0x304},{0x4F0,0x423,0x308},{0x4F1,0x443,0x308},
+    {0x4F2,0x423,0x30B},{0x4F3,0x443,0x30B},{0x4F4,0x427,0x308},{0x4F5,0x447,0x308},{0x4F8,0x42B,0x308},
+    {0x4F9,0x44B,0x308},{0x622,0x627,0x653},{0x623,0x627,0x654},{0x624,0x648,0x654},{0x625,0x627,0x655},
+    {0x626,0x64A,0x654},{0x6C0,0x6D5,0x654},{0x6C2,0x6C1,0x654},{0x6D3,0x6D2,0x654},{0x929,0x928,0x93C},
+    {0x931,0x930,0x93C},{0x934,0x933,0x93C},{0x958,0x915,0x93C},{0x959,0x916,0x93C},{0x95A,0x917,0x93C},
+    {0x95B,0x91C,0x93C},{0x95C,0x921,0x93C},{0x95D,0x922,0x93C},{0x95E,0x92B,0x93C},{0x95F,0x92F,0x93C},
+    {0x9CB,0x9C7,0x9BE},{0x9CC,0x9C7,0x9D7},{0x9DC,0x9A1,0x9BC},{0x9DD,0x9A2,0x9BC},{0x9DF,0x9AF,0x9BC},
+    {0xA33,0xA32,0xA3C},{0xA36,0xA38,0xA3C},{0xA59,0xA16,0xA3C},{0xA5A,0xA17,0xA3C},{0xA5B,0xA1C,0xA3C},
+    {0xA5E,0xA2B,0xA3C},{0xB48,0xB47,0xB56},{0xB4B,0xB47,0xB3E},{0xB4C,0xB47,0xB57},{0xB5C,0xB21,0xB3C},
+    {0xB5D,0xB22,0xB3C},{0xB94,0xB92,0xBD7},{0xBCA,0xBC6,0xBBE},{0xBCB,0xBC7,0xBBE},{0xBCC,0xBC6,0xBD7},
+    {0xC48,0xC46,0xC56},{0xCC0,0xCBF,0xCD5},{0xCC7,0xCC6,0xCD5},{0xCC8,0xCC6,0xCD6},{0xCCA,0xCC6,0xCC2},
+    {0xCCB,0xCCA,0xCD5},{0xD4A,0xD46,0xD3E},{0xD4B,0xD47,0xD3E},{0xD4C,0xD46,0xD57},{0xDDA,0xDD9,0xDCA},
+    {0xDDC,0xDD9,0xDCF},{0xDDD,0xDDC,0xDCA},{0xDDE,0xDD9,0xDDF},{0xF43,0xF42,0xFB7},{0xF4D,0xF4C,0xFB7},
+    {0xF52,0xF51,0xFB7},{0xF57,0xF56,0xFB7},{0xF5C,0xF5B,0xFB7},{0xF69,0xF40,0xFB5},{0xF73,0xF71,0xF72},
+    {0xF75,0xF71,0xF74},{0xF76,0xFB2,0xF80},{0xF78,0xFB3,0xF80},{0xF81,0xF71,0xF80},{0xF93,0xF92,0xFB7},
+    {0xF9D,0xF9C,0xFB7},{0xFA2,0xFA1,0xFB7},{0xFA7,0xFA6,0xFB7},{0xFAC,0xFAB,0xFB7},{0xFB9,0xF90,0xFB5},
+    {0x1026,0x1025,0x102E},{0x1B06,0x1B05,0x1B35},{0x1B08,0x1B07,0x1B35},{0x1B0A,0x1B09,0x1B35},{0x1B0C,0x1B0B,0x1B35},
+    {0x1B0E,0x1B0D,0x1B35},{0x1B12,0x1B11,0x1B35},{0x1B3B,0x1B3A,0x1B35},{0x1B3D,0x1B3C,0x1B35},{0x1B40,0x1B3E,0x1B35},
+    {0x1B41,0x1B3F,0x1B35},{0x1B43,0x1B42,0x1B35},{0x1E00,0x41,0x325},{0x1E01,0x61,0x325},{0x1E02,0x42,0x307},
+    {0x1E03,0x62,0x307},{0x1E04,0x42,0x323},{0x1E05,0x62,0x323},{0x1E06,0x42,0x331},{0x1E07,0x62,0x331},
+    {0x1E08,0xC7,0x301},{0x1E09,0xE7,0x301},{0x1E0A,0x44,0x307},{0x1E0B,0x64,0x307},{0x1E0C,0x44,0x323},
+    {0x1E0D,0x64,0x323},{0x1E0E,0x44,0x331},{0x1E0F,0x64,0x331},{0x1E10,0x44,0x327},{0x1E11,0x64,0x327},
+    {0x1E12,0x44,0x32D},{0x1E13,0x64,0x32D},{0x1E14,0x112,0x300},{0x1E15,0x113,0x300},{0x1E16,0x112,0x301},
+    {0x1E17,0x113,0x301},{0x1E18,0x45,0x32D},{0x1E19,0x65,0x32D},{0x1E1A,0x45,0x330},{0x1E1B,0x65,0x330},
+    {0x1E1C,0x228,0x306},{0x1E1D,0x229,0x306},{0x1E1E,0x46,0x307},{0x1E1F,0x66,0x307},{0x1E20,0x47,0x304},
+    {0x1E21,0x67,0x304},{0x1E22,0x48,0x307},{0x1E23,0x68,0x307},{0x1E24,0x48,0x323},{0x1E25,0x68,0x323},
+    {0x1E26,0x48,0x308},{0x1E27,0x68,0x308},{0x1E28,0x48,0x327},{0x1E29,0x68,0x327},{0x1E2A,0x48,0x32E},
+    {0x1E2B,0x68,0x32E},{0x1E2C,0x49,0x330},{0x1E2D,0x69,0x330},{0x1E2E,0xCF,0x301},{0x1E2F,0xEF,0x301},
+    {0x1E30,0x4B,0x301},{0x1E31,0x6B,0x301},{0x1E32,0x4B,0x323},{0x1E33,0x6B,0x323},{0x1E34,0x4B,0x331},
+    {0x1E35,0x6B,0x331},{0x1E36,0x4C,0x323},{0x1E37,0x6C,0x323},{0x1E38,0x1E36,0x304},{0x1E39,0x1E37,0x304},
+    {0x1E3A,0x4C,0x331},{0x1E3B,0x6C,0x331},{0x1E3C,0x4C,0x32D},{0x1E3D,0x6C,0x32D},{0x1E3E,0x4D,0x301},
+    {0x1E3F,0x6D,0x301},{0x1E40,0x4D,0x307},{0x1E41,0x6D,0x307},{0x1E42,0x4D,0x323},{0x1E43,0x6D,0x323},
+    {0x1E44,0x4E,0x307},{0x1E45,0x6E,0x307},{0x1E46,0x4E,0x323},{0x1E47,0x6E,0x323},{0x1E48,0x4E,0x331},
+    {0x1E49,0x6E,0x331},{0x1E4A,0x4E,0x32D},{0x1E4B,0x6E,0x32D},{0x1E4C,0xD5,0x301},{0x1E4D,0xF5,0x301},
+    {0x1E4E,0xD5,0x308},{0x1E4F,0xF5,0x308},{0x1E50,0x14C,0x300},{0x1E51,0x14D,0x300},{0x1E52,0x14C,0x301},
+    {0x1E53,0x14D,0x301},{0x1E54,0x50,0x301},{0x1E55,0x70,0x301},{0x1E56,0x50,0x307},{0x1E57,0x70,0x307},
+    {0x1E58,0x52,0x307},{0x1E59,0x72,0x307},{0x1E5A,0x52,0x323},{0x1E5B,0x72,0x323},{0x1E5C,0x1E5A,0x304},
+    {0x1E5D,0x1E5B,0x304},{0x1E5E,0x52,0x331},{0x1E5F,0x72,0x331},{0x1E60,0x53,0x307},{0x1E61,0x73,0x307},
+    {0x1E62,0x53,0x323},{0x1E63,0x73,0x323},{0x1E64,0x15A,0x307},{0x1E65,0x15B,0x307},{0x1E66,0x160,0x307},
+    {0x1E67,0x161,0x307},{0x1E68,0x1E62,0x307},{0x1E69,0x1E63,0x307},{0x1E6A,0x54,0x307},{0x1E6B,0x74,0x307},
+    {0x1E6C,0x54,0x323},{0x1E6D,0x74,0x323},{0x1E6E,0x54,0x331},{0x1E6F,0x74,0x331},{0x1E70,0x54,0x32D},
+    {0x1E71,0x74,0x32D},{0x1E72,0x55,0x324},{0x1E73,0x75,0x324},{0x1E74,0x55,0x330},{0x1E75,0x75,0x330},
+    {0x1E76,0x55,0x32D},{0x1E77,0x75,0x32D},{0x1E78,0x168,0x301},{0x1E79,0x169,0x301},{0x1E7A,0x16A,0x308},
+    {0x1E7B,0x16B,0x308},{0x1E7C,0x56,0x303},{0x1E7D,0x76,0x303},{0x1E7E,0x56,0x323},{0x1E7F,0x76,0x323},
+    {0x1E80,0x57,0x300},{0x1E81,0x77,0x300},{0x1E82,0x57,0x301},{0x1E83,0x77,0x301},{0x1E84,0x57,0x308},
+    {0x1E85,0x77,0x308},{0x1E86,0x57,0x307},{0x1E87,0x77,0x307},{0x1E88,0x57,0x323},{0x1E89,0x77,0x323},
+    {0x1E8A,0x58,0x307},{0x1E8B,0x78,0x307},{0x1E8C,0x58,0x308},{0x1E8D,0x78,0x308},{0x1E8E,0x59,0x307},
+    {0x1E8F,0x79,0x307},{0x1E90,0x5A,0x302},{0x1E91,0x7A,0x302},{0x1E92,0x5A,0x323},{0x1E93,0x7A,0x323},
+    {0x1E94,0x5A,0x331},{0x1E95,0x7A,0x331},{0x1E96,0x68,0x331},{0x1E97,0x74,0x308},{0x1E98,0x77,0x30A},
+    {0x1E99,0x79,0x30A},{0x1E9B,0x17F,0x307},{0x1EA0,0x41,0x323},{0x1EA1,0x61,0x323},{0x1EA2,0x41,0x309},
+    {0x1EA3,0x61,0x309},{0x1EA4,0xC2,0x301},{0x1EA5,0xE2,0x301},{0x1EA6,0xC2,0x300},{0x1EA7,0xE2,0x300},
+    {0x1EA8,0xC2,0x309},{0x1EA9,0xE2,0x309},{0x1EAA,0xC2,0x303},{0x1EAB,0xE2,0x303},{0x1EAC,0x1EA0,0x302},
+    {0x1EAD,0x1EA1,0x302},{0x1EAE,0x102,0x301},{0x1EAF,0x103,0x301},{0x1EB0,0x102,0x300},{0x1EB1,0x103,0x300},
+    {0x1EB2,0x102,0x309},{0x1EB3,0x103,0x309},{0x1EB4,0x102,0x303},{0x1EB5,0x103,0x303},{0x1EB6,0x1EA0,0x306},
+    {0x1EB7,0x1EA1,0x306},{0x1EB8,0x45,0x323},{0x1EB9,0x65,0x323},{0x1EBA,0x45,0x309},{0x1EBB,0x65,0x309},
+    {0x1EBC,0x45,0x303},{0x1EBD,0x65,0x303},{0x1EBE,0xCA,0x301},{0x1EBF,0xEA,0x301},{0x1EC0,0xCA,0x300},
+    {0x1EC1,0xEA,0x300},{0x1EC2,0xCA,0x309},{0x1EC3,0xEA,0x309},{0x1EC4,0xCA,0x303},{0x1EC5,0xEA,0x303},
+    {0x1EC6,0x1EB8,0x302},{0x1EC7,0x1EB9,0x302},{0x1EC8,0x49,0x309},{0x1EC9,0x69,0x309},{0x1ECA,0x49,0x323},
+    {0x1ECB,0x69,0x323},{0x1ECC,0x4F,0x323},{0x1ECD,0x6F,0x323},{0x1ECE,0x4F,0x309},{0x1ECF,0x6F,0x309},
+    {0x1ED0,0xD4,0x301},{0x1ED1,0xF4,0x301},{0x1ED2,0xD4,0x300},{0x1ED3,0xF4,0x300},{0x1ED4,0xD4,0x309},
+    {0x1ED5,0xF4,0x309},{0x1ED6,0xD4,0x303},{0x1ED7,0xF4,0x303},{0x1ED8,0x1ECC,0x302},{0x1ED9,0x1ECD,0x302},
+    {0x1EDA,0x1A0,0x301},{0x1EDB,0x1A1,0x301},{0x1EDC,0x1A0,0x300},{0x1EDD,0x1A1,0x300},{0x1EDE,0x1A0,0x309},
+    {0x1EDF,0x1A1,0x309},{0x1EE0,0x1A0,0x303},{0x1EE1,0x1A1,0x303},{0x1EE2,0x1A0,0x323},{0x1EE3,0x1A1,0x323},
+    {0x1EE4,0x55,0x323},{0x1EE5,0x75,0x323},{0x1EE6,0x55,0x309},{0x1EE7,0x75,0x309},{0x1EE8,0x1AF,0x301},
+    {0x1EE9,0x1B0,0x301},{0x1EEA,0x1AF,0x300},{0x1EEB,0x1B0,0x300},{0x1EEC,0x1AF,0x309},{0x1EED,0x1B0,0x309},
+    {0x1EEE,0x1AF,0x303},{0x1EEF,0x1B0,0x303},{0x1EF0,0x1AF,0x323},{0x1EF1,0x1B0,0x323},{0x1EF2,0x59,0x300},
+    {0x1EF3,0x79,0x300},{0x1EF4,0x59,0x323},{0x1EF5,0x79,0x323},{0x1EF6,0x59,0x309},{0x1EF7,0x79,0x309},
+    {0x1EF8,0x59,0x303},{0x1EF9,0x79,0x303},{0x1F00,0x3B1,0x313},{0x1F01,0x3B1,0x314},{0x1F02,0x1F00,0x300},
+    {0x1F03,0x1F01,0x300},{0x1F04,0x1F00,0x301},{0x1F05,0x1F01,0x301},{0x1F06,0x1F00,0x342},{0x1F07,0x1F01,0x342},
+    {0x1F08,0x391,0x313},{0x1F09,0x391,0x314},{0x1F0A,0x1F08,0x300},{0x1F0B,0x1F09,0x300},{0x1F0C,0x1F08,0x301},
+    {0x1F0D,0x1F09,0x301},{0x1F0E,0x1F08,0x342},{0x1F0F,0x1F09,0x342},{0x1F10,0x3B5,0x313},{0x1F11,0x3B5,0x314},
+    {0x1F12,0x1F10,0x300},{0x1F13,0x1F11,0x300},{0x1F14,0x1F10,0x301},{0x1F15,0x1F11,0x301},{0x1F18,0x395,0x313},
+    {0x1F19,0x395,0x314},{0x1F1A,0x1F18,0x300},{0x1F1B,0x1F19,0x300},{0x1F1C,0x1F18,0x301},{0x1F1D,0x1F19,0x301},
+    {0x1F20,0x3B7,0x313},{0x1F21,0x3B7,0x314},{0x1F22,0x1F20,0x300},{0x1F23,0x1F21,0x300},{0x1F24,0x1F20,0x301},
+    {0x1F25,0x1F21,0x301},{0x1F26,0x1F20,0x342},{0x1F27,0x1F21,0x342},{0x1F28,0x397,0x313},{0x1F29,0x397,0x314},
+    {0x1F2A,0x1F28,0x300},{0x1F2B,0x1F29,0x300},{0x1F2C,0x1F28,0x301},{0x1F2D,0x1F29,0x301},{0x1F2E,0x1F28,0x342},
+    {0x1F2F,0x1F29,0x342},{0x1F30,0x3B9,0x313},{0x1F31,0x3B9,0x314},{0x1F32,0x1F30,0x300},{0x1F33,0x1F31,0x300},
+    {0x1F34,0x1F30,0x301},{0x1F35,0x1F31,0x301},{0x1F36,0x1F30,0x342},{0x1F37,0x1F31,0x342},{0x1F38,0x399,0x313},
+    {0x1F39,0x399,0x314},{0x1F3A,0x1F38,0x300},{0x1F3B,0x1F39,0x300},{0x1F3C,0x1F38,0x301},{0x1F3D,0x1F39,0x301},
+    {0x1F3E,0x1F38,0x342},{0x1F3F,0x1F39,0x342},{0x1F40,0x3BF,0x313},{0x1F41,0x3BF,0x314},{0x1F42,0x1F40,0x300},
+    {0x1F43,0x1F41,0x300},{0x1F44,0x1F40,0x301},{0x1F45,0x1F41,0x301},{0x1F48,0x39F,0x313},{0x1F49,0x39F,0x314},
+    {0x1F4A,0x1F48,0x300},{0x1F4B,0x1F49,0x300},{0x1F4C,0x1F48,0x301},{0x1F4D,0x1F49,0x301},{0x1F50,0x3C5,0x313},
+    {0x1F51,0x3C5,0x314},{0x1F52,0x1F50,0x300},{0x1F53,0x1F51,0x300},{0x1F54,0x1F50,0x301},{0x1F55,0x1F51,0x301},
+    {0x1F56,0x1F50,0x342},{0x1F57,0x1F51,0x342},{0x1F59,0x3A5,0x314},{0x1F5B,0x1F59,0x300},{0x1F5D,0x1F59,0x301},
+    {0x1F5F,0x1F59,0x342},{0x1F60,0x3C9,0x313},{0x1F61,0x3C9,0x314},{0x1F62,0x1F60,0x300},{0x1F63,0x1F61,0x300},
+    {0x1F64,0x1F60,0x301},{0x1F65,0x1F61,0x301},{0x1F66,0x1F60,0x342},{0x1F67,0x1F61,0x342},{0x1F68,0x3A9,0x313},
+    {0x1F69,0x3A9,0x314},{0x1F6A,0x1F68,0x300},{0x1F6B,0x1F69,0x300},{0x1F6C,0x1F68,0x301},{0x1F6D,0x1F69,0x301},
+    {0x1F6E,0x1F68,0x342},{0x1F6F,0x1F69,0x342},{0x1F70,0x3B1,0x300},{0x1F71,0x3AC,0},{0x1F72,0x3B5,0x300},
+    {0x1F73,0x3AD,0},{0x1F74,0x3B7,0x300},{0x1F75,0x3AE,0},{0x1F76,0x3B9,0x300},{0x1F77,0x3AF,0},{0x1F78,0x3BF,0x300},
+    {0x1F79,0x3CC,0},{0x1F7A,0x3C5,0x300},{0x1F7B,0x3CD,0},{0x1F7C,0x3C9,0x300},{0x1F7D,0x3CE,0},{0x1F80,0x1F00,0x345},
+    {0x1F81,0x1F01,0x345},{0x1F82,0x1F02,0x345},{0x1F83,0x1F03,0x345},{0x1F84,0x1F04,0x345},{0x1F85,0x1F05,0x345},
+    {0x1F86,0x1F06,0x345},{0x1F87,0x1F07,0x345},{0x1F88,0x1F08,0x345},{0x1F89,0x1F09,0x345},{0x1F8A,0x1F0A,0x345},
+    {0x1F8B,0x1F0B,0x345},{0x1F8C,0x1F0C,0x345},{0x1F8D,0x1F0D,0x345},{0x1F8E,0x1F0E,0x345},{0x1F8F,0x1F0F,0x345},
+    {0x1F90,0x1F20,0x345},{0x1F91,0x1F21,0x345},{0x1F92,0x1F22,0x345},{0x1F93,0x1F23,0x345},{0x1F94,0x1F24,0x345},
+    {0x1F95,0x1F25,0x345},{0x1F96,0x1F26,0x345},{0x1F97,0x1F27,0x345},{0x1F98,0x1F28,0x345},{0x1F99,0x1F29,0x345},
+    {0x1F9A,0x1F2A,0x345},{0x1F9B,0x1F2B,0x345},{0x1F9C,0x1F2C,0x345},{0x1F9D,0x1F2D,0x345},{0x1F9E,0x1F2E,0x345},
+    {0x1F9F,0x1F2F,0x345},{0x1FA0,0x1F60,0x345},{0x1FA1,0x1F61,0x345},{0x1FA2,0x1F62,0x345},{0x1FA3,0x1F63,0x345},
+    {0x1FA4,0x1F64,0x345},{0x1FA5,0x1F65,0x345},{0x1FA6,0x1F66,0x345},{0x1FA7,0x1F67,0x345},{0x1FA8,0x1F68,0x345},
+    {0x1FA9,0x1F69,0x345},{0x1FAA,0x1F6A,0x345},{0x1FAB,0x1F6B,0x345},{0x1FAC,0x1F6C,0x345},{0x1FAD,0x1F6D,0x345},
+    {0x1FAE,0x1F6E,0x345},{0x1FAF,0x1F6F,0x345},{0x1FB0,0x3B1,0x306},{0x1FB1,0x3B1,0x304},{0x1FB2,0x1F70,0x345},
+    {0x1FB3,0x3B1,0x345},{0x1FB4,0x3AC,0x345},{0x1FB6,0x3B1,0x342},{0x1FB7,0x1FB6,0x345},{0x1FB8,0x391,0x306},
+    {0x1FB9,0x391,0x304},{0x1FBA,0x391,0x300},{0x1FBB,0x386,0},{0x1FBC,0x391,0x345},{0x1FBE,0x3B9,0},{0x1FC1,0xA8,0x342},
+    {0x1FC2,0x1F74,0x345},{0x1FC3,0x3B7,0x345},{0x1FC4,0x3AE,0x345},{0x1FC6,0x3B7,0x342},{0x1FC7,0x1FC6,0x345},
+    {0x1FC8,0x395,0x300},{0x1FC9,0x388,0},{0x1FCA,0x397,0x300},{0x1FCB,0x389,0},{0x1FCC,0x397,0x345},
+    {0x1FCD,0x1FBF,0x300},{0x1FCE,0x1FBF,0x301},{0x1FCF,0x1FBF,0x342},{0x1FD0,0x3B9,0x306},{0x1FD1,0x3B9,0x304},
+    {0x1FD2,0x3CA,0x300},{0x1FD3,0x390,0},{0x1FD6,0x3B9,0x342},{0x1FD7,0x3CA,0x342},{0x1FD8,0x399,0x306},
+    {0x1FD9,0x399,0x304},{0x1FDA,0x399,0x300},{0x1FDB,0x38A,0},{0x1FDD,0x1FFE,0x300},{0x1FDE,0x1FFE,0x301},
+    {0x1FDF,0x1FFE,0x342},{0x1FE0,0x3C5,0x306},{0x1FE1,0x3C5,0x304},{0x1FE2,0x3CB,0x300},{0x1FE3,0x3B0,0},
+    {0x1FE4,0x3C1,0x313},{0x1FE5,0x3C1,0x314},{0x1FE6,0x3C5,0x342},{0x1FE7,0x3CB,0x342},{0x1FE8,0x3A5,0x306},
+    {0x1FE9,0x3A5,0x304},{0x1FEA,0x3A5,0x300},{0x1FEB,0x38E,0},{0x1FEC,0x3A1,0x314},{0x1FED,0xA8,0x300},{0x1FEE,0x385,0},
+    {0x1FEF,0x60,0},{0x1FF2,0x1F7C,0x345},{0x1FF3,0x3C9,0x345},{0x1FF4,0x3CE,0x345},{0x1FF6,0x3C9,0x342},
+    {0x1FF7,0x1FF6,0x345},{0x1FF8,0x39F,0x300},{0x1FF9,0x38C,0},{0x1FFA,0x3A9,0x300},{0x1FFB,0x38F,0},
+    {0x1FFC,0x3A9,0x345},{0x1FFD,0xB4,0},{0x2000,0x2002,0},{0x2001,0x2003,0},{0x2126,0x3A9,0},{0x212A,0x4B,0},
+    {0x212B,0xC5,0},{0x219A,0x2190,0x338},{0x219B,0x2192,0x338},{0x21AE,0x2194,0x338},{0x21CD,0x21D0,0x338},
+    {0x21CE,0x21D4,0x338},{0x21CF,0x21D2,0x338},{0x2204,0x2203,0x338},{0x2209,0x2208,0x338},{0x220C,0x220B,0x338},
+    {0x2224,0x2223,0x338},{0x2226,0x2225,0x338},{0x2241,0x223C,0x338},{0x2244,0x2243,0x338},{0x2247,0x2245,0x338},
+    {0x2249,0x2248,0x338},{0x2260,0x3D,0x338},{0x2262,0x2261,0x338},{0x226D,0x224D,0x338},{0x226E,0x3C,0x338},
+    {0x226F,0x3E,0x338},{0x2270,0x2264,0x338},{0x2271,0x2265,0x338},{0x2274,0x2272,0x338},{0x2275,0x2273,0x338},
+    {0x2278,0x2276,0x338},{0x2279,0x2277,0x338},{0x2280,0x227A,0x338},{0x2281,0x227B,0x338},{0x2284,0x2282,0x338},
+    {0x2285,0x2283,0x338},{0x2288,0x2286,0x338},{0x2289,0x2287,0x338},{0x22AC,0x22A2,0x338},{0x22AD,0x22A8,0x338},
+    {0x22AE,0x22A9,0x338},{0x22AF,0x22AB,0x338},{0x22E0,0x227C,0x338},{0x22E1,0x227D,0x338},{0x22E2,0x2291,0x338},
+    {0x22E3,0x2292,0x338},{0x22EA,0x22B2,0x338},{0x22EB,0x22B3,0x338},{0x22EC,0x22B4,0x338},{0x22ED,0x22B5,0x338},
+    {0x2329,0x3008,0},{0x232A,0x3009,0},{0x2ADC,0x2ADD,0x338},{0x304C,0x304B,0x3099},{0x304E,0x304D,0x3099},
+    {0x3050,0x304F,0x3099},{0x3052,0x3051,0x3099},{0x3054,0x3053,0x3099},{0x3056,0x3055,0x3099},{0x3058,0x3057,0x3099},
+    {0x305A,0x3059,0x3099},{0x305C,0x305B,0x3099},{0x305E,0x305D,0x3099},{0x3060,0x305F,0x3099},{0x3062,0x3061,0x3099},
+    {0x3065,0x3064,0x3099},{0x3067,0x3066,0x3099},{0x3069,0x3068,0x3099},{0x3070,0x306F,0x3099},{0x3071,0x306F,0x309A},
+    {0x3073,0x3072,0x3099},{0x3074,0x3072,0x309A},{0x3076,0x3075,0x3099},{0x3077,0x3075,0x309A},{0x3079,0x3078,0x3099},
+    {0x307A,0x3078,0x309A},{0x307C,0x307B,0x3099},{0x307D,0x307B,0x309A},{0x3094,0x3046,0x3099},{0x309E,0x309D,0x3099},
+    {0x30AC,0x30AB,0x3099},{0x30AE,0x30AD,0x3099},{0x30B0,0x30AF,0x3099},{0x30B2,0x30B1,0x3099},{0x30B4,0x30B3,0x3099},
+    {0x30B6,0x30B5,0x3099},{0x30B8,0x30B7,0x3099},{0x30BA,0x30B9,0x3099},{0x30BC,0x30BB,0x3099},{0x30BE,0x30BD,0x3099},
+    {0x30C0,0x30BF,0x3099},{0x30C2,0x30C1,0x3099},{0x30C5,0x30C4,0x3099},{0x30C7,0x30C6,0x3099},{0x30C9,0x30C8,0x3099},
+    {0x30D0,0x30CF,0x3099},{0x30D1,0x30CF,0x309A},{0x30D3,0x30D2,0x3099},{0x30D4,0x30D2,0x309A},{0x30D6,0x30D5,0x3099},
+    {0x30D7,0x30D5,0x309A},{0x30D9,0x30D8,0x3099},{0x30DA,0x30D8,0x309A},{0x30DC,0x30DB,0x3099},{0x30DD,0x30DB,0x309A},
+    {0x30F4,0x30A6,0x3099},{0x30F7,0x30EF,0x3099},{0x30F8,0x30F0,0x3099},{0x30F9,0x30F1,0x3099},{0x30FA,0x30F2,0x3099},
+    {0x30FE,0x30FD,0x3099},{0xF900,0x8C48,0},{0xF901,0x66F4,0},{0xF902,0x8ECA,0},{0xF903,0x8CC8,0},{0xF904,0x6ED1,0},
+    {0xF905,0x4E32,0},{0xF906,0x53E5,0},{0xF907,0x9F9C,0},{0xF908,0x9F9C,0},{0xF909,0x5951,0},{0xF90A,0x91D1,0},
+    {0xF90B,0x5587,0},{0xF90C,0x5948,0},{0xF90D,0x61F6,0},{0xF90E,0x7669,0},{0xF90F,0x7F85,0},{0xF910,0x863F,0},
+    {0xF911,0x87BA,0},{0xF912,0x88F8,0},{0xF913,0x908F,0},{0xF914,0x6A02,0},{0xF915,0x6D1B,0},{0xF916,0x70D9,0},
+    {0xF917,0x73DE,0},{0xF918,0x843D,0},{0xF919,0x916A,0},{0xF91A,0x99F1,0},{0xF91B,0x4E82,0},{0xF91C,0x5375,0},
+    {0xF91D,0x6B04,0},{0xF91E,0x721B,0},{0xF91F,0x862D,0},{0xF920,0x9E1E,0},{0xF921,0x5D50,0},{0xF922,0x6FEB,0},
+    {0xF923,0x85CD,0},{0xF924,0x8964,0},{0xF925,0x62C9,0},{0xF926,0x81D8,0},{0xF927,0x881F,0},{0xF928,0x5ECA,0},
+    {0xF929,0x6717,0},{0xF92A,0x6D6A,0},{0xF92B,0x72FC,0},{0xF92C,0x90CE,0},{0xF92D,0x4F86,0},{0xF92E,0x51B7,0},
+    {0xF92F,0x52DE,0},{0xF930,0x64C4,0},{0xF931,0x6AD3,0},{0xF932,0x7210,0},{0xF933,0x76E7,0},{0xF934,0x8001,0},
+    {0xF935,0x8606,0},{0xF936,0x865C,0},{0xF937,0x8DEF,0},{0xF938,0x9732,0},{0xF939,0x9B6F,0},{0xF93A,0x9DFA,0},
+    {0xF93B,0x788C,0},{0xF93C,0x797F,0},{0xF93D,0x7DA0,0},{0xF93E,0x83C9,0},{0xF93F,0x9304,0},{0xF940,0x9E7F,0},
+    {0xF941,0x8AD6,0},{0xF942,0x58DF,0},{0xF943,0x5F04,0},{0xF944,0x7C60,0},{0xF945,0x807E,0},{0xF946,0x7262,0},
+    {0xF947,0x78CA,0},{0xF948,0x8CC2,0},{0xF949,0x96F7,0},{0xF94A,0x58D8,0},{0xF94B,0x5C62,0},{0xF94C,0x6A13,0},
+    {0xF94D,0x6DDA,0},{0xF94E,0x6F0F,0},{0xF94F,0x7D2F,0},{0xF950,0x7E37,0},{0xF951,0x964B,0},{0xF952,0x52D2,0},
+    {0xF953,0x808B,0},{0xF954,0x51DC,0},{0xF955,0x51CC,0},{0xF956,0x7A1C,0},{0xF957,0x7DBE,0},{0xF958,0x83F1,0},
+    {0xF959,0x9675,0},{0xF95A,0x8B80,0},{0xF95B,0x62CF,0},{0xF95C,0x6A02,0},{0xF95D,0x8AFE,0},{0xF95E,0x4E39,0},
+    {0xF95F,0x5BE7,0},{0xF960,0x6012,0},{0xF961,0x7387,0},{0xF962,0x7570,0},{0xF963,0x5317,0},{0xF964,0x78FB,0},
+    {0xF965,0x4FBF,0},{0xF966,0x5FA9,0},{0xF967,0x4E0D,0},{0xF968,0x6CCC,0},{0xF969,0x6578,0},{0xF96A,0x7D22,0},
+    {0xF96B,0x53C3,0},{0xF96C,0x585E,0},{0xF96D,0x7701,0},{0xF96E,0x8449,0},{0xF96F,0x8AAA,0},{0xF970,0x6BBA,0},
+    {0xF971,0x8FB0,0},{0xF972,0x6C88,0},{0xF973,0x62FE,0},{0xF974,0x82E5,0},{0xF975,0x63A0,0},{0xF976,0x7565,0},
+    {0xF977,0x4EAE,0},{0xF978,0x5169,0},{0xF979,0x51C9,0},{0xF97A,0x6881,0},{0xF97B,0x7CE7,0},{0xF97C,0x826F,0},
+    {0xF97D,0x8AD2,0},{0xF97E,0x91CF,0},{0xF97F,0x52F5,0},{0xF980,0x5442,0},{0xF981,0x5973,0},{0xF982,0x5EEC,0},
+    {0xF983,0x65C5,0},{0xF984,0x6FFE,0},{0xF985,0x792A,0},{0xF986,0x95AD,0},{0xF987,0x9A6A,0},{0xF988,0x9E97,0},
+    {0xF989,0x9ECE,0},{0xF98A,0x529B,0},{0xF98B,0x66C6,0},{0xF98C,0x6B77,0},{0xF98D,0x8F62,0},{0xF98E,0x5E74,0},
+    {0xF98F,0x6190,0},{0xF990,0x6200,0},{0xF991,0x649A,0},{0xF992,0x6F23,0},{0xF993,0x7149,0},{0xF994,0x7489,0},
+    {0xF995,0x79CA,0},{0xF996,0x7DF4,0},{0xF997,0x806F,0},{0xF998,0x8F26,0},{0xF999,0x84EE,0},{0xF99A,0x9023,0},
+    {0xF99B,0x934A,0},{0xF99C,0x5217,0},{0xF99D,0x52A3,0},{0xF99E,0x54BD,0},{0xF99F,0x70C8,0},{0xF9A0,0x88C2,0},
+    {0xF9A1,0x8AAA,0},{0xF9A2,0x5EC9,0},{0xF9A3,0x5FF5,0},{0xF9A4,0x637B,0},{0xF9A5,0x6BAE,0},{0xF9A6,0x7C3E,0},
+    {0xF9A7,0x7375,0},{0xF9A8,0x4EE4,0},{0xF9A9,0x56F9,0},{0xF9AA,0x5BE7,0},{0xF9AB,0x5DBA,0},{0xF9AC,0x601C,0},
+    {0xF9AD,0x73B2,0},{0xF9AE,0x7469,0},{0xF9AF,0x7F9A,0},{0xF9B0,0x8046,0},{0xF9B1,0x9234,0},{0xF9B2,0x96F6,0},
+    {0xF9B3,0x9748,0},{0xF9B4,0x9818,0},{0xF9B5,0x4F8B,0},{0xF9B6,0x79AE,0},{0xF9B7,0x91B4,0},{0xF9B8,0x96B8,0},
+    {0xF9B9,0x60E1,0},{0xF9BA,0x4E86,0},{0xF9BB,0x50DA,0},{0xF9BC,0x5BEE,0},{0xF9BD,0x5C3F,0},{0xF9BE,0x6599,0},
+    {0xF9BF,0x6A02,0},{0xF9C0,0x71CE,0},{0xF9C1,0x7642,0},{0xF9C2,0x84FC,0},{0xF9C3,0x907C,0},{0xF9C4,0x9F8D,0},
+    {0xF9C5,0x6688,0},{0xF9C6,0x962E,0},{0xF9C7,0x5289,0},{0xF9C8,0x677B,0},{0xF9C9,0x67F3,0},{0xF9CA,0x6D41,0},
+    {0xF9CB,0x6E9C,0},{0xF9CC,0x7409,0},{0xF9CD,0x7559,0},{0xF9CE,0x786B,0},{0xF9CF,0x7D10,0},{0xF9D0,0x985E,0},
+    {0xF9D1,0x516D,0},{0xF9D2,0x622E,0},{0xF9D3,0x9678,0},{0xF9D4,0x502B,0},{0xF9D5,0x5D19,0},{0xF9D6,0x6DEA,0},
+    {0xF9D7,0x8F2A,0},{0xF9D8,0x5F8B,0},{0xF9D9,0x6144,0},{0xF9DA,0x6817,0},{0xF9DB,0x7387,0},{0xF9DC,0x9686,0},
+    {0xF9DD,0x5229,0},{0xF9DE,0x540F,0},{0xF9DF,0x5C65,0},{0xF9E0,0x6613,0},{0xF9E1,0x674E,0},{0xF9E2,0x68A8,0},
+    {0xF9E3,0x6CE5,0},{0xF9E4,0x7406,0},{0xF9E5,0x75E2,0},{0xF9E6,0x7F79,0},{0xF9E7,0x88CF,0},{0xF9E8,0x88E1,0},
+    {0xF9E9,0x91CC,0},{0xF9EA,0x96E2,0},{0xF9EB,0x533F,0},{0xF9EC,0x6EBA,0},{0xF9ED,0x541D,0},{0xF9EE,0x71D0,0},
+    {0xF9EF,0x7498,0},{0xF9F0,0x85FA,0},{0xF9F1,0x96A3,0},{0xF9F2,0x9C57,0},{0xF9F3,0x9E9F,0},{0xF9F4,0x6797,0},
+    {0xF9F5,0x6DCB,0},{0xF9F6,0x81E8,0},{0xF9F7,0x7ACB,0},{0xF9F8,0x7B20,0},{0xF9F9,0x7C92,0},{0xF9FA,0x72C0,0},
+    {0xF9FB,0x7099,0},{0xF9FC,0x8B58,0},{0xF9FD,0x4EC0,0},{0xF9FE,0x8336,0},{0xF9FF,0x523A,0},{0xFA00,0x5207,0},
+    {0xFA01,0x5EA6,0},{0xFA02,0x62D3,0},{0xFA03,0x7CD6,0},{0xFA04,0x5B85,0},{0xFA05,0x6D1E,0},{0xFA06,0x66B4,0},
+    {0xFA07,0x8F3B,0},{0xFA08,0x884C,0},{0xFA09,0x964D,0},{0xFA0A,0x898B,0},{0xFA0B,0x5ED3,0},{0xFA0C,0x5140,0},
+    {0xFA0D,0x55C0,0},{0xFA10,0x585A,0},{0xFA12,0x6674,0},{0xFA15,0x51DE,0},{0xFA16,0x732A,0},{0xFA17,0x76CA,0},
+    {0xFA18,0x793C,0},{0xFA19,0x795E,0},{0xFA1A,0x7965,0},{0xFA1B,0x798F,0},{0xFA1C,0x9756,0},{0xFA1D,0x7CBE,0},
+    {0xFA1E,0x7FBD,0},{0xFA20,0x8612,0},{0xFA22,0x8AF8,0},{0xFA25,0x9038,0},{0xFA26,0x90FD,0},{0xFA2A,0x98EF,0},
+    {0xFA2B,0x98FC,0},{0xFA2C,0x9928,0},{0xFA2D,0x9DB4,0},{0xFA2E,0x90DE,0},{0xFA2F,0x96B7,0},{0xFA30,0x4FAE,0},
+    {0xFA31,0x50E7,0},{0xFA32,0x514D,0},{0xFA33,0x52C9,0},{0xFA34,0x52E4,0},{0xFA35,0x5351,0},{0xFA36,0x559D,0},
+    {0xFA37,0x5606,0},{0xFA38,0x5668,0},{0xFA39,0x5840,0},{0xFA3A,0x58A8,0},{0xFA3B,0x5C64,0},{0xFA3C,0x5C6E,0},
+    {0xFA3D,0x6094,0},{0xFA3E,0x6168,0},{0xFA3F,0x618E,0},{0xFA40,0x61F2,0},{0xFA41,0x654F,0},{0xFA42,0x65E2,0},
+    {0xFA43,0x6691,0},{0xFA44,0x6885,0},{0xFA45,0x6D77,0},{0xFA46,0x6E1A,0},{0xFA47,0x6F22,0},{0xFA48,0x716E,0},
+    {0xFA49,0x722B,0},{0xFA4A,0x7422,0},{0xFA4B,0x7891,0},{0xFA4C,0x793E,0},{0xFA4D,0x7949,0},{0xFA4E,0x7948,0},
+    {0xFA4F,0x7950,0},{0xFA50,0x7956,0},{0xFA51,0x795D,0},{0xFA52,0x798D,0},{0xFA53,0x798E,0},{0xFA54,0x7A40,0},
+    {0xFA55,0x7A81,0},{0xFA56,0x7BC0,0},{0xFA57,0x7DF4,0},{0xFA58,0x7E09,0},{0xFA59,0x7E41,0},{0xFA5A,0x7F72,0},
+    {0xFA5B,0x8005,0},{0xFA5C,0x81ED,0},{0xFA5D,0x8279,0},{0xFA5E,0x8279,0},{0xFA5F,0x8457,0},{0xFA60,0x8910,0},
+    {0xFA61,0x8996,0},{0xFA62,0x8B01,0},{0xFA63,0x8B39,0},{0xFA64,0x8CD3,0},{0xFA65,0x8D08,0},{0xFA66,0x8FB6,0},
+    {0xFA67,0x9038,0},{0xFA68,0x96E3,0},{0xFA69,0x97FF,0},{0xFA6A,0x983B,0},{0xFA6B,0x6075,0},{0xFA6C,0x242EE,0},
+    {0xFA6D,0x8218,0},{0xFA70,0x4E26,0},{0xFA71,0x51B5,0},{0xFA72,0x5168,0},{0xFA73,0x4F80,0},{0xFA74,0x5145,0},
+    {0xFA75,0x5180,0},{0xFA76,0x52C7,0},{0xFA77,0x52FA,0},{0xFA78,0x559D,0},{0xFA79,0x5555,0},{0xFA7A,0x5599,0},
+    {0xFA7B,0x55E2,0},{0xFA7C,0x585A,0},{0xFA7D,0x58B3,0},{0xFA7E,0x5944,0},{0xFA7F,0x5954,0},{0xFA80,0x5A62,0},
+    {0xFA81,0x5B28,0},{0xFA82,0x5ED2,0},{0xFA83,0x5ED9,0},{0xFA84,0x5F69,0},{0xFA85,0x5FAD,0},{0xFA86,0x60D8,0},
+    {0xFA87,0x614E,0},{0xFA88,0x6108,0},{0xFA89,0x618E,0},{0xFA8A,0x6160,0},{0xFA8B,0x61F2,0},{0xFA8C,0x6234,0},
+    {0xFA8D,0x63C4,0},{0xFA8E,0x641C,0},{0xFA8F,0x6452,0},{0xFA90,0x6556,0},{0xFA91,0x6674,0},{0xFA92,0x6717,0},
+    {0xFA93,0x671B,0},{0xFA94,0x6756,0},{0xFA95,0x6B79,0},{0xFA96,0x6BBA,0},{0xFA97,0x6D41,0},{0xFA98,0x6EDB,0},
+    {0xFA99,0x6ECB,0},{0xFA9A,0x6F22,0},{0xFA9B,0x701E,0},{0xFA9C,0x716E,0},{0xFA9D,0x77A7,0},{0xFA9E,0x7235,0},
+    {0xFA9F,0x72AF,0},{0xFAA0,0x732A,0},{0xFAA1,0x7471,0},{0xFAA2,0x7506,0},{0xFAA3,0x753B,0},{0xFAA4,0x761D,0},
+    {0xFAA5,0x761F,0},{0xFAA6,0x76CA,0},{0xFAA7,0x76DB,0},{0xFAA8,0x76F4,0},{0xFAA9,0x774A,0},{0xFAAA,0x7740,0},
+    {0xFAAB,0x78CC,0},{0xFAAC,0x7AB1,0},{0xFAAD,0x7BC0,0},{0xFAAE,0x7C7B,0},{0xFAAF,0x7D5B,0},{0xFAB0,0x7DF4,0},
+    {0xFAB1,0x7F3E,0},{0xFAB2,0x8005,0},{0xFAB3,0x8352,0},{0xFAB4,0x83EF,0},{0xFAB5,0x8779,0},{0xFAB6,0x8941,0},
+    {0xFAB7,0x8986,0},{0xFAB8,0x8996,0},{0xFAB9,0x8ABF,0},{0xFABA,0x8AF8,0},{0xFABB,0x8ACB,0},{0xFABC,0x8B01,0},
+    {0xFABD,0x8AFE,0},{0xFABE,0x8AED,0},{0xFABF,0x8B39,0},{0xFAC0,0x8B8A,0},{0xFAC1,0x8D08,0},{0xFAC2,0x8F38,0},
+    {0xFAC3,0x9072,0},{0xFAC4,0x9199,0},{0xFAC5,0x9276,0},{0xFAC6,0x967C,0},{0xFAC7,0x96E3,0},{0xFAC8,0x9756,0},
+    {0xFAC9,0x97DB,0},{0xFACA,0x97FF,0},{0xFACB,0x980B,0},{0xFACC,0x983B,0},{0xFACD,0x9B12,0},{0xFACE,0x9F9C,0},
+    {0xFACF,0x2284A,0},{0xFAD0,0x22844,0},{0xFAD1,0x233D5,0},{0xFAD2,0x3B9D,0},{0xFAD3,0x4018,0},{0xFAD4,0x4039,0},
+    {0xFAD5,0x25249,0},{0xFAD6,0x25CD0,0},{0xFAD7,0x27ED3,0},{0xFAD8,0x9F43,0},{0xFAD9,0x9F8E,0},{0xFB1D,0x5D9,0x5B4},
+    {0xFB1F,0x5F2,0x5B7},{0xFB2A,0x5E9,0x5C1},{0xFB2B,0x5E9,0x5C2},{0xFB2C,0xFB49,0x5C1},{0xFB2D,0xFB49,0x5C2},
+    {0xFB2E,0x5D0,0x5B7},{0xFB2F,0x5D0,0x5B8},{0xFB30,0x5D0,0x5BC},{0xFB31,0x5D1,0x5BC},{0xFB32,0x5D2,0x5BC},
+    {0xFB33,0x5D3,0x5BC},{0xFB34,0x5D4,0x5BC},{0xFB35,0x5D5,0x5BC},{0xFB36,0x5D6,0x5BC},{0xFB38,0x5D8,0x5BC},
+    {0xFB39,0x5D9,0x5BC},{0xFB3A,0x5DA,0x5BC},{0xFB3B,0x5DB,0x5BC},{0xFB3C,0x5DC,0x5BC},{0xFB3E,0x5DE,0x5BC},
+    {0xFB40,0x5E0,0x5BC},{0xFB41,0x5E1,0x5BC},{0xFB43,0x5E3,0x5BC},{0xFB44,0x5E4,0x5BC},{0xFB46,0x5E6,0x5BC},
+    {0xFB47,0x5E7,0x5BC},{0xFB48,0x5E8,0x5BC},{0xFB49,0x5E9,0x5BC},{0xFB4A,0x5EA,0x5BC},{0xFB4B,0x5D5,0x5B9},
+    {0xFB4C,0x5D1,0x5BF},{0xFB4D,0x5DB,0x5BF},{0xFB4E,0x5E4,0x5BF},{0x1109A,0x11099,0x110BA},{0x1109C,0x1109B,0x110BA},
+    {0x110AB,0x110A5,0x110BA},{0x1112E,0x11131,0x11127},{0x1112F,0x11132,0x11127},{0x1134B,0x11347,0x1133E},
+    {0x1134C,0x11347,0x11357},{0x114BB,0x114B9,0x114BA},{0x114BC,0x114B9,0x114B0},{0x114BE,0x114B9,0x114BD},
+    {0x115BA,0x115B8,0x115AF},{0x115BB,0x115B9,0x115AF},{0x11938,0x11935,0x11930},{0x1D15E,0x1D157,0x1D165},
+    {0x1D15F,0x1D158,0x1D165},{0x1D160,0x1D15F,0x1D16E},{0x1D161,0x1D15F,0x1D16F},{0x1D162,0x1D15F,0x1D170},
+    {0x1D163,0x1D15F,0x1D171},{0x1D164,0x1D15F,0x1D172},{0x1D1BB,0x1D1B9,0x1D165},{0x1D1BC,0x1D1BA,0x1D165},
+    {0x1D1BD,0x1D1BB,0x1D16E},{0x1D1BE,0x1D1BC,0x1D16E},{0x1D1BF,0x1D1BB,0x1D16F},{0x1D1C0,0x1D1BC,0x1D16F},
+    {0x2F800,0x4E3D,0},{0x2F801,0x4E38,0},{0x2F802,0x4E41,0},{0x2F803,0x20122,0},{0x2F804,0x4F60,0},{0x2F805,0x4FAE,0},
+    {0x2F806,0x4FBB,0},{0x2F807,0x5002,0},{0x2F808,0x507A,0},{0x2F809,0x5099,0},{0x2F80A,0x50E7,0},{0x2F80B,0x50CF,0},
+    {0x2F80C,0x349E,0},{0x2F80D,0x2063A,0},{0x2F80E,0x514D,0},{0x2F80F,0x5154,0},{0x2F810,0x5164,0},{0x2F811,0x5177,0},
+    {0x2F812,0x2051C,0},{0x2F813,0x34B9,0},{0x2F814,0x5167,0},{0x2F815,0x518D,0},{0x2F816,0x2054B,0},{0x2F817,0x5197,0},
+    {0x2F818,0x51A4,0},{0x2F819,0x4ECC,0},{0x2F81A,0x51AC,0},{0x2F81B,0x51B5,0},{0x2F81C,0x291DF,0},{0x2F81D,0x51F5,0},
+    {0x2F81E,0x5203,0},{0x2F81F,0x34DF,0},{0x2F820,0x523B,0},{0x2F821,0x5246,0},{0x2F822,0x5272,0},{0x2F823,0x5277,0},
+    {0x2F824,0x3515,0},{0x2F825,0x52C7,0},{0x2F826,0x52C9,0},{0x2F827,0x52E4,0},{0x2F828,0x52FA,0},{0x2F829,0x5305,0},
+    {0x2F82A,0x5306,0},{0x2F82B,0x5317,0},{0x2F82C,0x5349,0},{0x2F82D,0x5351,0},{0x2F82E,0x535A,0},{0x2F82F,0x5373,0},
+    {0x2F830,0x537D,0},{0x2F831,0x537F,0},{0x2F832,0x537F,0},{0x2F833,0x537F,0},{0x2F834,0x20A2C,0},{0x2F835,0x7070,0},
+    {0x2F836,0x53CA,0},{0x2F837,0x53DF,0},{0x2F838,0x20B63,0},{0x2F839,0x53EB,0},{0x2F83A,0x53F1,0},{0x2F83B,0x5406,0},
+    {0x2F83C,0x549E,0},{0x2F83D,0x5438,0},{0x2F83E,0x5448,0},{0x2F83F,0x5468,0},{0x2F840,0x54A2,0},{0x2F841,0x54F6,0},
+    {0x2F842,0x5510,0},{0x2F843,0x5553,0},{0x2F844,0x5563,0},{0x2F845,0x5584,0},{0x2F846,0x5584,0},{0x2F847,0x5599,0},
+    {0x2F848,0x55AB,0},{0x2F849,0x55B3,0},{0x2F84A,0x55C2,0},{0x2F84B,0x5716,0},{0x2F84C,0x5606,0},{0x2F84D,0x5717,0},
+    {0x2F84E,0x5651,0},{0x2F84F,0x5674,0},{0x2F850,0x5207,0},{0x2F851,0x58EE,0},{0x2F852,0x57CE,0},{0x2F853,0x57F4,0},
+    {0x2F854,0x580D,0},{0x2F855,0x578B,0},{0x2F856,0x5832,0},{0x2F857,0x5831,0},{0x2F858,0x58AC,0},{0x2F859,0x214E4,0},
+    {0x2F85A,0x58F2,0},{0x2F85B,0x58F7,0},{0x2F85C,0x5906,0},{0x2F85D,0x591A,0},{0x2F85E,0x5922,0},{0x2F85F,0x5962,0},
+    {0x2F860,0x216A8,0},{0x2F861,0x216EA,0},{0x2F862,0x59EC,0},{0x2F863,0x5A1B,0},{0x2F864,0x5A27,0},{0x2F865,0x59D8,0},
+    {0x2F866,0x5A66,0},{0x2F867,0x36EE,0},{0x2F868,0x36FC,0},{0x2F869,0x5B08,0},{0x2F86A,0x5B3E,0},{0x2F86B,0x5B3E,0},
+    {0x2F86C,0x219C8,0},{0x2F86D,0x5BC3,0},{0x2F86E,0x5BD8,0},{0x2F86F,0x5BE7,0},{0x2F870,0x5BF3,0},{0x2F871,0x21B18,0},
+    {0x2F872,0x5BFF,0},{0x2F873,0x5C06,0},{0x2F874,0x5F53,0},{0x2F875,0x5C22,0},{0x2F876,0x3781,0},{0x2F877,0x5C60,0},
+    {0x2F878,0x5C6E,0},{0x2F879,0x5CC0,0},{0x2F87A,0x5C8D,0},{0x2F87B,0x21DE4,0},{0x2F87C,0x5D43,0},{0x2F87D,0x21DE6,0},
+    {0x2F87E,0x5D6E,0},{0x2F87F,0x5D6B,0},{0x2F880,0x5D7C,0},{0x2F881,0x5DE1,0},{0x2F882,0x5DE2,0},{0x2F883,0x382F,0},
+    {0x2F884,0x5DFD,0},{0x2F885,0x5E28,0},{0x2F886,0x5E3D,0},{0x2F887,0x5E69,0},{0x2F888,0x3862,0},{0x2F889,0x22183,0},
+    {0x2F88A,0x387C,0},{0x2F88B,0x5EB0,0},{0x2F88C,0x5EB3,0},{0x2F88D,0x5EB6,0},{0x2F88E,0x5ECA,0},{0x2F88F,0x2A392,0},
+    {0x2F890,0x5EFE,0},{0x2F891,0x22331,0},{0x2F892,0x22331,0},{0x2F893,0x8201,0},{0x2F894,0x5F22,0},{0x2F895,0x5F22,0},
+    {0x2F896,0x38C7,0},{0x2F897,0x232B8,0},{0x2F898,0x261DA,0},{0x2F899,0x5F62,0},{0x2F89A,0x5F6B,0},{0x2F89B,0x38E3,0},
+    {0x2F89C,0x5F9A,0},{0x2F89D,0x5FCD,0},{0x2F89E,0x5FD7,0},{0x2F89F,0x5FF9,0},{0x2F8A0,0x6081,0},{0x2F8A1,0x393A,0},
+    {0x2F8A2,0x391C,0},{0x2F8A3,0x6094,0},{0x2F8A4,0x226D4,0},{0x2F8A5,0x60C7,0},{0x2F8A6,0x6148,0},{0x2F8A7,0x614C,0},
+    {0x2F8A8,0x614E,0},{0x2F8A9,0x614C,0},{0x2F8AA,0x617A,0},{0x2F8AB,0x618E,0},{0x2F8AC,0x61B2,0},{0x2F8AD,0x61A4,0},
+    {0x2F8AE,0x61AF,0},{0x2F8AF,0x61DE,0},{0x2F8B0,0x61F2,0},{0x2F8B1,0x61F6,0},{0x2F8B2,0x6210,0},{0x2F8B3,0x621B,0},
+    {0x2F8B4,0x625D,0},{0x2F8B5,0x62B1,0},{0x2F8B6,0x62D4,0},{0x2F8B7,0x6350,0},{0x2F8B8,0x22B0C,0},{0x2F8B9,0x633D,0},
+    {0x2F8BA,0x62FC,0},{0x2F8BB,0x6368,0},{0x2F8BC,0x6383,0},{0x2F8BD,0x63E4,0},{0x2F8BE,0x22BF1,0},{0x2F8BF,0x6422,0},
+    {0x2F8C0,0x63C5,0},{0x2F8C1,0x63A9,0},{0x2F8C2,0x3A2E,0},{0x2F8C3,0x6469,0},{0x2F8C4,0x647E,0},{0x2F8C5,0x649D,0},
+    {0x2F8C6,0x6477,0},{0x2F8C7,0x3A6C,0},{0x2F8C8,0x654F,0},{0x2F8C9,0x656C,0},{0x2F8CA,0x2300A,0},{0x2F8CB,0x65E3,0},
+    {0x2F8CC,0x66F8,0},{0x2F8CD,0x6649,0},{0x2F8CE,0x3B19,0},{0x2F8CF,0x6691,0},{0x2F8D0,0x3B08,0},{0x2F8D1,0x3AE4,0},
+    {0x2F8D2,0x5192,0},{0x2F8D3,0x5195,0},{0x2F8D4,0x6700,0},{0x2F8D5,0x669C,0},{0x2F8D6,0x80AD,0},{0x2F8D7,0x43D9,0},
+    {0x2F8D8,0x6717,0},{0x2F8D9,0x671B,0},{0x2F8DA,0x6721,0},{0x2F8DB,0x675E,0},{0x2F8DC,0x6753,0},{0x2F8DD,0x233C3,0},
+    {0x2F8DE,0x3B49,0},{0x2F8DF,0x67FA,0},{0x2F8E0,0x6785,0},{0x2F8E1,0x6852,0},{0x2F8E2,0x6885,0},{0x2F8E3,0x2346D,0},
+    {0x2F8E4,0x688E,0},{0x2F8E5,0x681F,0},{0x2F8E6,0x6914,0},{0x2F8E7,0x3B9D,0},{0x2F8E8,0x6942,0},{0x2F8E9,0x69A3,0},
+    {0x2F8EA,0x69EA,0},{0x2F8EB,0x6AA8,0},{0x2F8EC,0x236A3,0},{0x2F8ED,0x6ADB,0},{0x2F8EE,0x3C18,0},{0x2F8EF,0x6B21,0},
+    {0x2F8F0,0x238A7,0},{0x2F8F1,0x6B54,0},{0x2F8F2,0x3C4E,0},{0x2F8F3,0x6B72,0},{0x2F8F4,0x6B9F,0},{0x2F8F5,0x6BBA,0},
+    {0x2F8F6,0x6BBB,0},{0x2F8F7,0x23A8D,0},{0x2F8F8,0x21D0B,0},{0x2F8F9,0x23AFA,0},{0x2F8FA,0x6C4E,0},
+    {0x2F8FB,0x23CBC,0},{0x2F8FC,0x6CBF,0},{0x2F8FD,0x6CCD,0},{0x2F8FE,0x6C67,0},{0x2F8FF,0x6D16,0},{0x2F900,0x6D3E,0},
+    {0x2F901,0x6D77,0},{0x2F902,0x6D41,0},{0x2F903,0x6D69,0},{0x2F904,0x6D78,0},{0x2F905,0x6D85,0},{0x2F906,0x23D1E,0},
+    {0x2F907,0x6D34,0},{0x2F908,0x6E2F,0},{0x2F909,0x6E6E,0},{0x2F90A,0x3D33,0},{0x2F90B,0x6ECB,0},{0x2F90C,0x6EC7,0},
+    {0x2F90D,0x23ED1,0},{0x2F90E,0x6DF9,0},{0x2F90F,0x6F6E,0},{0x2F910,0x23F5E,0},{0x2F911,0x23F8E,0},{0x2F912,0x6FC6,0},
+    {0x2F913,0x7039,0},{0x2F914,0x701E,0},{0x2F915,0x701B,0},{0x2F916,0x3D96,0},{0x2F917,0x704A,0},{0x2F918,0x707D,0},
+    {0x2F919,0x7077,0},{0x2F91A,0x70AD,0},{0x2F91B,0x20525,0},{0x2F91C,0x7145,0},{0x2F91D,0x24263,0},{0x2F91E,0x719C,0},
+    {0x2F91F,0x243AB,0},{0x2F920,0x7228,0},{0x2F921,0x7235,0},{0x2F922,0x7250,0},{0x2F923,0x24608,0},{0x2F924,0x7280,0},
+    {0x2F925,0x7295,0},{0x2F926,0x24735,0},{0x2F927,0x24814,0},{0x2F928,0x737A,0},{0x2F929,0x738B,0},{0x2F92A,0x3EAC,0},
+    {0x2F92B,0x73A5,0},{0x2F92C,0x3EB8,0},{0x2F92D,0x3EB8,0},{0x2F92E,0x7447,0},{0x2F92F,0x745C,0},{0x2F930,0x7471,0},
+    {0x2F931,0x7485,0},{0x2F932,0x74CA,0},{0x2F933,0x3F1B,0},{0x2F934,0x7524,0},{0x2F935,0x24C36,0},{0x2F936,0x753E,0},
+    {0x2F937,0x24C92,0},{0x2F938,0x7570,0},{0x2F939,0x2219F,0},{0x2F93A,0x7610,0},{0x2F93B,0x24FA1,0},
+    {0x2F93C,0x24FB8,0},{0x2F93D,0x25044,0},{0x2F93E,0x3FFC,0},{0x2F93F,0x4008,0},{0x2F940,0x76F4,0},{0x2F941,0x250F3,0},
+    {0x2F942,0x250F2,0},{0x2F943,0x25119,0},{0x2F944,0x25133,0},{0x2F945,0x771E,0},{0x2F946,0x771F,0},{0x2F947,0x771F,0},
+    {0x2F948,0x774A,0},{0x2F949,0x4039,0},{0x2F94A,0x778B,0},{0x2F94B,0x4046,0},{0x2F94C,0x4096,0},{0x2F94D,0x2541D,0},
+    {0x2F94E,0x784E,0},{0x2F94F,0x788C,0},{0x2F950,0x78CC,0},{0x2F951,0x40E3,0},{0x2F952,0x25626,0},{0x2F953,0x7956,0},
+    {0x2F954,0x2569A,0},{0x2F955,0x256C5,0},{0x2F956,0x798F,0},{0x2F957,0x79EB,0},{0x2F958,0x412F,0},{0x2F959,0x7A40,0},
+    {0x2F95A,0x7A4A,0},{0x2F95B,0x7A4F,0},{0x2F95C,0x2597C,0},{0x2F95D,0x25AA7,0},{0x2F95E,0x25AA7,0},{0x2F95F,0x7AEE,0},
+    {0x2F960,0x4202,0},{0x2F961,0x25BAB,0},{0x2F962,0x7BC6,0},{0x2F963,0x7BC9,0},{0x2F964,0x4227,0},{0x2F965,0x25C80,0},
+    {0x2F966,0x7CD2,0},{0x2F967,0x42A0,0},{0x2F968,0x7CE8,0},{0x2F969,0x7CE3,0},{0x2F96A,0x7D00,0},{0x2F96B,0x25F86,0},
+    {0x2F96C,0x7D63,0},{0x2F96D,0x4301,0},{0x2F96E,0x7DC7,0},{0x2F96F,0x7E02,0},{0x2F970,0x7E45,0},{0x2F971,0x4334,0},
+    {0x2F972,0x26228,0},{0x2F973,0x26247,0},{0x2F974,0x4359,0},{0x2F975,0x262D9,0},{0x2F976,0x7F7A,0},
+    {0x2F977,0x2633E,0},{0x2F978,0x7F95,0},{0x2F979,0x7FFA,0},{0x2F97A,0x8005,0},{0x2F97B,0x264DA,0},{0x2F97C,0x26523,0},
+    {0x2F97D,0x8060,0},{0x2F97E,0x265A8,0},{0x2F97F,0x8070,0},{0x2F980,0x2335F,0},{0x2F981,0x43D5,0},{0x2F982,0x80B2,0},
+    {0x2F983,0x8103,0},{0x2F984,0x440B,0},{0x2F985,0x813E,0},{0x2F986,0x5AB5,0},{0x2F987,0x267A7,0},{0x2F988,0x267B5,0},
+    {0x2F989,0x23393,0},{0x2F98A,0x2339C,0},{0x2F98B,0x8201,0},{0x2F98C,0x8204,0},{0x2F98D,0x8F9E,0},{0x2F98E,0x446B,0},
+    {0x2F98F,0x8291,0},{0x2F990,0x828B,0},{0x2F991,0x829D,0},{0x2F992,0x52B3,0},{0x2F993,0x82B1,0},{0x2F994,0x82B3,0},
+    {0x2F995,0x82BD,0},{0x2F996,0x82E6,0},{0x2F997,0x26B3C,0},{0x2F998,0x82E5,0},{0x2F999,0x831D,0},{0x2F99A,0x8363,0},
+    {0x2F99B,0x83AD,0},{0x2F99C,0x8323,0},{0x2F99D,0x83BD,0},{0x2F99E,0x83E7,0},{0x2F99F,0x8457,0},{0x2F9A0,0x8353,0},
+    {0x2F9A1,0x83CA,0},{0x2F9A2,0x83CC,0},{0x2F9A3,0x83DC,0},{0x2F9A4,0x26C36,0},{0x2F9A5,0x26D6B,0},{0x2F9A6,0x26CD5,0},
+    {0x2F9A7,0x452B,0},{0x2F9A8,0x84F1,0},{0x2F9A9,0x84F3,0},{0x2F9AA,0x8516,0},{0x2F9AB,0x273CA,0},{0x2F9AC,0x8564,0},
+    {0x2F9AD,0x26F2C,0},{0x2F9AE,0x455D,0},{0x2F9AF,0x4561,0},{0x2F9B0,0x26FB1,0},{0x2F9B1,0x270D2,0},{0x2F9B2,0x456B,0},
+    {0x2F9B3,0x8650,0},{0x2F9B4,0x865C,0},{0x2F9B5,0x8667,0},{0x2F9B6,0x8669,0},{0x2F9B7,0x86A9,0},{0x2F9B8,0x8688,0},
+    {0x2F9B9,0x870E,0},{0x2F9BA,0x86E2,0},{0x2F9BB,0x8779,0},{0x2F9BC,0x8728,0},{0x2F9BD,0x876B,0},{0x2F9BE,0x8786,0},
+    {0x2F9BF,0x45D7,0},{0x2F9C0,0x87E1,0},{0x2F9C1,0x8801,0},{0x2F9C2,0x45F9,0},{0x2F9C3,0x8860,0},{0x2F9C4,0x8863,0},
+    {0x2F9C5,0x27667,0},{0x2F9C6,0x88D7,0},{0x2F9C7,0x88DE,0},{0x2F9C8,0x4635,0},{0x2F9C9,0x88FA,0},{0x2F9CA,0x34BB,0},
+    {0x2F9CB,0x278AE,0},{0x2F9CC,0x27966,0},{0x2F9CD,0x46BE,0},{0x2F9CE,0x46C7,0},{0x2F9CF,0x8AA0,0},{0x2F9D0,0x8AED,0},
+    {0x2F9D1,0x8B8A,0},{0x2F9D2,0x8C55,0},{0x2F9D3,0x27CA8,0},{0x2F9D4,0x8CAB,0},{0x2F9D5,0x8CC1,0},{0x2F9D6,0x8D1B,0},
+    {0x2F9D7,0x8D77,0},{0x2F9D8,0x27F2F,0},{0x2F9D9,0x20804,0},{0x2F9DA,0x8DCB,0},{0x2F9DB,0x8DBC,0},{0x2F9DC,0x8DF0,0},
+    {0x2F9DD,0x208DE,0},{0x2F9DE,0x8ED4,0},{0x2F9DF,0x8F38,0},{0x2F9E0,0x285D2,0},{0x2F9E1,0x285ED,0},{0x2F9E2,0x9094,0},
+    {0x2F9E3,0x90F1,0},{0x2F9E4,0x9111,0},{0x2F9E5,0x2872E,0},{0x2F9E6,0x911B,0},{0x2F9E7,0x9238,0},{0x2F9E8,0x92D7,0},
+    {0x2F9E9,0x92D8,0},{0x2F9EA,0x927C,0},{0x2F9EB,0x93F9,0},{0x2F9EC,0x9415,0},{0x2F9ED,0x28BFA,0},{0x2F9EE,0x958B,0},
+    {0x2F9EF,0x4995,0},{0x2F9F0,0x95B7,0},{0x2F9F1,0x28D77,0},{0x2F9F2,0x49E6,0},{0x2F9F3,0x96C3,0},{0x2F9F4,0x5DB2,0},
+    {0x2F9F5,0x9723,0},{0x2F9F6,0x29145,0},{0x2F9F7,0x2921A,0},{0x2F9F8,0x4A6E,0},{0x2F9F9,0x4A76,0},{0x2F9FA,0x97E0,0},
+    {0x2F9FB,0x2940A,0},{0x2F9FC,0x4AB2,0},{0x2F9FD,0x29496,0},{0x2F9FE,0x980B,0},{0x2F9FF,0x980B,0},{0x2FA00,0x9829,0},
+    {0x2FA01,0x295B6,0},{0x2FA02,0x98E2,0},{0x2FA03,0x4B33,0},{0x2FA04,0x9929,0},{0x2FA05,0x99A7,0},{0x2FA06,0x99C2,0},
+    {0x2FA07,0x99FE,0},{0x2FA08,0x4BCE,0},{0x2FA09,0x29B30,0},{0x2FA0A,0x9B12,0},{0x2FA0B,0x9C40,0},{0x2FA0C,0x9CFD,0},
+    {0x2FA0D,0x4CCE,0},{0x2FA0E,0x4CED,0},{0x2FA0F,0x9D67,0},{0x2FA10,0x2A0CE,0},{0x2FA11,0x4CF8,0},{0x2FA12,0x2A105,0},
+    {0x2FA13,0x2A20E,0},{0x2FA14,0x2A291,0},{0x2FA15,0x9EBB,0},{0x2FA16,0x4D56,0},{0x2FA17,0x9EF9,0},{0x2FA18,0x9EFE,0},
+    {0x2FA19,0x9F05,0},{0x2FA1A,0x9F0F,0},{0x2FA1B,0x9F16,0},{0x2FA1C,0x9F3B,0},{0x2FA1D,0x2A600,0},
+};
+
+/// Decompositions that may be composed again, in the order of (first, second).
+inline constexpr std::uint16_t compositions[] = {
+    0x390,0x38D,0x391,0,1,2,3,0x35,0x37,0xEE,4,0x23C,5,0xA5,0xD0,0xD2,0x23A,0x19F,0x39,0x1A1,0x1A3,0x1A5,0x3B,0x3D,0x3F,
+    0x41,6,0x1A9,0x43,0x1AB,0x1AF,0x1B1,0x1AD,7,8,9,0x256,0x45,0x47,0x49,0xA,0x254,0x4D,0xD4,0xD6,0x252,0xF0,0x4B,0x1B7,
+    0x1B9,0x1BD,0xC6,0x4F,0x1BF,0x51,0x53,0xBB,0x55,0x57,0x1C1,0x1C5,0xEC,0x1C3,0x1C7,0x1C9,0xB,0xC,0xD,0x59,0x5B,0x5D,
+    0x61,0xE,0x262,0xA7,0xD8,0xDA,0x264,0x5F,0x1CB,0x62,0x1CF,0xBD,0x1D1,0x64,0x1D3,0x66,0x6A,0x1D5,0x68,0x1DB,0x1D9,
+    0x1DD,0x1DF,0x1E1,0xC8,0x6C,0xF,0x1E3,0x70,0x1E5,0x6E,0x1E9,0x1E7,0x10,0x11,0x12,0x13,0x72,0x74,0xF6,0x14,0x268,0x76,
+    0xA9,0xDC,0xDE,0xA1,0x266,0xBF,0x1F3,0x1F5,0x78,0x1F7,0x7C,0xE0,0xE2,0x1F9,0x7A,0x1FD,0x7E,0x80,0x1FF,0x84,0x201,
+    0xE8,0x82,0x209,0x88,0x20B,0xEA,0x86,0x20F,0x20D,0x15,0x16,0x17,0x8A,0x8C,0x8E,0x18,0x280,0x90,0x92,0xAB,0xE4,0xE6,
+    0xA3,0x27E,0x211,0x94,0x215,0x213,0x21B,0x21D,0x21F,0x221,0x96,0x225,0x223,0x227,0x229,0x22B,0x28C,0x19,0x98,0x292,
+    0xFA,0x22D,0x9A,0x290,0x28E,0x9B,0x22F,0x9D,0x9F,0x231,0x233,0x1A,0x1B,0x1C,0x1D,0x36,0x38,0xEF,0x1E,0x23D,0x1F,0xA6,
+    0xD1,0xD3,0x23B,0x1A0,0x3A,0x1A2,0x1A4,0x1A6,0x3C,0x3E,0x40,0x42,0x20,0x1AA,0x44,0x1AC,0x1B0,0x1B2,0x1AE,0x21,0x22,
+    0x23,0x257,0x46,0x48,0x4A,0x24,0x255,0x4E,0xD5,0xD7,0x253,0xF1,0x4C,0x1B8,0x1BA,0x1BE,0xC7,0x50,0x1C0,0x52,0x54,0xBC,
+    0x56,0x58,0x1C2,0x1C6,0xED,0x1C4,0x1C8,0x1CA,0x235,0x25,0x26,0x27,0x5A,0x5C,0x5E,0x28,0x263,0xA8,0xD9,0xDB,0x265,
+    0x60,0x1CC,0x63,0xC5,0x1D0,0xBE,0x1D2,0x65,0x1D4,0x67,0x6B,0x1D6,0x69,0x1DC,0x1DA,0x1DE,0x1E0,0x1E2,0xC9,0x6D,0x29,
+    0x1E4,0x71,0x1E6,0x6F,0x1EA,0x1E8,0x2A,0x2B,0x2C,0x2D,0x73,0x75,0xF7,0x2E,0x269,0x77,0xAA,0xDD,0xDF,0xA2,0x267,0xC0,
+    0x1F4,0x1F6,0x79,0x1F8,0x7D,0xE1,0xE3,0x1FA,0x7B,0x1FE,0x7F,0x81,0x200,0x85,0x202,0xE9,0x83,0x20A,0x236,0x89,0x20C,
+    0xEB,0x87,0x210,0x20E,0x2F,0x30,0x31,0x8B,0x8D,0x8F,0x32,0x281,0x91,0x93,0xAC,0xE5,0xE7,0xA4,0x27F,0x212,0x95,0x216,
+    0x214,0x21C,0x21E,0x220,0x222,0x97,0x226,0x224,0x237,0x228,0x22A,0x22C,0x28D,0x33,0x99,0x293,0xFB,0x22E,0x34,0x291,
+    0x238,0x28F,0x9C,0x230,0x9E,0xA0,0x232,0x234,0x36B,0x102,0x343,0x240,0x23E,0x244,0x242,0xB5,0xCA,0xCC,0xB9,0x1A7,
+    0x25A,0x258,0x25E,0x25C,0x1CD,0x26C,0x26A,0x270,0x26E,0x1EB,0xF4,0x1ED,0xF2,0xCE,0xB3,0xAF,0xAD,0xB1,0x241,0x23F,
+    0x245,0x243,0xB6,0xCB,0xCD,0xBA,0x1A8,0x25B,0x259,0x25F,0x25D,0x1CE,0x26D,0x26B,0x271,0x26F,0x1EC,0xF5,0x1EE,0xF3,
+    0xCF,0xB4,0xB0,0xAE,0xB2,0x24A,0x248,0x24E,0x24C,0x24B,0x249,0x24F,0x24D,0x1B3,0x1B5,0x1B4,0x1B6,0x1EF,0x1F1,0x1F0,
+    0x1F2,0x203,0x204,0x205,0x206,0x217,0x218,0x219,0x21A,0x239,0x276,0x274,0x27A,0x278,0x27C,0x277,0x275,0x27B,0x279,
+    0x27D,0x284,0x282,0x288,0x286,0x28A,0x285,0x283,0x289,0x287,0x28B,0xC3,0xC1,0xC2,0xB7,0xB8,0x1BB,0x1BC,0xF8,0xF9,
+    0xC4,0x33F,0x103,0x33E,0x33D,0x29C,0x29D,0x341,0x349,0x105,0x2AA,0x2AB,0x34B,0x106,0x2B8,0x2B9,0x34D,0x359,0x107,
+    0x358,0x357,0x10C,0x2C8,0x2C9,0x373,0x108,0x2D6,0x2D7,0x36A,0x368,0x109,0x367,0x366,0x10D,0x2E4,0x375,0x10A,0x2F0,
+    0x2F1,0x377,0x33A,0x346,0x2F8,0x10E,0x337,0x336,0x294,0x295,0x33B,0x339,0x2FA,0x10F,0x2A4,0x2A5,0x2FC,0x110,0x2B0,
+    0x2B1,0x347,0x345,0x2FE,0x111,0x352,0x351,0x113,0x2C0,0x2C1,0x355,0x300,0x115,0x2D0,0x2D1,0x362,0x363,0x302,0x116,
+    0x35F,0x35E,0x114,0x2DC,0x2DD,0x364,0x304,0x117,0x2E8,0x2E9,0x371,0x36F,0x353,0x10B,0x356,0x360,0x112,0x365,0x370,
+    0x118,0x119,0x11D,0x12E,0x130,0x11C,0x11A,0x132,0x11B,0x12C,0x136,0x138,0x11F,0x13A,0x121,0x13C,0x11E,0x13E,0x144,
+    0x120,0x146,0x148,0x14A,0x14C,0x142,0x12F,0x131,0x125,0x123,0x133,0x124,0x12D,0x137,0x139,0x128,0x13B,0x122,0x13D,
+    0x127,0x13F,0x145,0x129,0x147,0x149,0x14B,0x14D,0x143,0x126,0x12A,0x12B,0x134,0x135,0x140,0x141,0x14E,0x14F,0x151,
+    0x150,0x152,0x154,0x155,0x153,0x156,0x157,0x158,0x161,0x162,0x16D,0x16C,0x16E,0x171,0x172,0x174,0x173,0x175,0x176,
+    0x179,0x177,0x178,0x17A,0x17B,0x17D,0x17C,0x17E,0x17F,0x181,0x180,0x193,0x194,0x195,0x196,0x197,0x198,0x199,0x19A,
+    0x19B,0x19C,0x19D,0x19E,0x1D7,0x1D8,0x1FB,0x1FC,0x207,0x208,0x246,0x250,0x247,0x251,0x260,0x261,0x272,0x273,0x296,
+    0x298,0x29A,0x306,0x297,0x299,0x29B,0x307,0x308,0x309,0x30A,0x30B,0x30C,0x30D,0x29E,0x2A0,0x2A2,0x30E,0x29F,0x2A1,
+    0x2A3,0x30F,0x310,0x311,0x312,0x313,0x314,0x315,0x2A6,0x2A8,0x2A7,0x2A9,0x2AC,0x2AE,0x2AD,0x2AF,0x2B2,0x2B4,0x2B6,
+    0x316,0x2B3,0x2B5,0x2B7,0x317,0x318,0x319,0x31A,0x31B,0x31C,0x31D,0x2BA,0x2BC,0x2BE,0x31E,0x2BB,0x2BD,0x2BF,0x31F,
+    0x320,0x321,0x322,0x323,0x324,0x325,0x2C2,0x2C4,0x2C6,0x2C3,0x2C5,0x2C7,0x2CA,0x2CC,0x2CE,0x2CB,0x2CD,0x2CF,0x2D2,
+    0x2D4,0x2D3,0x2D5,0x2D8,0x2DA,0x2D9,0x2DB,0x2DE,0x2E0,0x2E2,0x2DF,0x2E1,0x2E3,0x2E5,0x2E6,0x2E7,0x2EA,0x2EC,0x2EE,
+    0x326,0x2EB,0x2ED,0x2EF,0x327,0x328,0x329,0x32A,0x32B,0x32C,0x32D,0x2F2,0x2F4,0x2F6,0x32E,0x2F3,0x2F5,0x2F7,0x32F,
+    0x330,0x331,0x332,0x333,0x334,0x335,0x338,0x344,0x36E,0x33C,0x34E,0x34F,0x350,0x348,0x372,0x35B,0x35C,0x35D,0x37E,
+    0x37F,0x380,0x381,0x383,0x382,0x384,0x385,0x386,0x387,0x388,0x389,0x38A,0x38B,0x38C,0x38F,0x38E,0x392,0x393,0x394,
+    0x395,0x396,0x397,0x398,0x399,0x3A2,0x3A3,0x39A,0x39B,0x39C,0x39D,0x3A4,0x3A5,0x39E,0x39F,0x3A0,0x3A1,0x3A6,0x3A7,
+    0x3A8,0x3A9,0x3C6,0x3AD,0x3AE,0x3AF,0x3B0,0x3B1,0x3B2,0x3B3,0x3B4,0x3B5,0x3B6,0x3B7,0x3B8,0x3B9,0x3BA,0x3BB,0x3BC,
+    0x3BD,0x3BE,0x3BF,0x3C0,0x3C1,0x3C2,0x3C3,0x3C4,0x3C5,0x3C7,0x3E1,0x3C8,0x3C9,0x3CA,0x3CB,0x3CC,0x3CD,0x3CE,0x3CF,
+    0x3D0,0x3D1,0x3D2,0x3D3,0x3D4,0x3D5,0x3D6,0x3D7,0x3D8,0x3D9,0x3DA,0x3DB,0x3DC,0x3DD,0x3DE,0x3DF,0x3E0,0x3E2,0x3E3,
+    0x3E4,0x3E5,0x3E6,0x5D5,0x5D6,0x5D7,0x5D8,0x5D9,0x5DA,0x5DB,0x5DD,0x5DC,0x5DE,0x5DF,0x5E0,0x5E1,
+};
+
+/// NFKC of U+FF5F ... U+FFEF; 0 for U+FFE3, which becomes U+0020 U+0304.
+inline constexpr std::uint16_t narrow_forms[] = {
+    0x2985,0x2986,0x3002,0x300C,0x300D,0x3001,0x30FB,0x30F2,0x30A1,0x30A3,0x30A5,0x30A7,0x30A9,0x30E3,0x30E5,0x30E7,
+    0x30C3,0x30FC,0x30A2,0x30A4,0x30A6,0x30A8,0x30AA,0x30AB,0x30AD,0x30AF,0x30B1,0x30B3,0x30B5,0x30B7,0x30B9,0x30BB,
+    0x30BD,0x30BF,0x30C1,0x30C4,0x30C6,0x30C8,0x30CA,0x30CB,0x30CC,0x30CD,0x30CE,0x30CF,0x30D2,0x30D5,0x30D8,0x30DB,
+    0x30DE,0x30DF,0x30E0,0x30E1,0x30E2,0x30E4,0x30E6,0x30E8,0x30E9,0x30EA,0x30EB,0x30EC,0x30ED,0x30EF,0x30F3,0x3099,
+    0x309A,0x1160,0x1100,0x1101,0x11AA,0x1102,0x11AC,0x11AD,0x1103,0x1104,0x1105,0x11B0,0x11B1,0x11B2,0x11B3,0x11B4,
+    0x11B5,0x111A,0x1106,0x1107,0x1108,0x1121,0x1109,0x110A,0x110B,0x110C,0x110D,0x110E,0x110F,0x1110,0x1111,0x1112,
+    0xFFBF,0xFFC0,0xFFC1,0x1161,0x1162,0x1163,0x1164,0x1165,0x1166,0xFFC8,0xFFC9,0x1167,0x1168,0x1169,0x116A,0x116B,
+    0x116C,0xFFD0,0xFFD1,0x116D,0x116E,0x116F,0x1170,0x1171,0x1172,0xFFD8,0xFFD9,0x1173,0x1174,0x1175,0xFFDD,0xFFDE,
+    0xFFDF,0xA2,0xA3,0xAC,0,0xA6,0xA5,0x20A9,0xFFE7,0x2502,0x2190,0x2191,0x2192,0x2193,0x25A0,0x25CB,0xFFEF,
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+// clang-format on
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Bits of `char_class`.
+namespace CharClass {
+inline constexpr unsigned letter = 1;            // L*
+inline constexpr unsigned number = 2;            // N*
+inline constexpr unsigned punctuation = 4;       // P*
+inline constexpr unsigned nonspacing_mark = 8;   // Mn
+inline constexpr unsigned other = 16;            // Cc, Cf, Cs, Co; not Cn, the unassigned
+inline constexpr unsigned white_space = 32;      // White_Space
+inline constexpr unsigned cased = 64;            // Cased
+inline constexpr unsigned case_ignorable = 128;  // Case_Ignorable
+}  // namespace CharClass
+
+namespace detail {
+
+/// The row of a table of disjoint stretches, ordered by `first`, that holds c; null if none does.
+template <class Run>
+constexpr const Run* find_run(std::span<const Run> table, char32_t c) {
+  const auto after =
+      std::upper_bound(table.begin(), table.end(), c, [](char32_t x, const Run& run) { return x < run.first; });
+  return after != table.begin() && c <= (after - 1)->last ? &*(after - 1) : nullptr;
+}
+
+constexpr unsigned searched_class(char32_t c) {
+  const std::span<const std::uint32_t> runs(class_runs);
+  return *(std::upper_bound(runs.begin(), runs.end(), c << 8 | 255u) - 1) & 255u;
+}
+inline constexpr auto first_classes = [] {
+  std::array<std::uint8_t, 256> classes{};
+  for (char32_t c = 0; c < 256; ++c) classes[c] = static_cast<std::uint8_t>(searched_class(c));
+  return classes;
+}();
+
+}  // namespace detail
+
+/// The classes that a code point belongs to, bits of CharClass.
+constexpr unsigned char_class(char32_t c) {
+  return c < 256 ? detail::first_classes[c] : c <= 0x10FFFF ? detail::searched_class(c) : 0u;
+}
+
+/// Simple lower case; U+0130 gives i (its full lower case is i, U+0307).
+constexpr char32_t lower_case(char32_t c) {
+  if (c < 0x80) return c >= 'A' && c <= 'Z' ? c + 32 : c;
+  const auto* run = detail::find_run<detail::LowerRun>(detail::lower_runs, c);
+  if (run == nullptr || (c - run->first) % run->step != 0) return c;
+  return static_cast<char32_t>(static_cast<std::int32_t>(c) + run->difference);
+}
+
+/// Canonical_Combining_Class.
+constexpr unsigned combining_class(char32_t c) {
+  const auto* run = c < 0x300 ? nullptr : detail::find_run<detail::CombiningRun>(detail::combining_runs, c);
+  return run == nullptr ? 0 : run->combining;
+}
+
+/// Bytes that are not UTF-8 become U+FFFD, one for each.
+inline std::u32string to_utf32(std::string_view text) {
+  std::u32string out;
+  out.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const char32_t c = decode_utf8(text, at);
+    out += c == invalid_code_point ? U'\uFFFD' : c;
+  }
+  return out;
+}
+inline std::string to_utf8(std::u32string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char32_t c : text) append_utf8(out, c);
+  return out;
+}
+
+namespace detail {
+
+inline constexpr char32_t hangul = 0xAC00, jamo_l = 0x1100, jamo_v = 0x1161, jamo_t = 0x11A7;
+inline constexpr char32_t jamo_v_count = 21, jamo_t_count = 28, hangul_count = 19 * jamo_v_count * jamo_t_count;
+
+inline void append_decomposed(std::u32string& out, char32_t c) {
+  if (c < 0xC0) {
+    out += c;
+  } else if (c - hangul < hangul_count) {
+    const char32_t s = c - hangul, t = s % jamo_t_count;
+    out += jamo_l + s / (jamo_v_count * jamo_t_count);
+    out += jamo_v + s / jamo_t_count % jamo_v_count;
+    if (t != 0) out += jamo_t + t;
+  } else {
+    const std::span<const Decomposition> table(decompositions);
+    const auto found = std::lower_bound(table.begin(), table.end(), c,
+                                        [](const Decomposition& d, char32_t x) { return d.composed < x; });
+    if (found == table.end() || found->composed != c) {
+      out += c;
+      return;
+    }
+    append_decomposed(out, found->first);
+    if (found->second != 0) append_decomposed(out, found->second);
+  }
+}
+
+/// The composition of two code points, 0 if there is none.
+inline char32_t composed(char32_t first, char32_t second) {
+  if (first - jamo_l < 19 && second - jamo_v < jamo_v_count)
+    return hangul + ((first - jamo_l) * jamo_v_count + (second - jamo_v)) * jamo_t_count;
+  if (first - hangul < hangul_count && (first - hangul) % jamo_t_count == 0 && second - jamo_t - 1 < jamo_t_count - 1)
+    return first + (second - jamo_t);
+  const std::span<const std::uint16_t> table(compositions);
+  const auto before = [&](std::uint16_t i, char32_t) {
+    const Decomposition& d = decompositions[i];
+    return d.first < first || (d.first == first && d.second < second);
+  };
+  const auto found = std::lower_bound(table.begin(), table.end(), first, before);
+  if (found == table.end()) return 0;
+  const Decomposition& d = decompositions[*found];
+  return d.first == first && d.second == second ? d.composed : 0;
+}
+
+}  // namespace detail
+
+/// Canonical decomposition with marks in canonical order.
+inline std::u32string nfd(std::u32string_view text) {
+  if (std::all_of(text.begin(), text.end(), [](char32_t c) { return c < 0xC0; })) return std::u32string(text);
+  std::u32string out;
+  out.reserve(text.size());
+  for (const char32_t c : text) detail::append_decomposed(out, c);
+  for (std::size_t at = 0; at < out.size();) {
+    std::size_t end = at;
+    while (end < out.size() && combining_class(out[end]) != 0) ++end;
+    std::stable_sort(out.begin() + static_cast<std::ptrdiff_t>(at), out.begin() + static_cast<std::ptrdiff_t>(end),
+                     [](char32_t a, char32_t b) { return combining_class(a) < combining_class(b); });
+    at = end + 1;
+  }
+  return out;
+}
+
+/// Canonical composition.
+inline std::u32string nfc(std::u32string_view text) {
+  if (std::all_of(text.begin(), text.end(), [](char32_t c) { return c < 0x300; })) return std::u32string(text);
+  std::u32string out = nfd(text);
+  std::size_t size = 0, starter = 0;
+  bool has_starter = false;
+  unsigned last = 0;  // class of the last character kept behind the starter; 0: none, or another starter
+  for (const char32_t c : out) {
+    const unsigned combining = combining_class(c);
+    // c can be reached from the starter if nothing between them has its class or is a starter itself
+    const bool adjacent = size == starter + 1;
+    if (has_starter && (adjacent || (last != 0 && last < combining))) {
+      if (const char32_t both = detail::composed(out[starter], c); both != 0) {
+        out[starter] = both;
+        continue;
+      }
+    }
+    if (combining == 0) starter = size, has_starter = true;
+    last = combining;
+    out[size++] = c;
+  }
+  out.resize(size);
+  return out;
+}
+
+/// Full lower case without a language: U+0130 becomes i, U+0307, and where `final_sigma` is set a capital sigma at the end of a
+/// word U+03C2.
+inline std::u32string lower_case(std::u32string_view text, bool final_sigma = true) {
+  std::u32string out;
+  out.reserve(text.size());
+  bool after_cased = false;  // the last character that is not case-ignorable is cased
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char32_t c = text[i];
+    if (c == 0x130) {
+      out += U"i\u0307";
+    } else if (c == 0x3A3 && final_sigma && after_cased) {
+      std::size_t next = i + 1;
+      while (next < text.size() && (char_class(text[next]) & CharClass::case_ignorable) != 0) ++next;
+      const bool inside = next < text.size() && (char_class(text[next]) & CharClass::cased) != 0;
+      out += inside ? U'\u03C3' : U'\u03C2';
+    } else {
+      out += lower_case(c);
+    }
+    if (const unsigned k = char_class(c); (k & CharClass::case_ignorable) == 0)
+      after_cased = (k & CharClass::cased) != 0;
+  }
+  return out;
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -10186,6 +12660,29 @@ concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
 /// BERT and CLIP, with their Unicode rules, are other headers.
 
 namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
+/// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
+template <class Find>
+void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown, Find find) {
+  const std::size_t before = ids.size();
+  for (std::size_t at = 0; at < word.size();) {
+    std::size_t length = std::min(word.size() - at, longest);
+    Index id = -1;
+    for (; length > 0 && (id = find(word.substr(at, length), at == 0)) < 0; --length) {}
+    if (id < 0) {
+      ids.resize(before);
+      ids.push_back(unknown);
+      return;
+    }
+    ids.push_back(id);
+    at += length;
+  }
+}
+
+}  // namespace detail
 
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
@@ -10290,25 +12787,315 @@ class WordPiece {
 
  private:
   void append_word(std::vector<Index>& ids, const std::string& word) const {
-    const std::size_t before = ids.size();
-    for (std::size_t at = 0; at < word.size();) {
-      const std::string prefix = at == 0 ? "" : "##";
-      std::size_t length = std::min(word.size() - at, longest_);
-      auto found = ids_.end();
-      for (; length > 0 && found == ids_.end(); --length) found = ids_.find(prefix + word.substr(at, length));
-      if (found == ids_.end()) {
-        ids.resize(before);
-        ids.push_back(unknown_id);
-        return;
-      }
-      ids.push_back(found->second);
-      at += length + 1;
-    }
+    detail::append_longest_pieces(ids, word, longest_, unknown_id, [&](std::string_view part, bool first) {
+      const auto found = ids_.find((first ? "" : "##") + std::string(part));
+      return found == ids_.end() ? Index{-1} : found->second;
+    });
   }
 
   std::vector<std::string> pieces_;
   std::unordered_map<std::string, Index> ids_;
   std::size_t longest_ = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BertTokenizerOptions {
+  bool clean_text = true;  // drops control characters, any white space is a blank
+  bool split_cjk = true;   // every ideograph is a word
+  bool lower_case = true;
+  std::optional<bool> strip_accents;  // unless set: as lower_case
+  std::string begin = "[CLS]", end = "[SEP]", unknown = "[UNK]", pad = "[PAD]";
+  std::string continuation = "##";  // in front of a piece that continues a word
+  Index longest_word = 100;         // code points; a longer word is unknown
+  /// Strings that are their own ids, in the order of preference; those that the vocabulary lacks are left out.
+  std::vector<std::string> special{"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]"};
+  bool pair_has_types = true;      // the second text of a pair has token type 1
+  bool pair_has_two_ends = false;  // between the texts of a pair stands the end twice
+  Index longest = 512;             // ids of a text with its frame, as many as the network has positions
+  bool truncate = false;           // a longer text is cut, else refused
+
+  /// Of all-mpnet-base-v2.
+  static BertTokenizerOptions mpnet() {
+    BertTokenizerOptions o;
+    o.begin = "<s>", o.end = "</s>", o.pad = "<pad>";
+    o.special = {"<s>", "<pad>", "</s>", "<unk>", "[UNK]", "<mask>"};
+    o.pair_has_types = false, o.pair_has_two_ends = true;
+    return o;
+  }
+};
+
+/// The vocabulary of MPNet from that of BERT: four marks before it, one behind it.
+inline std::vector<std::string> mpnet_vocabulary(std::span<const std::string> bert) {
+  std::vector<std::string> out{"<s>", "<pad>", "</s>", "<unk>"};
+  out.insert(out.end(), bert.begin(), bert.end());
+  out.emplace_back("<mask>");
+  return out;
+}
+
+class BertTokenizer {
+ public:
+  /// vocabulary   the piece of every id
+  /// added        instead of options.special, as a tokenizer.json lists them
+  /// Throws       config_error 107, naming `source`: a piece stands twice, is empty or not UTF-8, or begin, end or unknown is
+  ///              no piece; 101 if options.longest leaves no room for a text
+  explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
+                         std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {})
+      : options_(std::move(options)), pieces_(std::make_shared<const std::vector<std::string>>(std::move(vocabulary))) {
+    index_pieces(source);
+    begin_ = required(options_.begin, source), end_ = required(options_.end, source);
+    unknown_ = required(options_.unknown, source);
+    using enum FramePart::Kind;
+    const Index second = options_.pair_has_types ? 1 : 0;
+    single_ = {{token, begin_, 0}, {text_a}, {token, end_, 0}};
+    pair_ = {{token, begin_, 0}, {text_a}, {token, end_, 0}};
+    if (options_.pair_has_two_ends) pair_.push_back({token, end_, 0});
+    pair_.insert(pair_.end(), {{text_b, 0, second}, {token, end_, second}});
+    set_added(added ? std::move(*added) : specials(), source);
+    require_room(source);
+  }
+
+  const BertTokenizerOptions& options() const { return options_; }
+  const std::vector<std::string>& vocabulary() const { return *pieces_; }
+  Index size() const { return static_cast<Index>(pieces_->size()); }
+  /// The id of a piece as the vocabulary writes it ("walk", "##ing"); none if there is no such piece.
+  std::optional<Index> id(std::string_view piece) const {
+    const bool continues = !options_.continuation.empty() && piece.starts_with(options_.continuation);
+    if (continues) piece.remove_prefix(options_.continuation.size());
+    const Index found = find(piece, !continues);
+    return found < 0 ? std::nullopt : std::optional(found);
+  }
+  /// Throws config_error 103 if the vocabulary has no piece for padding.
+  Index pad_id() const {
+    if (const auto found = id(options_.pad)) return *found;
+    raise<config_error>(103, "BertTokenizer: the vocabulary has no piece '", options_.pad, "' for padding");
+  }
+
+  /// Other frames than the options make. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source) {
+    for (const auto* frame : {&single, &pair}) {
+      for (const FramePart& part : *frame) {
+        if (part.kind == FramePart::token) require_id(part.id, source);
+      }
+    }
+    single_ = std::move(single), pair_ = std::move(pair);
+    require_room(source);
+  }
+
+  /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
+  std::vector<Index> encode(std::string_view text) const {
+    std::vector<Index> ids = encode_words(text);
+    const std::size_t room = static_cast<std::size_t>(options_.longest) - detail::frame_size(single_);
+    if (ids.size() > room) {
+      if (!options_.truncate) refuse(ids.size() + detail::frame_size(single_));
+      ids.resize(room);
+    }
+    return detail::framed(single_, ids).ids;
+  }
+  /// Two texts in one frame; never cut.
+  TokenPair encode_pair(std::string_view a, std::string_view b) const {
+    TokenPair out = detail::framed(pair_, encode_words(a), encode_words(b));
+    if (std::ssize(out.ids) > options_.longest) refuse(out.ids.size());
+    return out;
+  }
+  /// Without a frame, of any length.
+  std::vector<Index> encode_words(std::string_view text) const {
+    std::vector<Index> ids;
+    const auto special = [&](Index id) { ids.push_back(id); };
+    raw_.split(
+        text,
+        [&](std::string_view part) {
+          const std::string clean = normalized(part);
+          if (normalized_.empty()) return append_words(ids, clean);
+          normalized_.split(
+              clean, [&](std::string_view words) { append_words(ids, words); }, special);
+        },
+        special);
+    return ids;
+  }
+
+  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that is none.
+  std::string decode(std::span<const Index> ids) const {
+    std::string out;
+    for (const Index id : ids) {
+      if (id < 0 || id >= size()) raise<shape_error>(203, "BertTokenizer: id ", id, " of ", size());
+      if (raw_.has(id) || normalized_.has(id) || id == begin_ || id == end_) continue;
+      std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
+      if (!options_.continuation.empty() && piece.starts_with(options_.continuation) && !out.empty())
+        piece.remove_prefix(options_.continuation.size());
+      else if (!out.empty())
+        out += ' ';
+      out += piece;
+    }
+    return out;
+  }
+
+  /// The text of which words are taken: cleaned, ideographs apart, without accents, in lower case, as the options say.
+  std::string normalized(std::string_view text) const {
+    std::string out;
+    out.reserve(text.size());
+    for (const char byte : text) {
+      const auto c = static_cast<unsigned char>(byte);
+      if (c >= 0x80) return normalized_unicode(text);
+      const unsigned k = detail::first_classes[c];
+      if (options_.clean_text && (k & (CharClass::other | CharClass::white_space)) != 0) {
+        if (is_blank(c, k)) out += ' ';
+        continue;
+      }
+      out += options_.lower_case ? static_cast<char>(lower_case(char32_t{c})) : byte;
+    }
+    return out;
+  }
+
+ private:
+  /// Of a character that is white space or belongs to Other: whether it separates words. The others vanish.
+  static bool is_blank(char32_t c, unsigned k) {
+    return c == '\t' || c == '\n' || c == '\r' || (k & CharClass::other) == 0;
+  }
+  static bool is_cjk(char32_t c) {
+    constexpr char32_t ranges[][2] = {{0x3400, 0x4DBF},   {0x4E00, 0x9FFF},   {0xF900, 0xFAFF},   {0x20000, 0x2A6DF},
+                                      {0x2A700, 0x2B73F}, {0x2B740, 0x2B81F}, {0x2B920, 0x2CEAF}, {0x2F800, 0x2FA1F}};
+    return std::any_of(std::begin(ranges), std::end(ranges), [&](const auto& r) { return c >= r[0] && c <= r[1]; });
+  }
+  /// ASCII symbols count as punctuation.
+  static bool is_punctuation(char32_t c, unsigned k) {
+    if (c < 0x80) return c > 0x20 && c < 0x7F && (k & (CharClass::letter | CharClass::number)) == 0;
+    return (k & CharClass::punctuation) != 0;
+  }
+
+  std::string normalized_unicode(std::string_view text) const {
+    std::u32string clean;
+    for (const char32_t c : to_utf32(text)) {
+      const unsigned k = char_class(c);
+      if (options_.clean_text && (c == 0xFFFD || (k & (CharClass::other | CharClass::white_space)) != 0)) {
+        if (c != 0xFFFD && is_blank(c, k)) clean += U' ';
+      } else if (options_.split_cjk && is_cjk(c)) {
+        clean += {U' ', c, U' '};
+      } else {
+        clean += c;
+      }
+    }
+    if (options_.strip_accents.value_or(options_.lower_case)) {
+      clean = nfd(clean);
+      std::erase_if(clean, [](char32_t c) { return (char_class(c) & CharClass::nonspacing_mark) != 0; });
+    }
+    return to_utf8(options_.lower_case ? lower_case(clean, false) : clean);
+  }
+
+  void append_words(std::vector<Index>& ids, std::string_view text) const {
+    std::size_t begin = 0;
+    Index letters = 0;  // of the word that begins there, in code points
+    const auto flush = [&](std::size_t end) {
+      if (letters > options_.longest_word) {
+        ids.push_back(unknown_);
+      } else if (letters > 0) {
+        detail::append_longest_pieces(ids, text.substr(begin, end - begin), longest_, unknown_,
+                                      [&](std::string_view part, bool first) { return find(part, first); });
+      }
+      letters = 0;
+    };
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t start = at;
+      const char32_t c = decode_utf8(text, at);
+      const unsigned k = char_class(c);
+      const bool alone = is_punctuation(c, k);
+      if (!alone && (k & CharClass::white_space) == 0) {
+        if (letters++ == 0) begin = start;
+        continue;
+      }
+      flush(start);
+      if (!alone) continue;
+      begin = start, letters = 1;
+      flush(at);
+    }
+    flush(text.size());
+  }
+
+  Index find(std::string_view part, bool first) const {
+    const auto& ids = first ? starts_ : continuations_;
+    const auto found = ids.find(part);
+    return found == ids.end() ? Index{-1} : found->second;
+  }
+
+  void index_pieces(std::string_view source) {
+    for (std::size_t i = 0; i < pieces_->size(); ++i) {
+      std::string_view piece = (*pieces_)[i];
+      if (piece.empty() || !is_utf8(piece))
+        raise<config_error>(107, source, ": piece ", i, piece.empty() ? " is empty" : " is not UTF-8");
+      const bool continues = !options_.continuation.empty() && piece.starts_with(options_.continuation);
+      if (continues) piece.remove_prefix(options_.continuation.size());
+      if (!(continues ? continuations_ : starts_).emplace(piece, static_cast<Index>(i)).second)
+        raise<config_error>(107, source, ": piece '", (*pieces_)[i], "' stands twice, the second time as id ", i);
+      longest_ = std::max(longest_, piece.size());
+    }
+  }
+  Index required(const std::string& piece, std::string_view source) const {
+    if (const auto found = id(piece)) return *found;
+    raise<config_error>(107, source, ": a vocabulary of ", size(), " pieces lacks '", piece, "'");
+  }
+  void require_id(Index id, std::string_view source) const {
+    if (id < 0 || id >= size()) raise<config_error>(107, source, ": id ", id, " among ", size(), " pieces");
+  }
+  void require_room(std::string_view source) const {
+    const std::size_t frame = std::max(detail::frame_size(single_), detail::frame_size(pair_));
+    if (options_.longest < static_cast<Index>(frame))
+      raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ", frame);
+  }
+  std::vector<AddedToken> specials() const {
+    std::vector<AddedToken> out;
+    for (const std::string& piece : options_.special) {
+      if (const auto found = id(piece)) out.push_back({piece, *found});
+    }
+    return out;
+  }
+  void set_added(std::vector<AddedToken> tokens, std::string_view source) {
+    std::vector<AddedToken> before, after;
+    for (AddedToken& t : tokens) {
+      require_id(t.id, source);
+      if (t.normalized) t.content = normalized(t.content);
+      (t.normalized ? after : before).push_back(std::move(t));
+    }
+    raw_ = detail::AddedTokenSearch(std::move(before));
+    normalized_ = detail::AddedTokenSearch(std::move(after));
+  }
+  [[noreturn]] void refuse(std::size_t size) const {
+    raise<config_error>(101, "BertTokenizer: a text of ", size, " ids, at most ", options_.longest);
+  }
+
+  BertTokenizerOptions options_;
+  std::shared_ptr<const std::vector<std::string>> pieces_;
+  std::unordered_map<std::string_view, Index> starts_, continuations_;  // views into *pieces_
+  std::size_t longest_ = 0;                                             // bytes of a piece
+  Index begin_ = 0, end_ = 0, unknown_ = 0;
+  std::vector<FramePart> single_, pair_;
+  detail::AddedTokenSearch raw_, normalized_;
+};
+
+static_assert(Tokenizer<BertTokenizer>);
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
+#define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come with a
+/// motion model and be trained together with it.
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
+#define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
+/// The concept of a text encoder.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
+/// Laws     a text gives the same features alone and among others; "" is a text like any other
+/// Models   CaptionEncoder, and yours
+template <class E, class B>
+concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
+  { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -10372,6 +13159,2002 @@ struct CaptionEncoder {
   requires std::same_as<C, B> TextFeatures<C> encode(std::span<const std::string> texts)
   const { return TextFeatures<C>::pooled((*this)(texts)); }
 };
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_CLIP_TEXT_HPP  // <motionlang/text/clip_text.hpp>
+#define MOTIONLANG_HAS_TEXT_CLIP_TEXT_HPP
+/// The text tower of CLIP.
+///
+///     const ClipText<B> network = load_clip_text<B>(weights);                       // io/text_network_file.hpp
+///     const auto text = network(network.until_end(tokenize(tokenizer, texts)));     // nothing behind the end token
+///     const auto vectors = network.project(pool(text, Pooling::end));               // what MDM and STMC take
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct ClipTextConfig {
+  Index vocabulary = 49408, width = 512, heads = 8, d_ff = 2048, layers = 12, context = 77, out = 512;
+  Activation activation = Activation::quick_gelu;
+  double eps = 1e-5;
+};
+
+inline constexpr ClipTextConfig clip_vit_b32{};
+inline constexpr ClipTextConfig clip_vit_l14{.width = 768, .heads = 12, .d_ff = 3072, .out = 768};
+
+/// Pre-norm, every token sees those before it:   x = x + SA(LN1 x);   x = x + W2 act(W1 LN2 x)
+template <Backend B>
+struct ClipBlock {
+  MultiheadAttention<B> attn;
+  LayerNorm<B> ln_1, ln_2;
+  Linear<B> c_fc, c_proj;
+  Activation activation = Activation::quick_gelu;
+
+  static constexpr auto fields() {
+    using M = ClipBlock;
+    return motionlang::fields("ln_1", &M::ln_1, "attn", &M::attn, "ln_2", &M::ln_2, "mlp.c_fc", &M::c_fc, "mlp.c_proj",
+                              &M::c_proj, "activation", &M::activation);
+  }
+  ClipBlock() = default;
+  ClipBlock(const ClipTextConfig& c, Rng auto& rng)
+      : attn(c.width, c.heads, 0, rng),
+        ln_1(c.width),
+        ln_2(c.width),
+        c_fc(c.width, c.d_ff, rng),
+        c_proj(c.d_ff, c.width, rng),
+        activation(c.activation) {
+    ln_1.eps = ln_2.eps = c.eps;
+  }
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets) const {
+    const auto y = attn.self(ln_1(x), offsets, {}, &x, /*causal=*/true);
+    return c_proj(c_fc(ln_2(y), activation), Activation::none, &y);
+  }
+};
+
+/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section 5.
+template <Backend B>
+struct ClipText {
+  Embedding<B> token_embedding;
+  Tensor<B, 2> positional_embedding;  // (context, width)
+  std::vector<ClipBlock<B>> blocks;
+  LayerNorm<B> ln_final;
+  Tensor<B, 2> text_projection;  // (width, out)
+
+  static constexpr auto fields() {
+    using M = ClipText;
+    return motionlang::fields("token_embedding", &M::token_embedding, "positional_embedding", &M::positional_embedding,
+                              "transformer.resblocks", &M::blocks, "ln_final", &M::ln_final, "text_projection",
+                              &M::text_projection);
+  }
+  ClipText() = default;
+  ClipText(const ClipTextConfig& c, Rng auto& rng)
+      : token_embedding(c.vocabulary, c.width, rng, 0.02),
+        positional_embedding(normal_init<B, 2>({c.context, c.width}, 0.01, rng)),
+        ln_final(c.width),
+        text_projection(normal_init<B, 2>({c.width, c.out}, 1 / std::sqrt(static_cast<double>(c.width)), rng)) {
+    ln_final.eps = c.eps;
+    for (Index i = 0; i < c.layers; ++i) blocks.emplace_back(c, rng);
+  }
+
+  Index longest() const { return positional_embedding.size(0); }
+
+  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the largest id. A row
+  /// depends on the ids before it only. Throws config_error 101 for a text longer than the context, shape_error 203 for an unknown id.
+  TextFeatures<B> operator()(const TokenBatch& batch) const {
+    const Offsets offsets = token_offsets(batch);
+    if (offsets.longest() > longest())
+      raise<config_error>(101, "CLIP: a text of ", offsets.longest(), " pieces for a context of ", longest(),
+                          " (let the tokenizer cut it)");
+    std::vector<Index> position_ids;
+    for (Index length : batch.lengths) {
+      for (Index i = 0; i < length; ++i) position_ids.push_back(i);
+    }
+    auto x = token_embedding(batch.ids) + gather(positional_embedding, position_ids);
+    for (const auto& block : blocks) x = block(x, offsets);
+    return {{ln_final(x), offsets}, end_positions(batch)};
+  }
+
+  /// Vectors of end tokens into the space of texts and images, (texts, width) -> (texts, out). Their length is not 1.
+  Tensor<B, 2> project(const Tensor<B, 2>& end_rows) const { return matmul(end_rows, text_projection); }
+
+  /// The texts up to their end tokens: what stands behind has no influence on the vector of a text.
+  TokenBatch until_end(const TokenBatch& batch) const {
+    TokenBatch out;
+    token_offsets(batch);  // checks them
+    auto from = batch.ids.begin();
+    const auto ends = end_positions(batch);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const Index length = std::min(batch.lengths[i], ends[i] + 1);
+      out.ids.insert(out.ids.end(), from, from + length);
+      out.lengths.push_back(length);
+      from += batch.lengths[i];
+    }
+    return out;
+  }
+
+ private:
+  static std::vector<Index> end_positions(const TokenBatch& batch) {
+    std::vector<Index> out;
+    auto from = batch.ids.begin();
+    for (Index length : batch.lengths) {
+      out.push_back(std::max_element(from, from + length) - from);
+      from += length;
+    }
+    return out;
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP  // <motionlang/text/clip_tokenizer.hpp>
+#define MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP
+/// The tokenizer of CLIP: byte-level pair encoding with a mark at the end of words. Vocabularies are read by
+/// io/tokenizer_files.hpp.
+///
+///     const ClipTokenizer clip = read_clip_tokenizer("bpe_simple_vocab_16e6.txt.gz");
+///     clip.encode("a person walks");                     // 49406 320 2533 8192 49407
+///     tokenize(clip, texts).padded(clip.pad_id(), 77);   // what the published network takes
+///
+/// Source   Radford et al. (2021), simple_tokenizer.py; Sennrich et al. (2016); spec text-encoders.md 9
+/// Differs  mojibake is not repaired (text_repair.hpp)
+
+#include <queue>          // merges in their order
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP  // <motionlang/text/text_repair.hpp>
+#define MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP
+/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML entities.
+///
+/// Source   spec text-encoders.md 9.1; ftfy (Speer 2019); html.unescape of Python, the rules of HTML5
+/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated at most
+///          100 times
+
+#ifndef MOTIONLANG_HAS_TEXT_DETAIL_HTML_ENTITIES_HPP  // <motionlang/text/detail/html_entities.hpp>
+#define MOTIONLANG_HAS_TEXT_DETAIL_HTML_ENTITIES_HPP
+/// The named character references of HTML5, for text/text_repair.hpp.
+/// Generated by tests/tools/make_unicode_tables.py: do not edit.
+
+// clang-format off
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Records: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.
+/// ^ before a name: not of HTML5, a lower-case name in capitals that stands for the capital.
+inline constexpr char html_entities[] =
+    "AElig? c6,AMP? 26,Aacute? c1,Abreve 102,Acirc? c2,Acy 410,Afr 1d504,Agrave? c0,Alpha 391,Amacr 100,And 2a53,"
+    "Aogon 104,Aopf 1d538,ApplyFunction 2061,Aring? c5,Ascr 1d49c,Assign 2254,Atilde? c3,Auml? c4,Backslash 2216,"
+    "Barv 2ae7,Barwed 2306,Bcy 411,Because 2235,Bernoullis 212c,Beta 392,Bfr 1d505,Bopf 1d539,Breve 2d8,Bscr 212c,"
+    "Bumpeq 224e,CHcy 427,COPY? a9,Cacute 106,Cap 22d2,CapitalDifferentialD 2145,Cayleys 212d,Ccaron 10c,Ccedil? c7,"
+    "Ccirc 108,Cconint 2230,Cdot 10a,Cedilla b8,CenterDot b7,Cfr 212d,Chi 3a7,CircleDot 2299,CircleMinus 2296,"
+    "CirclePlus 2295,CircleTimes 2297,ClockwiseContourIntegral 2232,CloseCurlyDoubleQuote 201d,CloseCurlyQuote 2019,"
+    "Colon 2237,Colone 2a74,Congruent 2261,Conint 222f,ContourIntegral 222e,Copf 2102,Coproduct 2210,"
+    "CounterClockwiseContourIntegral 2233,Cross 2a2f,Cscr 1d49e,Cup 22d3,CupCap 224d,DD 2145,DDotrahd 2911,DJcy 402,"
+    "DScy 405,DZcy 40f,Dagger 2021,Darr 21a1,Dashv 2ae4,Dcaron 10e,Dcy 414,Del 2207,Delta 394,Dfr 1d507,"
+    "DiacriticalAcute b4,DiacriticalDot 2d9,DiacriticalDoubleAcute 2dd,DiacriticalGrave 60,DiacriticalTilde 2dc,"
+    "Diamond 22c4,DifferentialD 2146,Dopf 1d53b,Dot a8,DotDot 20dc,DotEqual 2250,DoubleContourIntegral 222f,DoubleDot a8,"
+    "DoubleDownArrow 21d3,DoubleLeftArrow 21d0,DoubleLeftRightArrow 21d4,DoubleLeftTee 2ae4,DoubleLongLeftArrow 27f8,"
+    "DoubleLongLeftRightArrow 27fa,DoubleLongRightArrow 27f9,DoubleRightArrow 21d2,DoubleRightTee 22a8,DoubleUpArrow 21d1,"
+    "DoubleUpDownArrow 21d5,DoubleVerticalBar 2225,DownArrow 2193,DownArrowBar 2913,DownArrowUpArrow 21f5,DownBreve 311,"
+    "DownLeftRightVector 2950,DownLeftTeeVector 295e,DownLeftVector 21bd,DownLeftVectorBar 2956,DownRightTeeVector 295f,"
+    "DownRightVector 21c1,DownRightVectorBar 2957,DownTee 22a4,DownTeeArrow 21a7,Downarrow 21d3,Dscr 1d49f,Dstrok 110,"
+    "ENG 14a,ETH? d0,Eacute? c9,Ecaron 11a,Ecirc? ca,Ecy 42d,Edot 116,Efr 1d508,Egrave? c8,Element 2208,Emacr 112,"
+    "EmptySmallSquare 25fb,EmptyVerySmallSquare 25ab,Eogon 118,Eopf 1d53c,Epsilon 395,Equal 2a75,EqualTilde 2242,"
+    "Equilibrium 21cc,Escr 2130,Esim 2a73,Eta 397,Euml? cb,Exists 2203,ExponentialE 2147,Fcy 424,Ffr 1d509,"
+    "FilledSmallSquare 25fc,FilledVerySmallSquare 25aa,Fopf 1d53d,ForAll 2200,Fouriertrf 2131,Fscr 2131,GJcy 403,GT? 3e,"
+    "Gamma 393,Gammad 3dc,Gbreve 11e,Gcedil 122,Gcirc 11c,Gcy 413,Gdot 120,Gfr 1d50a,Gg 22d9,Gopf 1d53e,GreaterEqual 2265,"
+    "GreaterEqualLess 22db,GreaterFullEqual 2267,GreaterGreater 2aa2,GreaterLess 2277,GreaterSlantEqual 2a7e,"
+    "GreaterTilde 2273,Gscr 1d4a2,Gt 226b,HARDcy 42a,Hacek 2c7,Hat 5e,Hcirc 124,Hfr 210c,HilbertSpace 210b,Hopf 210d,"
+    "HorizontalLine 2500,Hscr 210b,Hstrok 126,HumpDownHump 224e,HumpEqual 224f,IEcy 415,IJlig 132,IOcy 401,Iacute? cd,"
+    "Icirc? ce,Icy 418,Idot 130,Ifr 2111,Igrave? cc,Im 2111,Imacr 12a,ImaginaryI 2148,Implies 21d2,Int 222c,Integral 222b,"
+    "Intersection 22c2,InvisibleComma 2063,InvisibleTimes 2062,Iogon 12e,Iopf 1d540,Iota 399,Iscr 2110,Itilde 128,"
+    "Iukcy 406,Iuml? cf,Jcirc 134,Jcy 419,Jfr 1d50d,Jopf 1d541,Jscr 1d4a5,Jsercy 408,Jukcy 404,KHcy 425,KJcy 40c,"
+    "Kappa 39a,Kcedil 136,Kcy 41a,Kfr 1d50e,Kopf 1d542,Kscr 1d4a6,LJcy 409,LT? 3c,Lacute 139,Lambda 39b,Lang 27ea,"
+    "Laplacetrf 2112,Larr 219e,Lcaron 13d,Lcedil 13b,Lcy 41b,LeftAngleBracket 27e8,LeftArrow 2190,LeftArrowBar 21e4,"
+    "LeftArrowRightArrow 21c6,LeftCeiling 2308,LeftDoubleBracket 27e6,LeftDownTeeVector 2961,LeftDownVector 21c3,"
+    "LeftDownVectorBar 2959,LeftFloor 230a,LeftRightArrow 2194,LeftRightVector 294e,LeftTee 22a3,LeftTeeArrow 21a4,"
+    "LeftTeeVector 295a,LeftTriangle 22b2,LeftTriangleBar 29cf,LeftTriangleEqual 22b4,LeftUpDownVector 2951,"
+    "LeftUpTeeVector 2960,LeftUpVector 21bf,LeftUpVectorBar 2958,LeftVector 21bc,LeftVectorBar 2952,Leftarrow 21d0,"
+    "Leftrightarrow 21d4,LessEqualGreater 22da,LessFullEqual 2266,LessGreater 2276,LessLess 2aa1,LessSlantEqual 2a7d,"
+    "LessTilde 2272,Lfr 1d50f,Ll 22d8,Lleftarrow 21da,Lmidot 13f,LongLeftArrow 27f5,LongLeftRightArrow 27f7,"
+    "LongRightArrow 27f6,Longleftarrow 27f8,Longleftrightarrow 27fa,Longrightarrow 27f9,Lopf 1d543,LowerLeftArrow 2199,"
+    "LowerRightArrow 2198,Lscr 2112,Lsh 21b0,Lstrok 141,Lt 226a,Map 2905,Mcy 41c,MediumSpace 205f,Mellintrf 2133,"
+    "Mfr 1d510,MinusPlus 2213,Mopf 1d544,Mscr 2133,Mu 39c,NJcy 40a,Nacute 143,Ncaron 147,Ncedil 145,Ncy 41d,"
+    "NegativeMediumSpace 200b,NegativeThickSpace 200b,NegativeThinSpace 200b,NegativeVeryThinSpace 200b,"
+    "NestedGreaterGreater 226b,NestedLessLess 226a,NewLine a,Nfr 1d511,NoBreak 2060,NonBreakingSpace a0,Nopf 2115,"
+    "Not 2aec,NotCongruent 2262,NotCupCap 226d,NotDoubleVerticalBar 2226,NotElement 2209,NotEqual 2260,"
+    "NotEqualTilde 2242+338,NotExists 2204,NotGreater 226f,NotGreaterEqual 2271,NotGreaterFullEqual 2267+338,"
+    "NotGreaterGreater 226b+338,NotGreaterLess 2279,NotGreaterSlantEqual 2a7e+338,NotGreaterTilde 2275,"
+    "NotHumpDownHump 224e+338,NotHumpEqual 224f+338,NotLeftTriangle 22ea,NotLeftTriangleBar 29cf+338,"
+    "NotLeftTriangleEqual 22ec,NotLess 226e,NotLessEqual 2270,NotLessGreater 2278,NotLessLess 226a+338,"
+    "NotLessSlantEqual 2a7d+338,NotLessTilde 2274,NotNestedGreaterGreater 2aa2+338,NotNestedLessLess 2aa1+338,"
+    "NotPrecedes 2280,NotPrecedesEqual 2aaf+338,NotPrecedesSlantEqual 22e0,NotReverseElement 220c,NotRightTriangle 22eb,"
+    "NotRightTriangleBar 29d0+338,NotRightTriangleEqual 22ed,NotSquareSubset 228f+338,NotSquareSubsetEqual 22e2,"
+    "NotSquareSuperset 2290+338,NotSquareSupersetEqual 22e3,NotSubset 2282+20d2,NotSubsetEqual 2288,NotSucceeds 2281,"
+    "NotSucceedsEqual 2ab0+338,NotSucceedsSlantEqual 22e1,NotSucceedsTilde 227f+338,NotSuperset 2283+20d2,"
+    "NotSupersetEqual 2289,NotTilde 2241,NotTildeEqual 2244,NotTildeFullEqual 2247,NotTildeTilde 2249,NotVerticalBar 2224,"
+    "Nscr 1d4a9,Ntilde? d1,Nu 39d,OElig 152,Oacute? d3,Ocirc? d4,Ocy 41e,Odblac 150,Ofr 1d512,Ograve? d2,Omacr 14c,"
+    "Omega 3a9,Omicron 39f,Oopf 1d546,OpenCurlyDoubleQuote 201c,OpenCurlyQuote 2018,Or 2a54,Oscr 1d4aa,Oslash? d8,"
+    "Otilde? d5,Otimes 2a37,Ouml? d6,OverBar 203e,OverBrace 23de,OverBracket 23b4,OverParenthesis 23dc,PartialD 2202,"
+    "Pcy 41f,Pfr 1d513,Phi 3a6,Pi 3a0,PlusMinus b1,Poincareplane 210c,Popf 2119,Pr 2abb,Precedes 227a,PrecedesEqual 2aaf,"
+    "PrecedesSlantEqual 227c,PrecedesTilde 227e,Prime 2033,Product 220f,Proportion 2237,Proportional 221d,Pscr 1d4ab,"
+    "Psi 3a8,QUOT? 22,Qfr 1d514,Qopf 211a,Qscr 1d4ac,RBarr 2910,REG? ae,Racute 154,Rang 27eb,Rarr 21a0,Rarrtl 2916,"
+    "Rcaron 158,Rcedil 156,Rcy 420,Re 211c,ReverseElement 220b,ReverseEquilibrium 21cb,ReverseUpEquilibrium 296f,Rfr 211c,"
+    "Rho 3a1,RightAngleBracket 27e9,RightArrow 2192,RightArrowBar 21e5,RightArrowLeftArrow 21c4,RightCeiling 2309,"
+    "RightDoubleBracket 27e7,RightDownTeeVector 295d,RightDownVector 21c2,RightDownVectorBar 2955,RightFloor 230b,"
+    "RightTee 22a2,RightTeeArrow 21a6,RightTeeVector 295b,RightTriangle 22b3,RightTriangleBar 29d0,"
+    "RightTriangleEqual 22b5,RightUpDownVector 294f,RightUpTeeVector 295c,RightUpVector 21be,RightUpVectorBar 2954,"
+    "RightVector 21c0,RightVectorBar 2953,Rightarrow 21d2,Ropf 211d,RoundImplies 2970,Rrightarrow 21db,Rscr 211b,Rsh 21b1,"
+    "RuleDelayed 29f4,SHCHcy 429,SHcy 428,SOFTcy 42c,Sacute 15a,Sc 2abc,Scaron 160,Scedil 15e,Scirc 15c,Scy 421,Sfr 1d516,"
+    "ShortDownArrow 2193,ShortLeftArrow 2190,ShortRightArrow 2192,ShortUpArrow 2191,Sigma 3a3,SmallCircle 2218,Sopf 1d54a,"
+    "Sqrt 221a,Square 25a1,SquareIntersection 2293,SquareSubset 228f,SquareSubsetEqual 2291,SquareSuperset 2290,"
+    "SquareSupersetEqual 2292,SquareUnion 2294,Sscr 1d4ae,Star 22c6,Sub 22d0,Subset 22d0,SubsetEqual 2286,Succeeds 227b,"
+    "SucceedsEqual 2ab0,SucceedsSlantEqual 227d,SucceedsTilde 227f,SuchThat 220b,Sum 2211,Sup 22d1,Superset 2283,"
+    "SupersetEqual 2287,Supset 22d1,THORN? de,TRADE 2122,TSHcy 40b,TScy 426,Tab 9,Tau 3a4,Tcaron 164,Tcedil 162,Tcy 422,"
+    "Tfr 1d517,Therefore 2234,Theta 398,ThickSpace 205f+200a,ThinSpace 2009,Tilde 223c,TildeEqual 2243,"
+    "TildeFullEqual 2245,TildeTilde 2248,Topf 1d54b,TripleDot 20db,Tscr 1d4af,Tstrok 166,Uacute? da,Uarr 219f,"
+    "Uarrocir 2949,Ubrcy 40e,Ubreve 16c,Ucirc? db,Ucy 423,Udblac 170,Ufr 1d518,Ugrave? d9,Umacr 16a,UnderBar 5f,"
+    "UnderBrace 23df,UnderBracket 23b5,UnderParenthesis 23dd,Union 22c3,UnionPlus 228e,Uogon 172,Uopf 1d54c,UpArrow 2191,"
+    "UpArrowBar 2912,UpArrowDownArrow 21c5,UpDownArrow 2195,UpEquilibrium 296e,UpTee 22a5,UpTeeArrow 21a5,Uparrow 21d1,"
+    "Updownarrow 21d5,UpperLeftArrow 2196,UpperRightArrow 2197,Upsi 3d2,Upsilon 3a5,Uring 16e,Uscr 1d4b0,Utilde 168,"
+    "Uuml? dc,VDash 22ab,Vbar 2aeb,Vcy 412,Vdash 22a9,Vdashl 2ae6,Vee 22c1,Verbar 2016,Vert 2016,VerticalBar 2223,"
+    "VerticalLine 7c,VerticalSeparator 2758,VerticalTilde 2240,VeryThinSpace 200a,Vfr 1d519,Vopf 1d54d,Vscr 1d4b1,"
+    "Vvdash 22aa,Wcirc 174,Wedge 22c0,Wfr 1d51a,Wopf 1d54e,Wscr 1d4b2,Xfr 1d51b,Xi 39e,Xopf 1d54f,Xscr 1d4b3,YAcy 42f,"
+    "YIcy 407,YUcy 42e,Yacute? dd,Ycirc 176,Ycy 42b,Yfr 1d51c,Yopf 1d550,Yscr 1d4b4,Yuml 178,ZHcy 416,Zacute 179,"
+    "Zcaron 17d,Zcy 417,Zdot 17b,ZeroWidthSpace 200b,Zeta 396,Zfr 2128,Zopf 2124,Zscr 1d4b5,aacute? e1,^AACUTE c1,"
+    "abreve 103,^ABREVE 102,ac 223e,^AC 223e,acE 223e+333,acd 223f,^ACD 223f,acirc? e2,^ACIRC c2,acute? b4,^ACUTE b4,"
+    "acy 430,^ACY 410,aelig? e6,^AELIG c6,af 2061,^AF 2061,afr 1d51e,^AFR 1d51e,agrave? e0,^AGRAVE c0,alefsym 2135,"
+    "^ALEFSYM 2135,aleph 2135,^ALEPH 2135,alpha 3b1,^ALPHA 391,amacr 101,^AMACR 100,amalg 2a3f,^AMALG 2a3f,amp? 26,"
+    "and 2227,^AND 2227,andand 2a55,^ANDAND 2a55,andd 2a5c,^ANDD 2a5c,andslope 2a58,^ANDSLOPE 2a58,andv 2a5a,^ANDV 2a5a,"
+    "ang 2220,^ANG 2220,ange 29a4,^ANGE 29a4,angle 2220,^ANGLE 2220,angmsd 2221,^ANGMSD 2221,angmsdaa 29a8,^ANGMSDAA 29a8,"
+    "angmsdab 29a9,^ANGMSDAB 29a9,angmsdac 29aa,^ANGMSDAC 29aa,angmsdad 29ab,^ANGMSDAD 29ab,angmsdae 29ac,^ANGMSDAE 29ac,"
+    "angmsdaf 29ad,^ANGMSDAF 29ad,angmsdag 29ae,^ANGMSDAG 29ae,angmsdah 29af,^ANGMSDAH 29af,angrt 221f,^ANGRT 221f,"
+    "angrtvb 22be,^ANGRTVB 22be,angrtvbd 299d,^ANGRTVBD 299d,angsph 2222,^ANGSPH 2222,angst c5,^ANGST c5,angzarr 237c,"
+    "^ANGZARR 237c,aogon 105,^AOGON 104,aopf 1d552,^AOPF 1d552,ap 2248,^AP 2248,apE 2a70,apacir 2a6f,^APACIR 2a6f,"
+    "ape 224a,^APE 224a,apid 224b,^APID 224b,apos 27,^APOS 27,approx 2248,^APPROX 2248,approxeq 224a,^APPROXEQ 224a,"
+    "aring? e5,^ARING c5,ascr 1d4b6,^ASCR 1d4b6,ast 2a,^AST 2a,asymp 2248,^ASYMP 2248,asympeq 224d,^ASYMPEQ 224d,"
+    "atilde? e3,^ATILDE c3,auml? e4,^AUML c4,awconint 2233,^AWCONINT 2233,awint 2a11,^AWINT 2a11,bNot 2aed,backcong 224c,"
+    "^BACKCONG 224c,backepsilon 3f6,^BACKEPSILON 3f6,backprime 2035,^BACKPRIME 2035,backsim 223d,^BACKSIM 223d,"
+    "backsimeq 22cd,^BACKSIMEQ 22cd,barvee 22bd,^BARVEE 22bd,barwed 2305,^BARWED 2305,barwedge 2305,^BARWEDGE 2305,"
+    "bbrk 23b5,^BBRK 23b5,bbrktbrk 23b6,^BBRKTBRK 23b6,bcong 224c,^BCONG 224c,bcy 431,^BCY 411,bdquo 201e,^BDQUO 201e,"
+    "becaus 2235,^BECAUS 2235,because 2235,^BECAUSE 2235,bemptyv 29b0,^BEMPTYV 29b0,bepsi 3f6,^BEPSI 3f6,bernou 212c,"
+    "^BERNOU 212c,beta 3b2,^BETA 392,beth 2136,^BETH 2136,between 226c,^BETWEEN 226c,bfr 1d51f,^BFR 1d51f,bigcap 22c2,"
+    "^BIGCAP 22c2,bigcirc 25ef,^BIGCIRC 25ef,bigcup 22c3,^BIGCUP 22c3,bigodot 2a00,^BIGODOT 2a00,bigoplus 2a01,"
+    "^BIGOPLUS 2a01,bigotimes 2a02,^BIGOTIMES 2a02,bigsqcup 2a06,^BIGSQCUP 2a06,bigstar 2605,^BIGSTAR 2605,"
+    "bigtriangledown 25bd,^BIGTRIANGLEDOWN 25bd,bigtriangleup 25b3,^BIGTRIANGLEUP 25b3,biguplus 2a04,^BIGUPLUS 2a04,"
+    "bigvee 22c1,^BIGVEE 22c1,bigwedge 22c0,^BIGWEDGE 22c0,bkarow 290d,^BKAROW 290d,blacklozenge 29eb,^BLACKLOZENGE 29eb,"
+    "blacksquare 25aa,^BLACKSQUARE 25aa,blacktriangle 25b4,^BLACKTRIANGLE 25b4,blacktriangledown 25be,"
+    "^BLACKTRIANGLEDOWN 25be,blacktriangleleft 25c2,^BLACKTRIANGLELEFT 25c2,blacktriangleright 25b8,"
+    "^BLACKTRIANGLERIGHT 25b8,blank 2423,^BLANK 2423,blk12 2592,^BLK12 2592,blk14 2591,^BLK14 2591,blk34 2593,^BLK34 2593,"
+    "block 2588,^BLOCK 2588,bne 3d+20e5,^BNE 3d+20e5,bnequiv 2261+20e5,^BNEQUIV 2261+20e5,bnot 2310,^BNOT 2310,bopf 1d553,"
+    "^BOPF 1d553,bot 22a5,^BOT 22a5,bottom 22a5,^BOTTOM 22a5,bowtie 22c8,^BOWTIE 22c8,boxDL 2557,boxDR 2554,boxDl 2556,"
+    "boxDr 2553,boxH 2550,boxHD 2566,boxHU 2569,boxHd 2564,boxHu 2567,boxUL 255d,boxUR 255a,boxUl 255c,boxUr 2559,"
+    "boxV 2551,boxVH 256c,boxVL 2563,boxVR 2560,boxVh 256b,boxVl 2562,boxVr 255f,boxbox 29c9,^BOXBOX 29c9,boxdL 2555,"
+    "boxdR 2552,boxdl 2510,^BOXDL 2510,boxdr 250c,^BOXDR 250c,boxh 2500,^BOXH 2500,boxhD 2565,boxhU 2568,boxhd 252c,"
+    "^BOXHD 252c,boxhu 2534,^BOXHU 2534,boxminus 229f,^BOXMINUS 229f,boxplus 229e,^BOXPLUS 229e,boxtimes 22a0,"
+    "^BOXTIMES 22a0,boxuL 255b,boxuR 2558,boxul 2518,^BOXUL 2518,boxur 2514,^BOXUR 2514,boxv 2502,^BOXV 2502,boxvH 256a,"
+    "boxvL 2561,boxvR 255e,boxvh 253c,^BOXVH 253c,boxvl 2524,^BOXVL 2524,boxvr 251c,^BOXVR 251c,bprime 2035,^BPRIME 2035,"
+    "breve 2d8,^BREVE 2d8,brvbar? a6,^BRVBAR a6,bscr 1d4b7,^BSCR 1d4b7,bsemi 204f,^BSEMI 204f,bsim 223d,^BSIM 223d,"
+    "bsime 22cd,^BSIME 22cd,bsol 5c,^BSOL 5c,bsolb 29c5,^BSOLB 29c5,bsolhsub 27c8,^BSOLHSUB 27c8,bull 2022,^BULL 2022,"
+    "bullet 2022,^BULLET 2022,bump 224e,^BUMP 224e,bumpE 2aae,bumpe 224f,^BUMPE 224f,bumpeq 224f,^BUMPEQ 224f,cacute 107,"
+    "^CACUTE 106,cap 2229,^CAP 2229,capand 2a44,^CAPAND 2a44,capbrcup 2a49,^CAPBRCUP 2a49,capcap 2a4b,^CAPCAP 2a4b,"
+    "capcup 2a47,^CAPCUP 2a47,capdot 2a40,^CAPDOT 2a40,caps 2229+fe00,^CAPS 2229+fe00,caret 2041,^CARET 2041,caron 2c7,"
+    "^CARON 2c7,ccaps 2a4d,^CCAPS 2a4d,ccaron 10d,^CCARON 10c,ccedil? e7,^CCEDIL c7,ccirc 109,^CCIRC 108,ccups 2a4c,"
+    "^CCUPS 2a4c,ccupssm 2a50,^CCUPSSM 2a50,cdot 10b,^CDOT 10a,cedil? b8,^CEDIL b8,cemptyv 29b2,^CEMPTYV 29b2,cent? a2,"
+    "^CENT a2,centerdot b7,^CENTERDOT b7,cfr 1d520,^CFR 1d520,chcy 447,^CHCY 427,check 2713,^CHECK 2713,checkmark 2713,"
+    "^CHECKMARK 2713,chi 3c7,^CHI 3a7,cir 25cb,^CIR 25cb,cirE 29c3,circ 2c6,^CIRC 2c6,circeq 2257,^CIRCEQ 2257,"
+    "circlearrowleft 21ba,^CIRCLEARROWLEFT 21ba,circlearrowright 21bb,^CIRCLEARROWRIGHT 21bb,circledR ae,circledS 24c8,"
+    "circledast 229b,^CIRCLEDAST 229b,circledcirc 229a,^CIRCLEDCIRC 229a,circleddash 229d,^CIRCLEDDASH 229d,cire 2257,"
+    "^CIRE 2257,cirfnint 2a10,^CIRFNINT 2a10,cirmid 2aef,^CIRMID 2aef,cirscir 29c2,^CIRSCIR 29c2,clubs 2663,^CLUBS 2663,"
+    "clubsuit 2663,^CLUBSUIT 2663,colon 3a,^COLON 3a,colone 2254,^COLONE 2254,coloneq 2254,^COLONEQ 2254,comma 2c,"
+    "^COMMA 2c,commat 40,^COMMAT 40,comp 2201,^COMP 2201,compfn 2218,^COMPFN 2218,complement 2201,^COMPLEMENT 2201,"
+    "complexes 2102,^COMPLEXES 2102,cong 2245,^CONG 2245,congdot 2a6d,^CONGDOT 2a6d,conint 222e,^CONINT 222e,copf 1d554,"
+    "^COPF 1d554,coprod 2210,^COPROD 2210,copy? a9,copysr 2117,crarr 21b5,^CRARR 21b5,cross 2717,^CROSS 2717,cscr 1d4b8,"
+    "^CSCR 1d4b8,csub 2acf,^CSUB 2acf,csube 2ad1,^CSUBE 2ad1,csup 2ad0,^CSUP 2ad0,csupe 2ad2,^CSUPE 2ad2,ctdot 22ef,"
+    "^CTDOT 22ef,cudarrl 2938,^CUDARRL 2938,cudarrr 2935,^CUDARRR 2935,cuepr 22de,^CUEPR 22de,cuesc 22df,^CUESC 22df,"
+    "cularr 21b6,^CULARR 21b6,cularrp 293d,^CULARRP 293d,cup 222a,^CUP 222a,cupbrcap 2a48,^CUPBRCAP 2a48,cupcap 2a46,"
+    "^CUPCAP 2a46,cupcup 2a4a,^CUPCUP 2a4a,cupdot 228d,^CUPDOT 228d,cupor 2a45,^CUPOR 2a45,cups 222a+fe00,^CUPS 222a+fe00,"
+    "curarr 21b7,^CURARR 21b7,curarrm 293c,^CURARRM 293c,curlyeqprec 22de,^CURLYEQPREC 22de,curlyeqsucc 22df,"
+    "^CURLYEQSUCC 22df,curlyvee 22ce,^CURLYVEE 22ce,curlywedge 22cf,^CURLYWEDGE 22cf,curren? a4,^CURREN a4,"
+    "curvearrowleft 21b6,^CURVEARROWLEFT 21b6,curvearrowright 21b7,^CURVEARROWRIGHT 21b7,cuvee 22ce,^CUVEE 22ce,"
+    "cuwed 22cf,^CUWED 22cf,cwconint 2232,^CWCONINT 2232,cwint 2231,^CWINT 2231,cylcty 232d,^CYLCTY 232d,dArr 21d3,"
+    "dHar 2965,dagger 2020,^DAGGER 2020,daleth 2138,^DALETH 2138,darr 2193,^DARR 2193,dash 2010,^DASH 2010,dashv 22a3,"
+    "^DASHV 22a3,dbkarow 290f,^DBKAROW 290f,dblac 2dd,^DBLAC 2dd,dcaron 10f,^DCARON 10e,dcy 434,^DCY 414,dd 2146,"
+    "ddagger 2021,^DDAGGER 2021,ddarr 21ca,^DDARR 21ca,ddotseq 2a77,^DDOTSEQ 2a77,deg? b0,^DEG b0,delta 3b4,^DELTA 394,"
+    "demptyv 29b1,^DEMPTYV 29b1,dfisht 297f,^DFISHT 297f,dfr 1d521,^DFR 1d521,dharl 21c3,^DHARL 21c3,dharr 21c2,"
+    "^DHARR 21c2,diam 22c4,^DIAM 22c4,diamond 22c4,^DIAMOND 22c4,diamondsuit 2666,^DIAMONDSUIT 2666,diams 2666,"
+    "^DIAMS 2666,die a8,^DIE a8,digamma 3dd,^DIGAMMA 3dc,disin 22f2,^DISIN 22f2,div f7,^DIV f7,divide? f7,^DIVIDE f7,"
+    "divideontimes 22c7,^DIVIDEONTIMES 22c7,divonx 22c7,^DIVONX 22c7,djcy 452,^DJCY 402,dlcorn 231e,^DLCORN 231e,"
+    "dlcrop 230d,^DLCROP 230d,dollar 24,^DOLLAR 24,dopf 1d555,^DOPF 1d555,dot 2d9,^DOT 2d9,doteq 2250,^DOTEQ 2250,"
+    "doteqdot 2251,^DOTEQDOT 2251,dotminus 2238,^DOTMINUS 2238,dotplus 2214,^DOTPLUS 2214,dotsquare 22a1,^DOTSQUARE 22a1,"
+    "doublebarwedge 2306,^DOUBLEBARWEDGE 2306,downarrow 2193,^DOWNARROW 2193,downdownarrows 21ca,^DOWNDOWNARROWS 21ca,"
+    "downharpoonleft 21c3,^DOWNHARPOONLEFT 21c3,downharpoonright 21c2,^DOWNHARPOONRIGHT 21c2,drbkarow 2910,^DRBKAROW 2910,"
+    "drcorn 231f,^DRCORN 231f,drcrop 230c,^DRCROP 230c,dscr 1d4b9,^DSCR 1d4b9,dscy 455,^DSCY 405,dsol 29f6,^DSOL 29f6,"
+    "dstrok 111,^DSTROK 110,dtdot 22f1,^DTDOT 22f1,dtri 25bf,^DTRI 25bf,dtrif 25be,^DTRIF 25be,duarr 21f5,^DUARR 21f5,"
+    "duhar 296f,^DUHAR 296f,dwangle 29a6,^DWANGLE 29a6,dzcy 45f,^DZCY 40f,dzigrarr 27ff,^DZIGRARR 27ff,eDDot 2a77,"
+    "eDot 2251,eacute? e9,^EACUTE c9,easter 2a6e,^EASTER 2a6e,ecaron 11b,^ECARON 11a,ecir 2256,^ECIR 2256,ecirc? ea,"
+    "^ECIRC ca,ecolon 2255,^ECOLON 2255,ecy 44d,^ECY 42d,edot 117,^EDOT 116,ee 2147,^EE 2147,efDot 2252,efr 1d522,"
+    "^EFR 1d522,eg 2a9a,^EG 2a9a,egrave? e8,^EGRAVE c8,egs 2a96,^EGS 2a96,egsdot 2a98,^EGSDOT 2a98,el 2a99,^EL 2a99,"
+    "elinters 23e7,^ELINTERS 23e7,ell 2113,^ELL 2113,els 2a95,^ELS 2a95,elsdot 2a97,^ELSDOT 2a97,emacr 113,^EMACR 112,"
+    "empty 2205,^EMPTY 2205,emptyset 2205,^EMPTYSET 2205,emptyv 2205,^EMPTYV 2205,emsp13 2004,^EMSP13 2004,emsp14 2005,"
+    "^EMSP14 2005,emsp 2003,^EMSP 2003,eng 14b,ensp 2002,^ENSP 2002,eogon 119,^EOGON 118,eopf 1d556,^EOPF 1d556,epar 22d5,"
+    "^EPAR 22d5,eparsl 29e3,^EPARSL 29e3,eplus 2a71,^EPLUS 2a71,epsi 3b5,^EPSI 395,epsilon 3b5,^EPSILON 395,epsiv 3f5,"
+    "^EPSIV 395,eqcirc 2256,^EQCIRC 2256,eqcolon 2255,^EQCOLON 2255,eqsim 2242,^EQSIM 2242,eqslantgtr 2a96,"
+    "^EQSLANTGTR 2a96,eqslantless 2a95,^EQSLANTLESS 2a95,equals 3d,^EQUALS 3d,equest 225f,^EQUEST 225f,equiv 2261,"
+    "^EQUIV 2261,equivDD 2a78,eqvparsl 29e5,^EQVPARSL 29e5,erDot 2253,erarr 2971,^ERARR 2971,escr 212f,^ESCR 212f,"
+    "esdot 2250,^ESDOT 2250,esim 2242,^ESIM 2242,eta 3b7,^ETA 397,eth? f0,euml? eb,^EUML cb,euro 20ac,^EURO 20ac,excl 21,"
+    "^EXCL 21,exist 2203,^EXIST 2203,expectation 2130,^EXPECTATION 2130,exponentiale 2147,^EXPONENTIALE 2147,"
+    "fallingdotseq 2252,^FALLINGDOTSEQ 2252,fcy 444,^FCY 424,female 2640,^FEMALE 2640,ffilig fb03,^FFILIG 46+46+49,"
+    "fflig fb00,^FFLIG 46+46,ffllig fb04,^FFLLIG 46+46+4c,ffr 1d523,^FFR 1d523,filig fb01,^FILIG 46+49,fjlig 66+6a,"
+    "^FJLIG 46+4a,flat 266d,^FLAT 266d,fllig fb02,^FLLIG 46+4c,fltns 25b1,^FLTNS 25b1,fnof 192,^FNOF 191,fopf 1d557,"
+    "^FOPF 1d557,forall 2200,^FORALL 2200,fork 22d4,^FORK 22d4,forkv 2ad9,^FORKV 2ad9,fpartint 2a0d,^FPARTINT 2a0d,"
+    "frac12? bd,^FRAC12 bd,frac13 2153,^FRAC13 2153,frac14? bc,^FRAC14 bc,frac15 2155,^FRAC15 2155,frac16 2159,"
+    "^FRAC16 2159,frac18 215b,^FRAC18 215b,frac23 2154,^FRAC23 2154,frac25 2156,^FRAC25 2156,frac34? be,^FRAC34 be,"
+    "frac35 2157,^FRAC35 2157,frac38 215c,^FRAC38 215c,frac45 2158,^FRAC45 2158,frac56 215a,^FRAC56 215a,frac58 215d,"
+    "^FRAC58 215d,frac78 215e,^FRAC78 215e,frasl 2044,^FRASL 2044,frown 2322,^FROWN 2322,fscr 1d4bb,^FSCR 1d4bb,gE 2267,"
+    "gEl 2a8c,gacute 1f5,^GACUTE 1f4,gamma 3b3,^GAMMA 393,gammad 3dd,^GAMMAD 3dc,gap 2a86,^GAP 2a86,gbreve 11f,"
+    "^GBREVE 11e,gcirc 11d,^GCIRC 11c,gcy 433,^GCY 413,gdot 121,^GDOT 120,ge 2265,^GE 2265,gel 22db,^GEL 22db,geq 2265,"
+    "^GEQ 2265,geqq 2267,^GEQQ 2267,geqslant 2a7e,^GEQSLANT 2a7e,ges 2a7e,^GES 2a7e,gescc 2aa9,^GESCC 2aa9,gesdot 2a80,"
+    "^GESDOT 2a80,gesdoto 2a82,^GESDOTO 2a82,gesdotol 2a84,^GESDOTOL 2a84,gesl 22db+fe00,^GESL 22db+fe00,gesles 2a94,"
+    "^GESLES 2a94,gfr 1d524,^GFR 1d524,gg 226b,^GG 226b,ggg 22d9,^GGG 22d9,gimel 2137,^GIMEL 2137,gjcy 453,^GJCY 403,"
+    "gl 2277,^GL 2277,glE 2a92,gla 2aa5,^GLA 2aa5,glj 2aa4,^GLJ 2aa4,gnE 2269,gnap 2a8a,^GNAP 2a8a,gnapprox 2a8a,"
+    "^GNAPPROX 2a8a,gne 2a88,^GNE 2a88,gneq 2a88,^GNEQ 2a88,gneqq 2269,^GNEQQ 2269,gnsim 22e7,^GNSIM 22e7,gopf 1d558,"
+    "^GOPF 1d558,grave 60,^GRAVE 60,gscr 210a,^GSCR 210a,gsim 2273,^GSIM 2273,gsime 2a8e,^GSIME 2a8e,gsiml 2a90,"
+    "^GSIML 2a90,gt? 3e,gtcc 2aa7,gtcir 2a7a,gtdot 22d7,gtlPar 2995,gtquest 2a7c,gtrapprox 2a86,gtrarr 2978,gtrdot 22d7,"
+    "gtreqless 22db,gtreqqless 2a8c,gtrless 2277,gtrsim 2273,gvertneqq 2269+fe00,^GVERTNEQQ 2269+fe00,gvnE 2269+fe00,"
+    "hArr 21d4,hairsp 200a,^HAIRSP 200a,half bd,^HALF bd,hamilt 210b,^HAMILT 210b,hardcy 44a,^HARDCY 42a,harr 2194,"
+    "^HARR 2194,harrcir 2948,^HARRCIR 2948,harrw 21ad,^HARRW 21ad,hbar 210f,^HBAR 210f,hcirc 125,^HCIRC 124,hearts 2665,"
+    "^HEARTS 2665,heartsuit 2665,^HEARTSUIT 2665,hellip 2026,^HELLIP 2026,hercon 22b9,^HERCON 22b9,hfr 1d525,^HFR 1d525,"
+    "hksearow 2925,^HKSEAROW 2925,hkswarow 2926,^HKSWAROW 2926,hoarr 21ff,^HOARR 21ff,homtht 223b,^HOMTHT 223b,"
+    "hookleftarrow 21a9,^HOOKLEFTARROW 21a9,hookrightarrow 21aa,^HOOKRIGHTARROW 21aa,hopf 1d559,^HOPF 1d559,horbar 2015,"
+    "^HORBAR 2015,hscr 1d4bd,^HSCR 1d4bd,hslash 210f,^HSLASH 210f,hstrok 127,^HSTROK 126,hybull 2043,^HYBULL 2043,"
+    "hyphen 2010,^HYPHEN 2010,iacute? ed,^IACUTE cd,ic 2063,^IC 2063,icirc? ee,^ICIRC ce,icy 438,^ICY 418,iecy 435,"
+    "^IECY 415,iexcl? a1,^IEXCL a1,iff 21d4,^IFF 21d4,ifr 1d526,^IFR 1d526,igrave? ec,^IGRAVE cc,ii 2148,^II 2148,"
+    "iiiint 2a0c,^IIIINT 2a0c,iiint 222d,^IIINT 222d,iinfin 29dc,^IINFIN 29dc,iiota 2129,^IIOTA 2129,ijlig 133,^IJLIG 132,"
+    "imacr 12b,^IMACR 12a,image 2111,^IMAGE 2111,imagline 2110,^IMAGLINE 2110,imagpart 2111,^IMAGPART 2111,imath 131,"
+    "^IMATH 49,imof 22b7,^IMOF 22b7,imped 1b5,^IMPED 1b5,in 2208,^IN 2208,incare 2105,^INCARE 2105,infin 221e,^INFIN 221e,"
+    "infintie 29dd,^INFINTIE 29dd,inodot 131,^INODOT 49,int 222b,^INT 222b,intcal 22ba,^INTCAL 22ba,integers 2124,"
+    "^INTEGERS 2124,intercal 22ba,^INTERCAL 22ba,intlarhk 2a17,^INTLARHK 2a17,intprod 2a3c,^INTPROD 2a3c,iocy 451,"
+    "^IOCY 401,iogon 12f,^IOGON 12e,iopf 1d55a,^IOPF 1d55a,iota 3b9,^IOTA 399,iprod 2a3c,^IPROD 2a3c,iquest? bf,"
+    "^IQUEST bf,iscr 1d4be,^ISCR 1d4be,isin 2208,^ISIN 2208,isinE 22f9,isindot 22f5,^ISINDOT 22f5,isins 22f4,^ISINS 22f4,"
+    "isinsv 22f3,^ISINSV 22f3,isinv 2208,^ISINV 2208,it 2062,^IT 2062,itilde 129,^ITILDE 128,iukcy 456,^IUKCY 406,"
+    "iuml? ef,^IUML cf,jcirc 135,^JCIRC 134,jcy 439,^JCY 419,jfr 1d527,^JFR 1d527,jmath 237,^JMATH 237,jopf 1d55b,"
+    "^JOPF 1d55b,jscr 1d4bf,^JSCR 1d4bf,jsercy 458,^JSERCY 408,jukcy 454,^JUKCY 404,kappa 3ba,^KAPPA 39a,kappav 3f0,"
+    "^KAPPAV 39a,kcedil 137,^KCEDIL 136,kcy 43a,^KCY 41a,kfr 1d528,^KFR 1d528,kgreen 138,^KGREEN 138,khcy 445,^KHCY 425,"
+    "kjcy 45c,^KJCY 40c,kopf 1d55c,^KOPF 1d55c,kscr 1d4c0,^KSCR 1d4c0,lAarr 21da,lArr 21d0,lAtail 291b,lBarr 290e,lE 2266,"
+    "lEg 2a8b,lHar 2962,lacute 13a,^LACUTE 139,laemptyv 29b4,^LAEMPTYV 29b4,lagran 2112,^LAGRAN 2112,lambda 3bb,"
+    "^LAMBDA 39b,lang 27e8,^LANG 27e8,langd 2991,^LANGD 2991,langle 27e8,^LANGLE 27e8,lap 2a85,^LAP 2a85,laquo? ab,"
+    "^LAQUO ab,larr 2190,^LARR 2190,larrb 21e4,^LARRB 21e4,larrbfs 291f,^LARRBFS 291f,larrfs 291d,^LARRFS 291d,"
+    "larrhk 21a9,^LARRHK 21a9,larrlp 21ab,^LARRLP 21ab,larrpl 2939,^LARRPL 2939,larrsim 2973,^LARRSIM 2973,larrtl 21a2,"
+    "^LARRTL 21a2,lat 2aab,^LAT 2aab,latail 2919,^LATAIL 2919,late 2aad,^LATE 2aad,lates 2aad+fe00,^LATES 2aad+fe00,"
+    "lbarr 290c,^LBARR 290c,lbbrk 2772,^LBBRK 2772,lbrace 7b,^LBRACE 7b,lbrack 5b,^LBRACK 5b,lbrke 298b,^LBRKE 298b,"
+    "lbrksld 298f,^LBRKSLD 298f,lbrkslu 298d,^LBRKSLU 298d,lcaron 13e,^LCARON 13d,lcedil 13c,^LCEDIL 13b,lceil 2308,"
+    "^LCEIL 2308,lcub 7b,^LCUB 7b,lcy 43b,^LCY 41b,ldca 2936,^LDCA 2936,ldquo 201c,^LDQUO 201c,ldquor 201e,^LDQUOR 201e,"
+    "ldrdhar 2967,^LDRDHAR 2967,ldrushar 294b,^LDRUSHAR 294b,ldsh 21b2,^LDSH 21b2,le 2264,^LE 2264,leftarrow 2190,"
+    "^LEFTARROW 2190,leftarrowtail 21a2,^LEFTARROWTAIL 21a2,leftharpoondown 21bd,^LEFTHARPOONDOWN 21bd,leftharpoonup 21bc,"
+    "^LEFTHARPOONUP 21bc,leftleftarrows 21c7,^LEFTLEFTARROWS 21c7,leftrightarrow 2194,^LEFTRIGHTARROW 2194,"
+    "leftrightarrows 21c6,^LEFTRIGHTARROWS 21c6,leftrightharpoons 21cb,^LEFTRIGHTHARPOONS 21cb,leftrightsquigarrow 21ad,"
+    "^LEFTRIGHTSQUIGARROW 21ad,leftthreetimes 22cb,^LEFTTHREETIMES 22cb,leg 22da,^LEG 22da,leq 2264,^LEQ 2264,leqq 2266,"
+    "^LEQQ 2266,leqslant 2a7d,^LEQSLANT 2a7d,les 2a7d,^LES 2a7d,lescc 2aa8,^LESCC 2aa8,lesdot 2a7f,^LESDOT 2a7f,"
+    "lesdoto 2a81,^LESDOTO 2a81,lesdotor 2a83,^LESDOTOR 2a83,lesg 22da+fe00,^LESG 22da+fe00,lesges 2a93,^LESGES 2a93,"
+    "lessapprox 2a85,^LESSAPPROX 2a85,lessdot 22d6,^LESSDOT 22d6,lesseqgtr 22da,^LESSEQGTR 22da,lesseqqgtr 2a8b,"
+    "^LESSEQQGTR 2a8b,lessgtr 2276,^LESSGTR 2276,lesssim 2272,^LESSSIM 2272,lfisht 297c,^LFISHT 297c,lfloor 230a,"
+    "^LFLOOR 230a,lfr 1d529,^LFR 1d529,lg 2276,^LG 2276,lgE 2a91,lhard 21bd,^LHARD 21bd,lharu 21bc,^LHARU 21bc,"
+    "lharul 296a,^LHARUL 296a,lhblk 2584,^LHBLK 2584,ljcy 459,^LJCY 409,ll 226a,^LL 226a,llarr 21c7,^LLARR 21c7,"
+    "llcorner 231e,^LLCORNER 231e,llhard 296b,^LLHARD 296b,lltri 25fa,^LLTRI 25fa,lmidot 140,^LMIDOT 13f,lmoust 23b0,"
+    "^LMOUST 23b0,lmoustache 23b0,^LMOUSTACHE 23b0,lnE 2268,lnap 2a89,^LNAP 2a89,lnapprox 2a89,^LNAPPROX 2a89,lne 2a87,"
+    "^LNE 2a87,lneq 2a87,^LNEQ 2a87,lneqq 2268,^LNEQQ 2268,lnsim 22e6,^LNSIM 22e6,loang 27ec,^LOANG 27ec,loarr 21fd,"
+    "^LOARR 21fd,lobrk 27e6,^LOBRK 27e6,longleftarrow 27f5,^LONGLEFTARROW 27f5,longleftrightarrow 27f7,"
+    "^LONGLEFTRIGHTARROW 27f7,longmapsto 27fc,^LONGMAPSTO 27fc,longrightarrow 27f6,^LONGRIGHTARROW 27f6,"
+    "looparrowleft 21ab,^LOOPARROWLEFT 21ab,looparrowright 21ac,^LOOPARROWRIGHT 21ac,lopar 2985,^LOPAR 2985,lopf 1d55d,"
+    "^LOPF 1d55d,loplus 2a2d,^LOPLUS 2a2d,lotimes 2a34,^LOTIMES 2a34,lowast 2217,^LOWAST 2217,lowbar 5f,^LOWBAR 5f,"
+    "loz 25ca,^LOZ 25ca,lozenge 25ca,^LOZENGE 25ca,lozf 29eb,^LOZF 29eb,lpar 28,^LPAR 28,lparlt 2993,^LPARLT 2993,"
+    "lrarr 21c6,^LRARR 21c6,lrcorner 231f,^LRCORNER 231f,lrhar 21cb,^LRHAR 21cb,lrhard 296d,^LRHARD 296d,lrm 200e,"
+    "^LRM 200e,lrtri 22bf,^LRTRI 22bf,lsaquo 2039,^LSAQUO 2039,lscr 1d4c1,^LSCR 1d4c1,lsh 21b0,^LSH 21b0,lsim 2272,"
+    "^LSIM 2272,lsime 2a8d,^LSIME 2a8d,lsimg 2a8f,^LSIMG 2a8f,lsqb 5b,^LSQB 5b,lsquo 2018,^LSQUO 2018,lsquor 201a,"
+    "^LSQUOR 201a,lstrok 142,^LSTROK 141,lt? 3c,ltcc 2aa6,ltcir 2a79,ltdot 22d6,lthree 22cb,ltimes 22c9,ltlarr 2976,"
+    "ltquest 2a7b,ltrPar 2996,ltri 25c3,ltrie 22b4,ltrif 25c2,lurdshar 294a,^LURDSHAR 294a,luruhar 2966,^LURUHAR 2966,"
+    "lvertneqq 2268+fe00,^LVERTNEQQ 2268+fe00,lvnE 2268+fe00,mDDot 223a,macr? af,^MACR af,male 2642,^MALE 2642,malt 2720,"
+    "^MALT 2720,maltese 2720,^MALTESE 2720,map 21a6,^MAP 21a6,mapsto 21a6,^MAPSTO 21a6,mapstodown 21a7,^MAPSTODOWN 21a7,"
+    "mapstoleft 21a4,^MAPSTOLEFT 21a4,mapstoup 21a5,^MAPSTOUP 21a5,marker 25ae,^MARKER 25ae,mcomma 2a29,^MCOMMA 2a29,"
+    "mcy 43c,^MCY 41c,mdash 2014,^MDASH 2014,measuredangle 2221,^MEASUREDANGLE 2221,mfr 1d52a,^MFR 1d52a,mho 2127,"
+    "^MHO 2127,micro? b5,^MICRO 39c,mid 2223,^MID 2223,midast 2a,^MIDAST 2a,midcir 2af0,^MIDCIR 2af0,middot? b7,"
+    "^MIDDOT b7,minus 2212,^MINUS 2212,minusb 229f,^MINUSB 229f,minusd 2238,^MINUSD 2238,minusdu 2a2a,^MINUSDU 2a2a,"
+    "mlcp 2adb,^MLCP 2adb,mldr 2026,^MLDR 2026,mnplus 2213,^MNPLUS 2213,models 22a7,^MODELS 22a7,mopf 1d55e,^MOPF 1d55e,"
+    "mp 2213,^MP 2213,mscr 1d4c2,^MSCR 1d4c2,mstpos 223e,^MSTPOS 223e,mu 3bc,^MU 39c,multimap 22b8,^MULTIMAP 22b8,"
+    "mumap 22b8,^MUMAP 22b8,nGg 22d9+338,nGt 226b+20d2,nGtv 226b+338,nLeftarrow 21cd,nLeftrightarrow 21ce,nLl 22d8+338,"
+    "nLt 226a+20d2,nLtv 226a+338,nRightarrow 21cf,nVDash 22af,nVdash 22ae,nabla 2207,^NABLA 2207,nacute 144,^NACUTE 143,"
+    "nang 2220+20d2,^NANG 2220+20d2,nap 2249,^NAP 2249,napE 2a70+338,napid 224b+338,^NAPID 224b+338,napos 149,"
+    "^NAPOS 2bc+4e,napprox 2249,^NAPPROX 2249,natur 266e,^NATUR 266e,natural 266e,^NATURAL 266e,naturals 2115,"
+    "^NATURALS 2115,nbsp? a0,^NBSP a0,nbump 224e+338,^NBUMP 224e+338,nbumpe 224f+338,^NBUMPE 224f+338,ncap 2a43,"
+    "^NCAP 2a43,ncaron 148,^NCARON 147,ncedil 146,^NCEDIL 145,ncong 2247,^NCONG 2247,ncongdot 2a6d+338,^NCONGDOT 2a6d+338,"
+    "ncup 2a42,^NCUP 2a42,ncy 43d,^NCY 41d,ndash 2013,^NDASH 2013,ne 2260,^NE 2260,neArr 21d7,nearhk 2924,^NEARHK 2924,"
+    "nearr 2197,^NEARR 2197,nearrow 2197,^NEARROW 2197,nedot 2250+338,^NEDOT 2250+338,nequiv 2262,^NEQUIV 2262,"
+    "nesear 2928,^NESEAR 2928,nesim 2242+338,^NESIM 2242+338,nexist 2204,^NEXIST 2204,nexists 2204,^NEXISTS 2204,"
+    "nfr 1d52b,^NFR 1d52b,ngE 2267+338,nge 2271,^NGE 2271,ngeq 2271,^NGEQ 2271,ngeqq 2267+338,^NGEQQ 2267+338,"
+    "ngeqslant 2a7e+338,^NGEQSLANT 2a7e+338,nges 2a7e+338,^NGES 2a7e+338,ngsim 2275,^NGSIM 2275,ngt 226f,^NGT 226f,"
+    "ngtr 226f,^NGTR 226f,nhArr 21ce,nharr 21ae,^NHARR 21ae,nhpar 2af2,^NHPAR 2af2,ni 220b,^NI 220b,nis 22fc,^NIS 22fc,"
+    "nisd 22fa,^NISD 22fa,niv 220b,^NIV 220b,njcy 45a,^NJCY 40a,nlArr 21cd,nlE 2266+338,nlarr 219a,^NLARR 219a,nldr 2025,"
+    "^NLDR 2025,nle 2270,^NLE 2270,nleftarrow 219a,^NLEFTARROW 219a,nleftrightarrow 21ae,^NLEFTRIGHTARROW 21ae,nleq 2270,"
+    "^NLEQ 2270,nleqq 2266+338,^NLEQQ 2266+338,nleqslant 2a7d+338,^NLEQSLANT 2a7d+338,nles 2a7d+338,^NLES 2a7d+338,"
+    "nless 226e,^NLESS 226e,nlsim 2274,^NLSIM 2274,nlt 226e,^NLT 226e,nltri 22ea,^NLTRI 22ea,nltrie 22ec,^NLTRIE 22ec,"
+    "nmid 2224,^NMID 2224,nopf 1d55f,^NOPF 1d55f,not? ac,^NOT ac,notin 2209,^NOTIN 2209,notinE 22f9+338,notindot 22f5+338,"
+    "^NOTINDOT 22f5+338,notinva 2209,^NOTINVA 2209,notinvb 22f7,^NOTINVB 22f7,notinvc 22f6,^NOTINVC 22f6,notni 220c,"
+    "^NOTNI 220c,notniva 220c,^NOTNIVA 220c,notnivb 22fe,^NOTNIVB 22fe,notnivc 22fd,^NOTNIVC 22fd,npar 2226,^NPAR 2226,"
+    "nparallel 2226,^NPARALLEL 2226,nparsl 2afd+20e5,^NPARSL 2afd+20e5,npart 2202+338,^NPART 2202+338,npolint 2a14,"
+    "^NPOLINT 2a14,npr 2280,^NPR 2280,nprcue 22e0,^NPRCUE 22e0,npre 2aaf+338,^NPRE 2aaf+338,nprec 2280,^NPREC 2280,"
+    "npreceq 2aaf+338,^NPRECEQ 2aaf+338,nrArr 21cf,nrarr 219b,^NRARR 219b,nrarrc 2933+338,^NRARRC 2933+338,"
+    "nrarrw 219d+338,^NRARRW 219d+338,nrightarrow 219b,^NRIGHTARROW 219b,nrtri 22eb,^NRTRI 22eb,nrtrie 22ed,^NRTRIE 22ed,"
+    "nsc 2281,^NSC 2281,nsccue 22e1,^NSCCUE 22e1,nsce 2ab0+338,^NSCE 2ab0+338,nscr 1d4c3,^NSCR 1d4c3,nshortmid 2224,"
+    "^NSHORTMID 2224,nshortparallel 2226,^NSHORTPARALLEL 2226,nsim 2241,^NSIM 2241,nsime 2244,^NSIME 2244,nsimeq 2244,"
+    "^NSIMEQ 2244,nsmid 2224,^NSMID 2224,nspar 2226,^NSPAR 2226,nsqsube 22e2,^NSQSUBE 22e2,nsqsupe 22e3,^NSQSUPE 22e3,"
+    "nsub 2284,^NSUB 2284,nsubE 2ac5+338,nsube 2288,^NSUBE 2288,nsubset 2282+20d2,^NSUBSET 2282+20d2,nsubseteq 2288,"
+    "^NSUBSETEQ 2288,nsubseteqq 2ac5+338,^NSUBSETEQQ 2ac5+338,nsucc 2281,^NSUCC 2281,nsucceq 2ab0+338,^NSUCCEQ 2ab0+338,"
+    "nsup 2285,^NSUP 2285,nsupE 2ac6+338,nsupe 2289,^NSUPE 2289,nsupset 2283+20d2,^NSUPSET 2283+20d2,nsupseteq 2289,"
+    "^NSUPSETEQ 2289,nsupseteqq 2ac6+338,^NSUPSETEQQ 2ac6+338,ntgl 2279,^NTGL 2279,ntilde? f1,^NTILDE d1,ntlg 2278,"
+    "^NTLG 2278,ntriangleleft 22ea,^NTRIANGLELEFT 22ea,ntrianglelefteq 22ec,^NTRIANGLELEFTEQ 22ec,ntriangleright 22eb,"
+    "^NTRIANGLERIGHT 22eb,ntrianglerighteq 22ed,^NTRIANGLERIGHTEQ 22ed,nu 3bd,^NU 39d,num 23,^NUM 23,numero 2116,"
+    "^NUMERO 2116,numsp 2007,^NUMSP 2007,nvDash 22ad,nvHarr 2904,nvap 224d+20d2,^NVAP 224d+20d2,nvdash 22ac,^NVDASH 22ac,"
+    "nvge 2265+20d2,^NVGE 2265+20d2,nvgt 3e+20d2,^NVGT 3e+20d2,nvinfin 29de,^NVINFIN 29de,nvlArr 2902,nvle 2264+20d2,"
+    "^NVLE 2264+20d2,nvlt 3c+20d2,^NVLT 3c+20d2,nvltrie 22b4+20d2,^NVLTRIE 22b4+20d2,nvrArr 2903,nvrtrie 22b5+20d2,"
+    "^NVRTRIE 22b5+20d2,nvsim 223c+20d2,^NVSIM 223c+20d2,nwArr 21d6,nwarhk 2923,^NWARHK 2923,nwarr 2196,^NWARR 2196,"
+    "nwarrow 2196,^NWARROW 2196,nwnear 2927,^NWNEAR 2927,oS 24c8,oacute? f3,^OACUTE d3,oast 229b,^OAST 229b,ocir 229a,"
+    "^OCIR 229a,ocirc? f4,^OCIRC d4,ocy 43e,^OCY 41e,odash 229d,^ODASH 229d,odblac 151,^ODBLAC 150,odiv 2a38,^ODIV 2a38,"
+    "odot 2299,^ODOT 2299,odsold 29bc,^ODSOLD 29bc,oelig 153,^OELIG 152,ofcir 29bf,^OFCIR 29bf,ofr 1d52c,^OFR 1d52c,"
+    "ogon 2db,^OGON 2db,ograve? f2,^OGRAVE d2,ogt 29c1,^OGT 29c1,ohbar 29b5,^OHBAR 29b5,ohm 3a9,^OHM 3a9,oint 222e,"
+    "^OINT 222e,olarr 21ba,^OLARR 21ba,olcir 29be,^OLCIR 29be,olcross 29bb,^OLCROSS 29bb,oline 203e,^OLINE 203e,olt 29c0,"
+    "^OLT 29c0,omacr 14d,^OMACR 14c,omega 3c9,^OMEGA 3a9,omicron 3bf,^OMICRON 39f,omid 29b6,^OMID 29b6,ominus 2296,"
+    "^OMINUS 2296,oopf 1d560,^OOPF 1d560,opar 29b7,^OPAR 29b7,operp 29b9,^OPERP 29b9,oplus 2295,^OPLUS 2295,or 2228,"
+    "^OR 2228,orarr 21bb,^ORARR 21bb,ord 2a5d,^ORD 2a5d,order 2134,^ORDER 2134,orderof 2134,^ORDEROF 2134,ordf? aa,"
+    "^ORDF aa,ordm? ba,^ORDM ba,origof 22b6,^ORIGOF 22b6,oror 2a56,^OROR 2a56,orslope 2a57,^ORSLOPE 2a57,orv 2a5b,"
+    "^ORV 2a5b,oscr 2134,^OSCR 2134,oslash? f8,^OSLASH d8,osol 2298,^OSOL 2298,otilde? f5,^OTILDE d5,otimes 2297,"
+    "^OTIMES 2297,otimesas 2a36,^OTIMESAS 2a36,ouml? f6,^OUML d6,ovbar 233d,^OVBAR 233d,par 2225,^PAR 2225,para? b6,"
+    "^PARA b6,parallel 2225,^PARALLEL 2225,parsim 2af3,^PARSIM 2af3,parsl 2afd,^PARSL 2afd,part 2202,^PART 2202,pcy 43f,"
+    "^PCY 41f,percnt 25,^PERCNT 25,period 2e,^PERIOD 2e,permil 2030,^PERMIL 2030,perp 22a5,^PERP 22a5,pertenk 2031,"
+    "^PERTENK 2031,pfr 1d52d,^PFR 1d52d,phi 3c6,^PHI 3a6,phiv 3d5,^PHIV 3a6,phmmat 2133,^PHMMAT 2133,phone 260e,"
+    "^PHONE 260e,pi 3c0,^PI 3a0,pitchfork 22d4,^PITCHFORK 22d4,piv 3d6,^PIV 3a0,planck 210f,^PLANCK 210f,planckh 210e,"
+    "^PLANCKH 210e,plankv 210f,^PLANKV 210f,plus 2b,^PLUS 2b,plusacir 2a23,^PLUSACIR 2a23,plusb 229e,^PLUSB 229e,"
+    "pluscir 2a22,^PLUSCIR 2a22,plusdo 2214,^PLUSDO 2214,plusdu 2a25,^PLUSDU 2a25,pluse 2a72,^PLUSE 2a72,plusmn? b1,"
+    "^PLUSMN b1,plussim 2a26,^PLUSSIM 2a26,plustwo 2a27,^PLUSTWO 2a27,pm b1,^PM b1,pointint 2a15,^POINTINT 2a15,"
+    "popf 1d561,^POPF 1d561,pound? a3,^POUND a3,pr 227a,^PR 227a,prE 2ab3,prap 2ab7,^PRAP 2ab7,prcue 227c,^PRCUE 227c,"
+    "pre 2aaf,^PRE 2aaf,prec 227a,^PREC 227a,precapprox 2ab7,^PRECAPPROX 2ab7,preccurlyeq 227c,^PRECCURLYEQ 227c,"
+    "preceq 2aaf,^PRECEQ 2aaf,precnapprox 2ab9,^PRECNAPPROX 2ab9,precneqq 2ab5,^PRECNEQQ 2ab5,precnsim 22e8,"
+    "^PRECNSIM 22e8,precsim 227e,^PRECSIM 227e,prime 2032,^PRIME 2032,primes 2119,^PRIMES 2119,prnE 2ab5,prnap 2ab9,"
+    "^PRNAP 2ab9,prnsim 22e8,^PRNSIM 22e8,prod 220f,^PROD 220f,profalar 232e,^PROFALAR 232e,profline 2312,^PROFLINE 2312,"
+    "profsurf 2313,^PROFSURF 2313,prop 221d,^PROP 221d,propto 221d,^PROPTO 221d,prsim 227e,^PRSIM 227e,prurel 22b0,"
+    "^PRUREL 22b0,pscr 1d4c5,^PSCR 1d4c5,psi 3c8,^PSI 3a8,puncsp 2008,^PUNCSP 2008,qfr 1d52e,^QFR 1d52e,qint 2a0c,"
+    "^QINT 2a0c,qopf 1d562,^QOPF 1d562,qprime 2057,^QPRIME 2057,qscr 1d4c6,^QSCR 1d4c6,quaternions 210d,^QUATERNIONS 210d,"
+    "quatint 2a16,^QUATINT 2a16,quest 3f,^QUEST 3f,questeq 225f,^QUESTEQ 225f,quot? 22,rAarr 21db,rArr 21d2,rAtail 291c,"
+    "rBarr 290f,rHar 2964,race 223d+331,^RACE 223d+331,racute 155,^RACUTE 154,radic 221a,^RADIC 221a,raemptyv 29b3,"
+    "^RAEMPTYV 29b3,rang 27e9,^RANG 27e9,rangd 2992,^RANGD 2992,range 29a5,^RANGE 29a5,rangle 27e9,^RANGLE 27e9,raquo? bb,"
+    "^RAQUO bb,rarr 2192,^RARR 2192,rarrap 2975,^RARRAP 2975,rarrb 21e5,^RARRB 21e5,rarrbfs 2920,^RARRBFS 2920,rarrc 2933,"
+    "^RARRC 2933,rarrfs 291e,^RARRFS 291e,rarrhk 21aa,^RARRHK 21aa,rarrlp 21ac,^RARRLP 21ac,rarrpl 2945,^RARRPL 2945,"
+    "rarrsim 2974,^RARRSIM 2974,rarrtl 21a3,^RARRTL 21a3,rarrw 219d,^RARRW 219d,ratail 291a,^RATAIL 291a,ratio 2236,"
+    "^RATIO 2236,rationals 211a,^RATIONALS 211a,rbarr 290d,^RBARR 290d,rbbrk 2773,^RBBRK 2773,rbrace 7d,^RBRACE 7d,"
+    "rbrack 5d,^RBRACK 5d,rbrke 298c,^RBRKE 298c,rbrksld 298e,^RBRKSLD 298e,rbrkslu 2990,^RBRKSLU 2990,rcaron 159,"
+    "^RCARON 158,rcedil 157,^RCEDIL 156,rceil 2309,^RCEIL 2309,rcub 7d,^RCUB 7d,rcy 440,^RCY 420,rdca 2937,^RDCA 2937,"
+    "rdldhar 2969,^RDLDHAR 2969,rdquo 201d,^RDQUO 201d,rdquor 201d,^RDQUOR 201d,rdsh 21b3,^RDSH 21b3,real 211c,^REAL 211c,"
+    "realine 211b,^REALINE 211b,realpart 211c,^REALPART 211c,reals 211d,^REALS 211d,rect 25ad,^RECT 25ad,reg? ae,"
+    "rfisht 297d,^RFISHT 297d,rfloor 230b,^RFLOOR 230b,rfr 1d52f,^RFR 1d52f,rhard 21c1,^RHARD 21c1,rharu 21c0,^RHARU 21c0,"
+    "rharul 296c,^RHARUL 296c,rho 3c1,^RHO 3a1,rhov 3f1,^RHOV 3a1,rightarrow 2192,^RIGHTARROW 2192,rightarrowtail 21a3,"
+    "^RIGHTARROWTAIL 21a3,rightharpoondown 21c1,^RIGHTHARPOONDOWN 21c1,rightharpoonup 21c0,^RIGHTHARPOONUP 21c0,"
+    "rightleftarrows 21c4,^RIGHTLEFTARROWS 21c4,rightleftharpoons 21cc,^RIGHTLEFTHARPOONS 21cc,rightrightarrows 21c9,"
+    "^RIGHTRIGHTARROWS 21c9,rightsquigarrow 219d,^RIGHTSQUIGARROW 219d,rightthreetimes 22cc,^RIGHTTHREETIMES 22cc,"
+    "ring 2da,^RING 2da,risingdotseq 2253,^RISINGDOTSEQ 2253,rlarr 21c4,^RLARR 21c4,rlhar 21cc,^RLHAR 21cc,rlm 200f,"
+    "^RLM 200f,rmoust 23b1,^RMOUST 23b1,rmoustache 23b1,^RMOUSTACHE 23b1,rnmid 2aee,^RNMID 2aee,roang 27ed,^ROANG 27ed,"
+    "roarr 21fe,^ROARR 21fe,robrk 27e7,^ROBRK 27e7,ropar 2986,^ROPAR 2986,ropf 1d563,^ROPF 1d563,roplus 2a2e,^ROPLUS 2a2e,"
+    "rotimes 2a35,^ROTIMES 2a35,rpar 29,^RPAR 29,rpargt 2994,^RPARGT 2994,rppolint 2a12,^RPPOLINT 2a12,rrarr 21c9,"
+    "^RRARR 21c9,rsaquo 203a,^RSAQUO 203a,rscr 1d4c7,^RSCR 1d4c7,rsh 21b1,^RSH 21b1,rsqb 5d,^RSQB 5d,rsquo 2019,"
+    "^RSQUO 2019,rsquor 2019,^RSQUOR 2019,rthree 22cc,^RTHREE 22cc,rtimes 22ca,^RTIMES 22ca,rtri 25b9,^RTRI 25b9,"
+    "rtrie 22b5,^RTRIE 22b5,rtrif 25b8,^RTRIF 25b8,rtriltri 29ce,^RTRILTRI 29ce,ruluhar 2968,^RULUHAR 2968,rx 211e,"
+    "^RX 211e,sacute 15b,^SACUTE 15a,sbquo 201a,^SBQUO 201a,sc 227b,^SC 227b,scE 2ab4,scap 2ab8,^SCAP 2ab8,scaron 161,"
+    "^SCARON 160,sccue 227d,^SCCUE 227d,sce 2ab0,^SCE 2ab0,scedil 15f,^SCEDIL 15e,scirc 15d,^SCIRC 15c,scnE 2ab6,"
+    "scnap 2aba,^SCNAP 2aba,scnsim 22e9,^SCNSIM 22e9,scpolint 2a13,^SCPOLINT 2a13,scsim 227f,^SCSIM 227f,scy 441,^SCY 421,"
+    "sdot 22c5,^SDOT 22c5,sdotb 22a1,^SDOTB 22a1,sdote 2a66,^SDOTE 2a66,seArr 21d8,searhk 2925,^SEARHK 2925,searr 2198,"
+    "^SEARR 2198,searrow 2198,^SEARROW 2198,sect? a7,^SECT a7,semi 3b,^SEMI 3b,seswar 2929,^SESWAR 2929,setminus 2216,"
+    "^SETMINUS 2216,setmn 2216,^SETMN 2216,sext 2736,^SEXT 2736,sfr 1d530,^SFR 1d530,sfrown 2322,^SFROWN 2322,sharp 266f,"
+    "^SHARP 266f,shchcy 449,^SHCHCY 429,shcy 448,^SHCY 428,shortmid 2223,^SHORTMID 2223,shortparallel 2225,"
+    "^SHORTPARALLEL 2225,shy? ad,^SHY ad,sigma 3c3,^SIGMA 3a3,sigmaf 3c2,^SIGMAF 3a3,sigmav 3c2,^SIGMAV 3a3,sim 223c,"
+    "^SIM 223c,simdot 2a6a,^SIMDOT 2a6a,sime 2243,^SIME 2243,simeq 2243,^SIMEQ 2243,simg 2a9e,^SIMG 2a9e,simgE 2aa0,"
+    "siml 2a9d,^SIML 2a9d,simlE 2a9f,simne 2246,^SIMNE 2246,simplus 2a24,^SIMPLUS 2a24,simrarr 2972,^SIMRARR 2972,"
+    "slarr 2190,^SLARR 2190,smallsetminus 2216,^SMALLSETMINUS 2216,smashp 2a33,^SMASHP 2a33,smeparsl 29e4,^SMEPARSL 29e4,"
+    "smid 2223,^SMID 2223,smile 2323,^SMILE 2323,smt 2aaa,^SMT 2aaa,smte 2aac,^SMTE 2aac,smtes 2aac+fe00,^SMTES 2aac+fe00,"
+    "softcy 44c,^SOFTCY 42c,sol 2f,^SOL 2f,solb 29c4,^SOLB 29c4,solbar 233f,^SOLBAR 233f,sopf 1d564,^SOPF 1d564,"
+    "spades 2660,^SPADES 2660,spadesuit 2660,^SPADESUIT 2660,spar 2225,^SPAR 2225,sqcap 2293,^SQCAP 2293,sqcaps 2293+fe00,"
+    "^SQCAPS 2293+fe00,sqcup 2294,^SQCUP 2294,sqcups 2294+fe00,^SQCUPS 2294+fe00,sqsub 228f,^SQSUB 228f,sqsube 2291,"
+    "^SQSUBE 2291,sqsubset 228f,^SQSUBSET 228f,sqsubseteq 2291,^SQSUBSETEQ 2291,sqsup 2290,^SQSUP 2290,sqsupe 2292,"
+    "^SQSUPE 2292,sqsupset 2290,^SQSUPSET 2290,sqsupseteq 2292,^SQSUPSETEQ 2292,squ 25a1,^SQU 25a1,square 25a1,"
+    "^SQUARE 25a1,squarf 25aa,^SQUARF 25aa,squf 25aa,^SQUF 25aa,srarr 2192,^SRARR 2192,sscr 1d4c8,^SSCR 1d4c8,ssetmn 2216,"
+    "^SSETMN 2216,ssmile 2323,^SSMILE 2323,sstarf 22c6,^SSTARF 22c6,star 2606,^STAR 2606,starf 2605,^STARF 2605,"
+    "straightepsilon 3f5,^STRAIGHTEPSILON 395,straightphi 3d5,^STRAIGHTPHI 3a6,strns af,^STRNS af,sub 2282,^SUB 2282,"
+    "subE 2ac5,subdot 2abd,^SUBDOT 2abd,sube 2286,^SUBE 2286,subedot 2ac3,^SUBEDOT 2ac3,submult 2ac1,^SUBMULT 2ac1,"
+    "subnE 2acb,subne 228a,^SUBNE 228a,subplus 2abf,^SUBPLUS 2abf,subrarr 2979,^SUBRARR 2979,subset 2282,^SUBSET 2282,"
+    "subseteq 2286,^SUBSETEQ 2286,subseteqq 2ac5,^SUBSETEQQ 2ac5,subsetneq 228a,^SUBSETNEQ 228a,subsetneqq 2acb,"
+    "^SUBSETNEQQ 2acb,subsim 2ac7,^SUBSIM 2ac7,subsub 2ad5,^SUBSUB 2ad5,subsup 2ad3,^SUBSUP 2ad3,succ 227b,^SUCC 227b,"
+    "succapprox 2ab8,^SUCCAPPROX 2ab8,succcurlyeq 227d,^SUCCCURLYEQ 227d,succeq 2ab0,^SUCCEQ 2ab0,succnapprox 2aba,"
+    "^SUCCNAPPROX 2aba,succneqq 2ab6,^SUCCNEQQ 2ab6,succnsim 22e9,^SUCCNSIM 22e9,succsim 227f,^SUCCSIM 227f,sum 2211,"
+    "^SUM 2211,sung 266a,^SUNG 266a,sup1? b9,^SUP1 b9,sup2? b2,^SUP2 b2,sup3? b3,^SUP3 b3,sup 2283,^SUP 2283,supE 2ac6,"
+    "supdot 2abe,^SUPDOT 2abe,supdsub 2ad8,^SUPDSUB 2ad8,supe 2287,^SUPE 2287,supedot 2ac4,^SUPEDOT 2ac4,suphsol 27c9,"
+    "^SUPHSOL 27c9,suphsub 2ad7,^SUPHSUB 2ad7,suplarr 297b,^SUPLARR 297b,supmult 2ac2,^SUPMULT 2ac2,supnE 2acc,supne 228b,"
+    "^SUPNE 228b,supplus 2ac0,^SUPPLUS 2ac0,supset 2283,^SUPSET 2283,supseteq 2287,^SUPSETEQ 2287,supseteqq 2ac6,"
+    "^SUPSETEQQ 2ac6,supsetneq 228b,^SUPSETNEQ 228b,supsetneqq 2acc,^SUPSETNEQQ 2acc,supsim 2ac8,^SUPSIM 2ac8,supsub 2ad4,"
+    "^SUPSUB 2ad4,supsup 2ad6,^SUPSUP 2ad6,swArr 21d9,swarhk 2926,^SWARHK 2926,swarr 2199,^SWARR 2199,swarrow 2199,"
+    "^SWARROW 2199,swnwar 292a,^SWNWAR 292a,szlig? df,^SZLIG 53+53,target 2316,^TARGET 2316,tau 3c4,^TAU 3a4,tbrk 23b4,"
+    "^TBRK 23b4,tcaron 165,^TCARON 164,tcedil 163,^TCEDIL 162,tcy 442,^TCY 422,tdot 20db,^TDOT 20db,telrec 2315,"
+    "^TELREC 2315,tfr 1d531,^TFR 1d531,there4 2234,^THERE4 2234,therefore 2234,^THEREFORE 2234,theta 3b8,^THETA 398,"
+    "thetasym 3d1,^THETASYM 398,thetav 3d1,^THETAV 398,thickapprox 2248,^THICKAPPROX 2248,thicksim 223c,^THICKSIM 223c,"
+    "thinsp 2009,^THINSP 2009,thkap 2248,^THKAP 2248,thksim 223c,^THKSIM 223c,thorn? fe,tilde 2dc,^TILDE 2dc,times? d7,"
+    "^TIMES d7,timesb 22a0,^TIMESB 22a0,timesbar 2a31,^TIMESBAR 2a31,timesd 2a30,^TIMESD 2a30,tint 222d,^TINT 222d,"
+    "toea 2928,^TOEA 2928,top 22a4,^TOP 22a4,topbot 2336,^TOPBOT 2336,topcir 2af1,^TOPCIR 2af1,topf 1d565,^TOPF 1d565,"
+    "topfork 2ada,^TOPFORK 2ada,tosa 2929,^TOSA 2929,tprime 2034,^TPRIME 2034,trade 2122,triangle 25b5,^TRIANGLE 25b5,"
+    "triangledown 25bf,^TRIANGLEDOWN 25bf,triangleleft 25c3,^TRIANGLELEFT 25c3,trianglelefteq 22b4,^TRIANGLELEFTEQ 22b4,"
+    "triangleq 225c,^TRIANGLEQ 225c,triangleright 25b9,^TRIANGLERIGHT 25b9,trianglerighteq 22b5,^TRIANGLERIGHTEQ 22b5,"
+    "tridot 25ec,^TRIDOT 25ec,trie 225c,^TRIE 225c,triminus 2a3a,^TRIMINUS 2a3a,triplus 2a39,^TRIPLUS 2a39,trisb 29cd,"
+    "^TRISB 29cd,tritime 2a3b,^TRITIME 2a3b,trpezium 23e2,^TRPEZIUM 23e2,tscr 1d4c9,^TSCR 1d4c9,tscy 446,^TSCY 426,"
+    "tshcy 45b,^TSHCY 40b,tstrok 167,^TSTROK 166,twixt 226c,^TWIXT 226c,twoheadleftarrow 219e,^TWOHEADLEFTARROW 219e,"
+    "twoheadrightarrow 21a0,^TWOHEADRIGHTARROW 21a0,uArr 21d1,uHar 2963,uacute? fa,^UACUTE da,uarr 2191,^UARR 2191,"
+    "ubrcy 45e,^UBRCY 40e,ubreve 16d,^UBREVE 16c,ucirc? fb,^UCIRC db,ucy 443,^UCY 423,udarr 21c5,^UDARR 21c5,udblac 171,"
+    "^UDBLAC 170,udhar 296e,^UDHAR 296e,ufisht 297e,^UFISHT 297e,ufr 1d532,^UFR 1d532,ugrave? f9,^UGRAVE d9,uharl 21bf,"
+    "^UHARL 21bf,uharr 21be,^UHARR 21be,uhblk 2580,^UHBLK 2580,ulcorn 231c,^ULCORN 231c,ulcorner 231c,^ULCORNER 231c,"
+    "ulcrop 230f,^ULCROP 230f,ultri 25f8,^ULTRI 25f8,umacr 16b,^UMACR 16a,uml? a8,^UML a8,uogon 173,^UOGON 172,uopf 1d566,"
+    "^UOPF 1d566,uparrow 2191,^UPARROW 2191,updownarrow 2195,^UPDOWNARROW 2195,upharpoonleft 21bf,^UPHARPOONLEFT 21bf,"
+    "upharpoonright 21be,^UPHARPOONRIGHT 21be,uplus 228e,^UPLUS 228e,upsi 3c5,^UPSI 3a5,upsih 3d2,^UPSIH 3d2,upsilon 3c5,"
+    "^UPSILON 3a5,upuparrows 21c8,^UPUPARROWS 21c8,urcorn 231d,^URCORN 231d,urcorner 231d,^URCORNER 231d,urcrop 230e,"
+    "^URCROP 230e,uring 16f,^URING 16e,urtri 25f9,^URTRI 25f9,uscr 1d4ca,^USCR 1d4ca,utdot 22f0,^UTDOT 22f0,utilde 169,"
+    "^UTILDE 168,utri 25b5,^UTRI 25b5,utrif 25b4,^UTRIF 25b4,uuarr 21c8,^UUARR 21c8,uuml? fc,^UUML dc,uwangle 29a7,"
+    "^UWANGLE 29a7,vArr 21d5,vBar 2ae8,vBarv 2ae9,vDash 22a8,vangrt 299c,^VANGRT 299c,varepsilon 3f5,^VAREPSILON 395,"
+    "varkappa 3f0,^VARKAPPA 39a,varnothing 2205,^VARNOTHING 2205,varphi 3d5,^VARPHI 3a6,varpi 3d6,^VARPI 3a0,"
+    "varpropto 221d,^VARPROPTO 221d,varr 2195,^VARR 2195,varrho 3f1,^VARRHO 3a1,varsigma 3c2,^VARSIGMA 3a3,"
+    "varsubsetneq 228a+fe00,^VARSUBSETNEQ 228a+fe00,varsubsetneqq 2acb+fe00,^VARSUBSETNEQQ 2acb+fe00,"
+    "varsupsetneq 228b+fe00,^VARSUPSETNEQ 228b+fe00,varsupsetneqq 2acc+fe00,^VARSUPSETNEQQ 2acc+fe00,vartheta 3d1,"
+    "^VARTHETA 398,vartriangleleft 22b2,^VARTRIANGLELEFT 22b2,vartriangleright 22b3,^VARTRIANGLERIGHT 22b3,vcy 432,"
+    "^VCY 412,vdash 22a2,^VDASH 22a2,vee 2228,^VEE 2228,veebar 22bb,^VEEBAR 22bb,veeeq 225a,^VEEEQ 225a,vellip 22ee,"
+    "^VELLIP 22ee,verbar 7c,^VERBAR 7c,vert 7c,^VERT 7c,vfr 1d533,^VFR 1d533,vltri 22b2,^VLTRI 22b2,vnsub 2282+20d2,"
+    "^VNSUB 2282+20d2,vnsup 2283+20d2,^VNSUP 2283+20d2,vopf 1d567,^VOPF 1d567,vprop 221d,^VPROP 221d,vrtri 22b3,"
+    "^VRTRI 22b3,vscr 1d4cb,^VSCR 1d4cb,vsubnE 2acb+fe00,vsubne 228a+fe00,^VSUBNE 228a+fe00,vsupnE 2acc+fe00,"
+    "vsupne 228b+fe00,^VSUPNE 228b+fe00,vzigzag 299a,^VZIGZAG 299a,wcirc 175,^WCIRC 174,wedbar 2a5f,^WEDBAR 2a5f,"
+    "wedge 2227,^WEDGE 2227,wedgeq 2259,^WEDGEQ 2259,weierp 2118,^WEIERP 2118,wfr 1d534,^WFR 1d534,wopf 1d568,^WOPF 1d568,"
+    "wp 2118,^WP 2118,wr 2240,^WR 2240,wreath 2240,^WREATH 2240,wscr 1d4cc,^WSCR 1d4cc,xcap 22c2,^XCAP 22c2,xcirc 25ef,"
+    "^XCIRC 25ef,xcup 22c3,^XCUP 22c3,xdtri 25bd,^XDTRI 25bd,xfr 1d535,^XFR 1d535,xhArr 27fa,xharr 27f7,^XHARR 27f7,"
+    "xi 3be,^XI 39e,xlArr 27f8,xlarr 27f5,^XLARR 27f5,xmap 27fc,^XMAP 27fc,xnis 22fb,^XNIS 22fb,xodot 2a00,^XODOT 2a00,"
+    "xopf 1d569,^XOPF 1d569,xoplus 2a01,^XOPLUS 2a01,xotime 2a02,^XOTIME 2a02,xrArr 27f9,xrarr 27f6,^XRARR 27f6,"
+    "xscr 1d4cd,^XSCR 1d4cd,xsqcup 2a06,^XSQCUP 2a06,xuplus 2a04,^XUPLUS 2a04,xutri 25b3,^XUTRI 25b3,xvee 22c1,^XVEE 22c1,"
+    "xwedge 22c0,^XWEDGE 22c0,yacute? fd,^YACUTE dd,yacy 44f,^YACY 42f,ycirc 177,^YCIRC 176,ycy 44b,^YCY 42b,yen? a5,"
+    "^YEN a5,yfr 1d536,^YFR 1d536,yicy 457,^YICY 407,yopf 1d56a,^YOPF 1d56a,yscr 1d4ce,^YSCR 1d4ce,yucy 44e,^YUCY 42e,"
+    "yuml? ff,^YUML 178,zacute 17a,^ZACUTE 179,zcaron 17e,^ZCARON 17d,zcy 437,^ZCY 417,zdot 17c,^ZDOT 17b,zeetrf 2128,"
+    "^ZEETRF 2128,zeta 3b6,^ZETA 396,zfr 1d537,^ZFR 1d537,zhcy 436,^ZHCY 416,zigrarr 21dd,^ZIGRARR 21dd,zopf 1d56b,"
+    "^ZOPF 1d56b,zscr 1d4cf,^ZSCR 1d4cf,zwj 200d,^ZWJ 200d,zwnj 200c,^ZWNJ 200c,";
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+// clang-format on
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// What Windows-1252 shows for the bytes 0x80 ... 0x9F; five of them are undefined and stay.
+constexpr char32_t from_windows_1252(char32_t c) {
+  constexpr char16_t shown[] = {0x20AC, 0x81,   0x201A, 0x192,  0x201E, 0x2026, 0x2020, 0x2021, 0x2C6,  0x2030, 0x160,
+                                0x2039, 0x152,  0x8D,   0x17D,  0x8F,   0x90,   0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
+                                0x2013, 0x2014, 0x2DC,  0x2122, 0x161,  0x203A, 0x153,  0x9D,   0x17E,  0x178};
+  return c >= 0x80 && c < 0xA0 ? shown[c - 0x80] : c;
+}
+
+struct HtmlEntity {
+  std::string text;             // UTF-8
+  bool bare = false;            // its semicolon may be missing
+  bool only_in_repair = false;  // a name in capitals that HTML does not know
+};
+
+inline const std::unordered_map<std::string_view, HtmlEntity>& html_entity_table() {
+  static const auto table = [] {
+    std::unordered_map<std::string_view, HtmlEntity> out;
+    for (std::string_view rest = html_entities; !rest.empty();) {
+      std::string_view name = rest.substr(0, rest.find(' '));
+      std::string_view points = rest.substr(name.size() + 1, rest.find(',') - name.size() - 1);
+      rest.remove_prefix(rest.find(',') + 1);
+      HtmlEntity e;
+      e.bare = name.ends_with('?'), e.only_in_repair = name.starts_with('^');
+      name = name.substr(e.only_in_repair, name.size() - e.bare - e.only_in_repair);
+      char32_t c = 0;
+      for (const char digit : points) {
+        if (digit == '+')
+          append_utf8(e.text, std::exchange(c, 0));
+        else
+          c = c * 16 + static_cast<char32_t>(digit <= '9' ? digit - '0' : digit - 'a' + 10);
+      }
+      append_utf8(e.text, c);
+      out.emplace(name, std::move(e));
+    }
+    return out;
+  }();
+  return table;
+}
+
+/// A numeric character reference at text[at] == '&': its text, and the place behind it. None if there is no digit.
+struct Reference {
+  std::string text;
+  std::size_t end = 0;
+};
+inline std::optional<Reference> numeric_reference(std::string_view text, std::size_t at) {
+  if (at + 2 >= text.size() || text[at + 1] != '#') return std::nullopt;
+  const bool hexadecimal = (text[at + 2] | 0x20) == 'x';
+  const std::size_t first = at + (hexadecimal ? 3 : 2);
+  std::size_t end = first;
+  char32_t c = 0;
+  for (; end < text.size(); ++end) {
+    const char lower = static_cast<char>(text[end] | 0x20), plain = text[end];
+    const bool digit = plain >= '0' && plain <= '9';
+    if (!digit && !(hexadecimal && lower >= 'a' && lower <= 'f')) break;
+    c = c * (hexadecimal ? 16 : 10) + static_cast<char32_t>(digit ? plain - '0' : lower - 'a' + 10);
+    c = std::min<char32_t>(c, 0x110000);
+  }
+  if (end == first) return std::nullopt;
+  Reference out{{}, end + (end < text.size() && text[end] == ';')};
+  c = from_windows_1252(c);
+  const bool refused = (c >= 1 && c <= 8) || c == 0xB || (c >= 0xE && c <= 0x1F) || c == 0x7F ||
+                       (c >= 0xFDD0 && c <= 0xFDEF) || (c & 0xFFFE) == 0xFFFE;
+  if (c == 0 || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF)
+    append_utf8(out.text, 0xFFFD);
+  else if (!refused)
+    append_utf8(out.text, c);
+  return out;
+}
+
+constexpr bool is_ascii_alphanumeric(char c) {
+  return (c >= '0' && c <= '9') || ((c | 0x20) >= 'a' && (c | 0x20) <= 'z');
+}
+
+/// Replaces what `reference(text, at)` reads at every '&'.
+template <class F>
+std::string replace_references(std::string_view text, F reference) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t next = std::min(text.find('&', at), text.size());
+    out += text.substr(at, next - at);
+    at = next;
+    if (at == text.size()) break;
+    if (const std::optional<Reference> r = reference(text, at)) {
+      out += r->text;
+      at = r->end;
+    } else {
+      out += text[at++];
+    }
+  }
+  return out;
+}
+
+/// The stricter reading of entities in the repair: they end in ';', and a numeric one is nothing but digits.
+inline std::string unescape_closed_references(std::string_view text) {
+  return replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<Reference> {
+    const bool numeric = t.substr(at + 1).starts_with('#');
+    const std::size_t first = at + 1 + numeric;
+    std::size_t end = first;
+    while (end < t.size() && is_ascii_alphanumeric(t[end])) ++end;
+    if (end == first || end - first > 24 || end == t.size() || t[end] != ';') return std::nullopt;
+    if (numeric) {
+      auto r = numeric_reference(t, at);
+      return r && r->end == end + 1 && r->text != ";" ? r : std::nullopt;
+    }
+    const auto found = html_entity_table().find(t.substr(first, end - first));
+    return found == html_entity_table().end() ? std::nullopt : std::optional(Reference{found->second.text, end + 1});
+  });
+}
+
+/// Letters of ligatures and digraphs; empty for any other character.
+constexpr std::u32string_view ligature_letters(char32_t c) {
+  switch (c) {
+    case 0x132:
+      return U"IJ";
+    case 0x133:
+      return U"ij";
+    case 0x149:
+      return U"\u02BCn";
+    case 0x1C4:
+      return U"D\u017D";
+    case 0x1C5:
+      return U"D\u017E";
+    case 0x1C6:
+      return U"d\u017E";
+    case 0x1C7:
+      return U"LJ";
+    case 0x1C8:
+      return U"Lj";
+    case 0x1C9:
+      return U"lj";
+    case 0x1CA:
+      return U"NJ";
+    case 0x1CB:
+      return U"Nj";
+    case 0x1CC:
+      return U"nj";
+    case 0x1F1:
+      return U"DZ";
+    case 0x1F2:
+      return U"Dz";
+    case 0x1F3:
+      return U"dz";
+    case 0xFB00:
+      return U"ff";
+    case 0xFB01:
+      return U"fi";
+    case 0xFB02:
+      return U"fl";
+    case 0xFB03:
+      return U"ffi";
+    case 0xFB04:
+      return U"ffl";
+    case 0xFB05:
+      return U"\u017Ft";
+    case 0xFB06:
+      return U"st";
+    default:
+      return {};
+  }
+}
+
+/// NFKC of U+3000 and U+FF01 ... U+FFEF; U+FFE3 becomes two characters, of which this is the second.
+constexpr char32_t narrow_form(char32_t c) {
+  if (c == 0x3000) return U' ';
+  if (c >= 0xFF01 && c <= 0xFF5E) return c - 0xFEE0;
+  if (c == 0xFFE3) return 0x304;
+  return c >= 0xFF5F && c <= 0xFFEF ? narrow_forms[c - 0xFF5F] : c;
+}
+
+constexpr char32_t straight_quote(char32_t c) {
+  if (c == 0x2BC || (c >= 0x2018 && c <= 0x201B)) return U'\'';
+  return c >= 0x201C && c <= 0x201F ? U'"' : c;
+}
+
+constexpr bool is_removed_control(char32_t c) {
+  return c <= 8 || c == 0xB || (c >= 0xE && c <= 0x1F) || c == 0x7F || (c >= 0x206A && c <= 0x206F) || c == 0xFEFF ||
+         (c >= 0xFFF9 && c <= 0xFFFC);
+}
+
+/// The place behind a terminal escape (ESC [ digits and semicolons, a letter) at text[at], `at` if there is none.
+inline std::size_t escape_end(std::u32string_view text, std::size_t at) {
+  if (text[at] != 0x1B || at + 1 >= text.size() || text[at + 1] != U'[') return at;
+  std::size_t end = at + 2;
+  while (end < text.size() && ((text[end] >= U'0' && text[end] <= U'9') || text[end] == U';')) ++end;
+  const bool letter = end < text.size() && text[end] < 0x80 && (char_class(text[end]) & CharClass::letter) != 0;
+  return letter ? end + 1 : at;
+}
+
+/// Steps 3 to 11 of spec 9.1, once.
+inline std::u32string repaired_once(std::u32string_view text) {
+  std::u32string plain;
+  for (const char32_t c : text) {
+    if (const auto letters = ligature_letters(c); !letters.empty()) {
+      for (const char32_t l : letters) plain += straight_quote(l);
+      continue;
+    }
+    if (c == 0xFFE3) plain += U' ';
+    plain += straight_quote(narrow_form(from_windows_1252(c)));
+  }
+  std::u32string out;
+  for (std::size_t at = 0; at < plain.size();) {
+    if (const std::size_t end = escape_end(plain, at); end > at) {
+      at = end;
+      continue;
+    }
+    const char32_t c = plain[at++];
+    if (c == U'\r' && at < plain.size() && plain[at] == U'\n') continue;
+    if (c == U'\r' || c == 0x2028 || c == 0x2029 || c == 0x85)
+      out += U'\n';
+    else if (!is_removed_control(c))
+      out += c;
+  }
+  return nfc(out);
+}
+
+}  // namespace detail
+
+/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest name first.
+inline std::string html_unescape(std::string_view text) {
+  return detail::replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<detail::Reference> {
+    if (auto numeric = detail::numeric_reference(t, at)) return numeric;
+    const std::size_t first = at + 1;
+    std::size_t end = first;
+    while (end < t.size() && end - first < 32 && detail::is_ascii_alphanumeric(t[end])) ++end;
+    const bool closed = end < t.size() && t[end] == ';';
+    const auto& table = detail::html_entity_table();
+    for (std::size_t length = end - first; length > 1; --length) {
+      const auto found = table.find(t.substr(first, length));
+      if (found == table.end() || found->second.only_in_repair) continue;
+      const bool with_semicolon = closed && first + length == end;
+      if (with_semicolon || found->second.bare)
+        return detail::Reference{found->second.text, first + length + with_semicolon};
+    }
+    return std::nullopt;
+  });
+}
+
+/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control characters,
+/// NFC. Bytes that are not UTF-8 become U+FFFD.
+inline std::string repair_text(std::string_view text) {
+  const auto plain = [](char c) { return (c >= ' ' && c <= '~' && c != '&') || c == '\n' || c == '\t'; };
+  if (std::all_of(text.begin(), text.end(), plain)) return std::string(text);
+  std::string out;
+  bool markup = false;
+  while (!text.empty()) {
+    const std::size_t size = std::min(text.find('\n'), text.size() - 1) + 1;
+    std::string line = to_utf8(to_utf32(text.substr(0, size)));
+    text.remove_prefix(size);
+    markup = markup || line.find('<') != line.npos;
+    for (int round = 0; round < 100; ++round) {
+      std::string next =
+          to_utf8(detail::repaired_once(to_utf32(markup ? line : detail::unescape_closed_references(line))));
+      if (next == line) break;
+      line = std::move(next);
+    }
+    out += line;
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What happens to a text before its words are looked for.
+enum class ClipCleaning {
+  original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
+  hugging_face  // NFC, white space, lower case without context; spec 9.2
+};
+
+struct ClipTokenizerOptions {
+  ClipCleaning cleaning = ClipCleaning::original;
+  Index longest = 77;                // ids of a text with its frame; MDM takes 22 for HumanML3D and KIT-ML
+  bool truncate = true;              // a longer text is cut, else refused
+  std::size_t cached_words = 16384;  // words whose ids are remembered
+  std::string begin = "<|startoftext|>", end = "<|endoftext|>", unknown = "<|endoftext|>", word_end = "</w>";
+};
+
+using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
+
+namespace detail {
+
+/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their order.
+struct ByteSymbols {
+  std::array<std::string, 256> symbol;      // of a byte, UTF-8
+  std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
+  std::unordered_map<char32_t, unsigned char> byte;
+
+  ByteSymbols() {
+    std::size_t count = 0;
+    const auto printable = [](unsigned b) { return (b >= 0x21 && b <= 0x7E) || (b >= 0xA1 && b != 0xAD); };
+    char32_t next = 0x100;
+    for (const bool wanted : {true, false}) {
+      for (unsigned b = 0; b < 256; ++b) {
+        if (printable(b) != wanted) continue;
+        const char32_t c = wanted ? char32_t{b} : next++;
+        append_utf8(symbol[b], c);
+        in_order[count++] = static_cast<unsigned char>(b);
+        byte.emplace(c, static_cast<unsigned char>(b));
+      }
+    }
+  }
+  static const ByteSymbols& get() {
+    static const ByteSymbols symbols;
+    return symbols;
+  }
+};
+
+/// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
+class BytePairs {
+ public:
+  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no piece.
+  BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
+            Index unknown, std::string_view source) {
+    std::unordered_map<std::string_view, Index> ids;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (!ids.emplace(pieces[i], static_cast<Index>(i)).second)
+        raise<config_error>(107, source, ": piece '", pieces[i], "' stands twice, the second time as id ", i);
+    }
+    const auto id_of = [&](const std::string& piece) {
+      const auto found = ids.find(piece);
+      return found == ids.end() ? Index{-1} : found->second;
+    };
+    for (std::size_t b = 0; b < 256; ++b) {
+      const std::string& symbol = ByteSymbols::get().symbol[b];
+      for (const bool last : {false, true}) {
+        Index id = id_of(last ? symbol + word_end : symbol);
+        if (id < 0) id = unknown;
+        if (id < 0) raise<config_error>(107, source, ": no piece for byte ", b, last ? " at the end of a word" : "");
+        symbols_[last][b] = id;
+      }
+    }
+    for (std::size_t rank = 0; rank < merges.size(); ++rank) {
+      const auto& [left, right] = merges[rank];
+      const Index a = id_of(left), b = id_of(right), both = id_of(left + right);
+      for (const auto& [piece, id] : {std::pair(left, a), std::pair(right, b), std::pair(left + right, both)}) {
+        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is no piece");
+      }
+      if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
+        raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' stand twice");
+    }
+  }
+
+  /// Appends the ids of a word (bytes, not empty). O(n log n).
+  void append(std::vector<Index>& out, std::string_view word) const {
+    constexpr std::size_t none = static_cast<std::size_t>(-1);
+    struct Symbol {
+      Index id;  // -1: merged into the one before
+      std::size_t previous, next;
+    };
+    std::vector<Symbol> line(word.size());
+    for (std::size_t i = 0; i < word.size(); ++i)
+      line[i] = {symbols_[i + 1 == word.size()][static_cast<unsigned char>(word[i])], i - 1, i + 1};
+    line.front().previous = line.back().next = none;
+
+    struct Candidate {
+      std::size_t rank, at;
+      Index left, right, both;
+      bool operator>(const Candidate& o) const { return rank != o.rank ? rank > o.rank : at > o.at; }
+    };
+    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> waiting;
+    const auto propose = [&](std::size_t at) {
+      if (at == none || line[at].next == none) return;
+      const Index left = line[at].id, right = line[line[at].next].id;
+      if (const auto m = merges_.find(key(left, right)); m != merges_.end())
+        waiting.push({m->second.rank, at, left, right, m->second.both});
+    };
+    for (std::size_t i = 0; i < word.size(); ++i) propose(i);
+    // All places of the pair of lowest rank, from left to right, before any pair that they give rise to.
+    for (std::vector<Candidate> round; !waiting.empty(); round.clear()) {
+      for (const std::size_t rank = waiting.top().rank; !waiting.empty() && waiting.top().rank == rank; waiting.pop())
+        round.push_back(waiting.top());
+      for (const Candidate& c : round) {
+        Symbol& left = line[c.at];
+        if (left.id != c.left || left.next == none || line[left.next].id != c.right) continue;
+        Symbol& right = line[left.next];
+        left.id = c.both, right.id = -1;
+        left.next = right.next;
+        if (left.next != none) line[left.next].previous = c.at;
+        propose(left.previous), propose(c.at);
+      }
+    }
+    for (std::size_t i = 0; i != none; i = line[i].next) out.push_back(line[i].id);
+  }
+
+ private:
+  struct Merge {
+    std::size_t rank;
+    Index both;
+  };
+  static std::uint64_t key(Index a, Index b) {
+    return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
+  }
+  std::array<std::array<Index, 256>, 2> symbols_{};  // [at the end of the word][byte]
+  std::unordered_map<std::uint64_t, Merge> merges_;
+};
+
+/// The ids of words that have been seen. Forgets all of them when it is full. One thread at a time.
+class WordCache {
+ public:
+  explicit WordCache(std::size_t most) : most_(most) {}
+  static constexpr std::size_t longest = 64;  // bytes of a word that is kept
+
+  const std::vector<Index>* find(std::string_view word) const {
+    const auto found = ids_.find(word);
+    return found == ids_.end() ? nullptr : &found->second;
+  }
+  void keep(std::string_view word, std::span<const Index> ids) {
+    if (word.size() > longest || most_ == 0) return;
+    if (ids_.size() >= most_) ids_.clear();
+    ids_.emplace(std::string(word), std::vector<Index>(ids.begin(), ids.end()));
+  }
+  std::mutex mutex;  // for the owner
+
+ private:
+  struct Hash : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
+  std::size_t most_;
+  std::unordered_map<std::string, std::vector<Index>, Hash, std::equal_to<>> ids_;
+};
+
+}  // namespace detail
+
+class ClipTokenizer {
+ public:
+  /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
+  explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
+                         std::string_view source = "ClipTokenizer")
+      : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
+  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words are.
+  /// Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs a piece that
+  /// there is not; 101 if options.longest leaves no room for the frame
+  ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
+                std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {})
+      : options_(std::move(options)) {
+    const auto id_of = [&](const std::string& piece) {
+      return static_cast<Index>(std::find(pieces.begin(), pieces.end(), piece) - pieces.begin());
+    };
+    const Index count = static_cast<Index>(pieces.size());
+    begin_ = id_of(options_.begin), end_ = id_of(options_.end);
+    for (const Index id : {begin_, end_}) {
+      if (id == count)
+        raise<config_error>(107, source, ": ", count, " pieces lack '", id == begin_ ? options_.begin : options_.end,
+                            "'");
+    }
+    const Index unknown = options_.unknown.empty() ? count : id_of(options_.unknown);
+    pairs_ = std::make_shared<const detail::BytePairs>(pieces, merges, options_.word_end,
+                                                       unknown == count ? Index{-1} : unknown, source);
+    pieces_ = std::make_shared<const std::vector<std::string>>(std::move(pieces));
+    cache_ = std::make_shared<detail::WordCache>(options_.cached_words);
+    std::vector<AddedToken> before, after;
+    for (AddedToken t : added) {
+      if (t.id < 0 || t.id >= count) raise<config_error>(107, source, ": id ", t.id, " among ", count, " pieces");
+      if (t.normalized) t.content = cleaned(t.content);
+      (t.normalized ? after : before).push_back(std::move(t));
+    }
+    raw_ = detail::AddedTokenSearch(std::move(before));
+    cleaned_ = detail::AddedTokenSearch(std::move(after));
+    using enum FramePart::Kind;
+    set_frames({{token, begin_}, {text_a}, {token, end_}},
+               {{token, begin_}, {text_a}, {token, end_}, {token, end_}, {text_b}, {token, end_}}, source);
+  }
+
+  const ClipTokenizerOptions& options() const { return options_; }
+  const std::vector<std::string>& vocabulary() const { return *pieces_; }
+  Index size() const { return static_cast<Index>(pieces_->size()); }
+  Index begin_id() const { return begin_; }
+  Index end_id() const { return end_; }
+  /// OpenAI fills up with 0, Hugging Face with the end.
+  Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
+
+  /// Other frames than begin, text, end. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source) {
+    for (const auto* frame : {&single, &pair}) {
+      for (const FramePart& part : *frame) {
+        if (part.kind == FramePart::token && (part.id < 0 || part.id >= size()))
+          raise<config_error>(107, source, ": id ", part.id, " among ", size(), " pieces");
+      }
+      if (options_.longest < static_cast<Index>(detail::frame_size(*frame)))
+        raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ",
+                            detail::frame_size(*frame));
+    }
+    single_ = std::move(single), pair_ = std::move(pair);
+  }
+
+  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws config_error 101.
+  std::vector<Index> encode(std::string_view text) const {
+    std::vector<Index> ids = encode_words(text);
+    const std::size_t frame = detail::frame_size(single_), room = static_cast<std::size_t>(options_.longest) - frame;
+    if (ids.size() > room) {
+      if (!options_.truncate) refuse(ids.size() + frame);
+      ids.resize(room);
+    }
+    return detail::framed(single_, ids).ids;
+  }
+  /// Two texts in one frame; never cut.
+  TokenPair encode_pair(std::string_view a, std::string_view b) const {
+    TokenPair out = detail::framed(pair_, encode_words(a), encode_words(b));
+    if (std::ssize(out.ids) > options_.longest) refuse(out.ids.size());
+    return out;
+  }
+  /// Without a frame, of any length.
+  std::vector<Index> encode_words(std::string_view text) const {
+    std::vector<Index> ids;
+    const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread does without the cache
+    detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
+    const auto special = [&](Index id) { ids.push_back(id); };
+    raw_.split(
+        text,
+        [&](std::string_view part) {
+          const std::string clean = cleaned(part);
+          cleaned_.split(
+              clean, [&](std::string_view words) { append_words(ids, words, cache); }, special);
+        },
+        special);
+    return ids;
+  }
+
+  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws shape_error 203
+  /// for an id that is none.
+  std::string decode(std::span<const Index> ids) const {
+    std::string out;
+    for (const Index id : ids) {
+      if (id < 0 || id >= size()) raise<shape_error>(203, "ClipTokenizer: id ", id, " of ", size());
+      if (id == begin_ || id == end_ || raw_.has(id) || cleaned_.has(id)) continue;
+      std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
+      const bool last = !options_.word_end.empty() && piece.ends_with(options_.word_end);
+      if (last) piece.remove_suffix(options_.word_end.size());
+      for (std::size_t at = 0; at < piece.size();) {
+        const auto byte = detail::ByteSymbols::get().byte.find(decode_utf8(piece, at));
+        if (byte != detail::ByteSymbols::get().byte.end()) out += static_cast<char>(byte->second);
+      }
+      if (last) out += ' ';
+    }
+    if (out.ends_with(' ')) out.pop_back();
+    return out;
+  }
+
+  /// The text of which words are taken.
+  std::string cleaned(std::string_view text) const {
+    std::string kept;
+    if (options_.cleaning == ClipCleaning::original) {
+      kept = repair_text(text);
+      if (kept.find('&') != kept.npos) kept = html_unescape(html_unescape(kept));
+      text = kept;
+    }
+    const bool ascii =
+        std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+    std::string out;
+    out.reserve(text.size());
+    if (ascii) {
+      for (const char c : text) {
+        const bool white = (char_class(static_cast<unsigned char>(c)) & CharClass::white_space) != 0;
+        if (!white)
+          out += static_cast<char>(lower_case(char32_t{static_cast<unsigned char>(c)}));
+        else if (!out.empty() && out.back() != ' ')
+          out += ' ';
+      }
+      if (out.ends_with(' ')) out.pop_back();
+      return out;
+    }
+    std::u32string single;
+    const bool original = options_.cleaning == ClipCleaning::original;
+    const std::u32string all = to_utf32(text);
+    for (const char32_t c : original ? all : nfc(all)) {
+      if ((char_class(c) & CharClass::white_space) == 0)
+        single += c;
+      else if (!single.empty() && single.back() != U' ')
+        single += U' ';
+    }
+    if (single.ends_with(U' ')) single.pop_back();
+    return to_utf8(lower_case(single, original));
+  }
+
+ private:
+  static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options) {
+    const detail::ByteSymbols& symbols = detail::ByteSymbols::get();
+    std::vector<std::string> pieces;
+    for (const char* end : {"", options.word_end.c_str()}) {
+      for (const unsigned char b : symbols.in_order) pieces.push_back(symbols.symbol[b] + end);
+    }
+    for (const auto& [left, right] : merges) pieces.push_back(left + right);
+    pieces.insert(pieces.end(), {options.begin, options.end});
+    return pieces;
+  }
+
+  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s is an s.
+  std::size_t literal_at(std::string_view text) const {
+    if (text.front() != '<' && text.front() != '\'') return 0;
+    for (const std::string_view literal :
+         {"<|startoftext|>", "<|endoftext|>", "'s", "'t", "'re", "'ve", "'m", "'ll", "'d"}) {
+      if (const std::size_t size = folded_prefix(text, literal); size != 0) return size;
+    }
+    return 0;
+  }
+  std::size_t folded_prefix(std::string_view text, std::string_view literal) const {
+    std::size_t at = 0;
+    for (const char c : literal) {
+      if (at < text.size() && text[at] == c)
+        ++at;
+      else if (c == 's' && options_.cleaning == ClipCleaning::original && text.substr(at).starts_with("\xC5\xBF"))
+        at += 2;
+      else
+        return 0;
+    }
+    return at;
+  }
+
+  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in the original:
+  /// it is no letter, but without case it is the iota, which is one, so that neither kind of run takes it.
+  void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const {
+    const auto kind_of = [&](char32_t c) {
+      if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
+      return char_class(c) & (CharClass::letter | CharClass::number | CharClass::white_space);
+    };
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t begin = at;
+      if (const std::size_t size = literal_at(text.substr(at)); size != 0) {
+        at += size;
+      } else {
+        const unsigned kind = kind_of(decode_utf8(text, at));
+        if (kind == CharClass::white_space) continue;
+        for (std::size_t next = at; kind != CharClass::number && at < text.size(); at = next) {
+          if (kind_of(decode_utf8(text, next)) != kind) break;
+        }
+      }
+      append_word(ids, text.substr(begin, at - begin), cache);
+    }
+  }
+  void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const {
+    const bool marks = raw_.empty() && cleaned_.empty();  // added tokens have been taken out already
+    if (marks && (word == options_.begin || word == options_.end)) {
+      ids.push_back(word == options_.begin ? begin_ : end_);
+      return;
+    }
+    if (const auto* known = cache != nullptr ? cache->find(word) : nullptr; known != nullptr) {
+      ids.insert(ids.end(), known->begin(), known->end());
+      return;
+    }
+    const std::size_t before = ids.size();
+    pairs_->append(ids, word);
+    if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
+  }
+  [[noreturn]] void refuse(std::size_t size) const {
+    raise<config_error>(101, "ClipTokenizer: a text of ", size, " ids, at most ", options_.longest);
+  }
+
+  ClipTokenizerOptions options_;
+  std::shared_ptr<const std::vector<std::string>> pieces_;
+  std::shared_ptr<const detail::BytePairs> pairs_;
+  std::shared_ptr<detail::WordCache> cache_;
+  detail::AddedTokenSearch raw_, cleaned_;
+  Index begin_ = 0, end_ = 0;
+  std::vector<FramePart> single_, pair_;
+};
+
+static_assert(Tokenizer<ClipTokenizer>);
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_GLOVE_HPP  // <motionlang/text/glove.hpp>
+#define MOTIONLANG_HAS_TEXT_GLOVE_HPP
+/// Word vectors with a part of speech: the text side of TM2T and of the HumanML3D evaluators.
+///
+///     const GloVe words = read_glove("glove/our_vab");                                       // io/glove_file.hpp
+///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
+///
+/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field of the caption
+/// files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
+/// Source  Guo et al. (CVPR 2022), word_vectorizer.py; spec text-encoders.md, section 6
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body, obj, act, desc, other };
+inline constexpr Index speech_tags = 15;
+
+/// By the name in the caption files; SpeechTag::other if there is none.
+inline SpeechTag speech_tag(std::string_view name) {
+  constexpr std::array<std::string_view, 15> names{"VERB",     "NOUN",    "DET",     "ADP",      "NUM",
+                                                   "AUX",      "PRON",    "ADJ",     "ADV",      "Loc_VIP",
+                                                   "Body_VIP", "Obj_VIP", "Act_VIP", "Desc_VIP", "OTHER"};
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? SpeechTag::other : static_cast<SpeechTag>(found - names.begin());
+}
+
+/// The words that matter to motions have tags of their own: the first list that has the word. Nothing for other words.
+inline std::optional<SpeechTag> motion_tag(std::string_view word) {
+  constexpr std::array<std::pair<SpeechTag, std::string_view>, 5> lists{
+      {{SpeechTag::loc,
+        " left right clockwise counterclockwise anticlockwise forward back backward up down straight curve "},
+       {SpeechTag::body, " arm chin foot feet face hand mouth leg waist eye knee shoulder thigh "},
+       {SpeechTag::obj, " stair dumbbell chair window floor car ball handrail baseball basketball "},
+       {SpeechTag::act,
+        " walk run swing pick bring kick put squat throw hop dance jump turn stumble stop sit lift lower raise wash "
+        "stand kneel "
+        "stroll rub bend balance flap jog shuffle lean rotate spin spread climb "},
+       {SpeechTag::desc, " slowly carefully fast careful slow quickly happy angry sad happily angrily sadly "}}};
+  const std::string whole = concat_text(" ", word, " ");
+  for (const auto& [tag, list] : lists) {
+    if (list.find(whole) != list.npos) return tag;
+  }
+  return std::nullopt;
+}
+
+struct TaggedWord {
+  std::string word, tag;
+};
+
+/// Vectors of words, with "sos", "eos" and "unk" among them.
+class GloVe {
+ public:
+  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos, eos or unk is
+  /// missing or a word stands twice.
+  GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
+      : vectors_(std::move(vectors)), width_(width) {
+    if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
+      raise<shape_error>(205, "GloVe: ", vectors_.size(), " numbers for ", words.size(), " words of ", width);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if (!row_.emplace(words[i], i).second) raise<config_error>(103, "GloVe: the word '", words[i], "' stands twice");
+    }
+    for (const char* mark : {"sos", "eos", "unk"}) {
+      if (!row_.contains(mark)) raise<config_error>(103, "GloVe: no word '", mark, "'");
+    }
+  }
+
+  Index size() const { return static_cast<Index>(row_.size()); }
+  Index width() const { return width_; }
+  bool contains(const std::string& word) const { return row_.contains(word); }
+  std::span<const float> vector(const std::string& word) const {
+    const auto found = row_.find(word);
+    const std::size_t row = found == row_.end() ? row_.at("unk") : found->second,
+                      width = static_cast<std::size_t>(width_);
+    return std::span(vectors_).subspan(row * width, width);
+  }
+  /// The tag that counts: of an unknown word `other`, else the one of the word's list, else the given one.
+  SpeechTag tag(const TaggedWord& w) const {
+    return contains(w.word) ? motion_tag(w.word).value_or(speech_tag(w.tag)) : SpeechTag::other;
+  }
+
+  /// sos, at most `longest` words, eos.
+  static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest) {
+    std::vector<TaggedWord> out{{"sos", "OTHER"}};
+    const auto count = std::min<std::size_t>(words.size(), static_cast<std::size_t>(longest));
+    out.insert(out.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count));
+    out.push_back({"eos", "OTHER"});
+    return out;
+  }
+
+  /// "word/tag word/tag"; a text without a slash is a caption. Throws config_error 107 for a word with no tag or several.
+  std::vector<TaggedWord> tokens(std::string_view text) const {
+    if (text.find('/') == text.npos) return caption_tokens(text);
+    std::vector<TaggedWord> out;
+    for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
+      const std::size_t end = std::min(text.find(' ', at), text.size());
+      const std::string_view token = text.substr(at, end - at);
+      const std::size_t slash = token.find('/');
+      if (slash == token.npos || token.find('/', slash + 1) != token.npos)
+        raise<config_error>(107, "GloVe: '", token, "' is not word/tag");
+      out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
+      at = end;
+    }
+    return out;
+  }
+  /// An approximation to what was done with spaCy: lower-case words, of which -s, -es, -ed and -ing are taken away where the word is
+  /// unknown and the rest is known. Tags come from the lists of `motion_tag` only.
+  std::vector<TaggedWord> caption_tokens(std::string_view text) const {
+    std::vector<TaggedWord> out;
+    for (const std::string& word : WordPiece::words(text)) out.push_back({known_form(word), "OTHER"});
+    return out;
+  }
+
+  /// Rows of width + 15 numbers: sos, the words, eos.
+  template <Backend B>
+  TextFeatures<B> encode(std::span<const std::string> texts, Index longest = 20) const {
+    std::vector<typename B::scalar> values;
+    std::vector<Index> lengths;
+    for (const std::string& text : texts) {
+      const auto words = framed(tokens(text), longest);
+      for (const TaggedWord& w : words) {
+        const auto v = vector(w.word);
+        values.insert(values.end(), v.begin(), v.end());
+        values.resize(values.size() + speech_tags, 0);
+        values[values.size() - speech_tags + static_cast<std::size_t>(tag(w))] = 1;
+      }
+      lengths.push_back(std::ssize(words));
+    }
+    const Offsets offsets(lengths);
+    return {{Tensor<B, 2>::from(values, {offsets.rows(), width_ + speech_tags}), offsets}};
+  }
+
+ private:
+  std::string known_form(const std::string& word) const {
+    if (contains(word)) return word;
+    for (const std::string_view end : {"ing", "ed", "es", "s"}) {
+      if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
+      const std::string stem = word.substr(0, word.size() - end.size());
+      if (contains(stem)) return stem;
+      if (contains(stem + "e")) return stem + "e";
+      if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))
+        return stem.substr(0, stem.size() - 1);
+    }
+    return word;
+  }
+
+  std::vector<float> vectors_;
+  Index width_;
+  std::unordered_map<std::string, std::size_t> row_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
+#define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP
+/// What a mirrored motion is called: left and right exchanged in its caption.
+///
+///     left <-> right, with the endings -s, -ward(s), -most, -hand(ed)
+///     clockwise <-> counterclockwise, anticlockwise -> clockwise; also in parts: "counter-clockwise", "clock-wise"
+///
+/// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
+///
+/// Source   spec humanml3d-features.md 8; HumanML3D ships finished texts, no program
+/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft" there
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Letters and digits; bytes of other characters than ASCII belong to words.
+constexpr bool in_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+constexpr bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
+
+/// The word for the other side, in small letters; empty if a word has no side.
+inline std::string other_side(std::string_view word) {
+  if (word == "clockwise") return "counterclockwise";
+  if (word == "counterclockwise" || word == "anticlockwise") return "clockwise";
+  constexpr std::array<std::string_view, 7> endings{"", "s", "ward", "wards", "most", "hand", "handed"};
+  const bool left = word.starts_with("left");
+  if (!left && !word.starts_with("right")) return {};
+  const std::string_view ending = word.substr(left ? 4 : 5);
+  for (const std::string_view e : endings) {
+    if (ending == e) return (left ? "right" : "left") + std::string(ending);
+  }
+  return {};
+}
+
+/// The capitals of `like`: all, the first one, or none.
+inline std::string with_capitals(std::string word, std::string_view like) {
+  const bool all = like.size() > 1 && is_capital(like[0]) && is_capital(like[1]);
+  for (std::size_t i = 0; i < word.size() && (all || (i == 0 && is_capital(like[0]))); ++i) {
+    word[i] = static_cast<char>(word[i] - 'a' + 'A');
+  }
+  return word;
+}
+
+/// Words and what stands between them, in turns, beginning with a word (perhaps an empty one).
+inline std::vector<std::string_view> words_and_gaps(std::string_view text) {
+  std::vector<std::string_view> out;
+  for (bool word = true; !text.empty(); word = !word) {
+    std::size_t n = 0;
+    while (n < text.size() && in_word(text[n]) == word) ++n;
+    out.push_back(text.substr(0, n));
+    text.remove_prefix(n);
+  }
+  return out;
+}
+
+/// Words `first`, first + 2, ... of `count` in small letters as one; empty if more than a hyphen or a blank parts them.
+inline std::string joined_words(const std::vector<std::string_view>& pieces, std::size_t first, std::size_t count) {
+  std::string out;
+  for (std::size_t i = 0; i < 2 * count - 1; ++i) {
+    if (first + i >= pieces.size()) return {};
+    const std::string_view piece = pieces[first + i];
+    if (i % 2 == 1 && piece != "-" && piece != " ") return {};
+    if (i % 2 == 0) {
+      for (const char c : piece) out += is_capital(c) ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+/// The caption of the mirrored motion.
+inline std::string mirror_caption(std::string_view caption) {
+  const auto pieces = detail::words_and_gaps(caption);
+  std::string out;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    std::size_t words = i % 2 == 0 ? 3 : 0;  // "counter clock-wise" is one word in three
+    std::string other;
+    for (; words > 0; --words) {
+      const std::string word = detail::joined_words(pieces, i, words);
+      if (words > 1 && !word.ends_with("clockwise")) continue;
+      if (other = detail::other_side(word); !other.empty()) break;
+    }
+    if (words == 0) {
+      out += pieces[i];
+    } else {
+      out += detail::with_capitals(other, pieces[i]);
+      i += 2 * words - 2;
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP  // <motionlang/text/tokenized_encoder.hpp>
+#define MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP
+/// A tokenizer and a network make a text encoder.
+///
+///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});         // MDM, STMC
+///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));           // TEMOS, TMR
+///     const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
+///                                      {.pooling = Pooling::mean, .normalize = true});
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct TextOptions {
+  Pooling pooling = Pooling::none;
+  bool normalize = false;  // pooled vectors get the length 1
+  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding
+  Index padding = 0;       // the id to fill up with
+};
+
+/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices for the vector
+/// of the end token, and `project(rows)`, through which that vector goes.
+template <Tokenizer T, class Network>
+struct TokenizedEncoder {
+  T tokenizer;
+  Network network;
+  TextOptions options{};
+
+  TokenizedEncoder(T t, Network n, const TextOptions& o = {})
+      : tokenizer(std::move(t)), network(std::move(n)), options(o) {}
+
+  template <Backend B>
+  requires requires(const Network& n, const TokenBatch& batch) {
+    { n(batch) } -> std::same_as<TextFeatures<B>>;
+  }
+  TextFeatures<B> encode(std::span<const std::string> texts) const {
+    TokenBatch batch = tokenize(tokenizer, texts);
+    if (options.width > 0) {
+      batch.ids = batch.padded(options.padding, options.width);
+      batch.lengths.assign(batch.lengths.size(), options.width);
+    }
+    if (options.pooling == Pooling::none) return network(batch);
+    const bool end = options.pooling == Pooling::end;
+    if constexpr (requires { network.until_end(batch); }) {
+      if (end) batch = network.until_end(batch);
+    }
+    auto rows = pool(network(batch), options.pooling);
+    if constexpr (requires { network.project(rows); }) {
+      if (end) rows = network.project(rows);
+    }
+    return TextFeatures<B>::pooled(options.normalize ? normalize_rows(rows) : rows);
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_METRICS_INSPECT_MOTION_HPP  // <motionlang/metrics/inspect_motion.hpp>
+#define MOTIONLANG_HAS_METRICS_INSPECT_MOTION_HPP
+/// What is wrong with a clip: the checks of `motionlang doctor`, and the repair of what can be repaired.
+///
+///     const Inspection found = inspect_motion(motion);
+///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
+///     Motion better = mended(motion, found.cure);
+///
+/// A wrong scale or up axis is put right before the checks that follow it, so that each finding has one cause. All limits
+/// are in SI units and named in InspectionLimits.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class Fault : int {
+  empty,
+  not_finite,
+  frame_rate,
+  lead_in,
+  scale,
+  up_axis,
+  swapped_sides,
+  spike,
+  jump,
+  sliding_feet,
+  floor
+};
+struct FaultInfo {
+  std::string_view name, meaning;
+  bool mendable;
+};
+/// By Fault.
+inline constexpr std::array<FaultInfo, 11> fault_info{{
+    {"no motion", "fewer than two frames", false},
+    {"not finite", "a value is NaN or infinite, or a rotation has length 0", false},
+    {"frame rate", "no rate that cameras, engines or data sets use", false},
+    {"T-pose", "an inserted T-pose at the start that nobody performed", true},
+    {"scale", "the figure is not as tall as a person", true},
+    {"up axis", "the figure does not stand along +Y", true},
+    {"sides", "left and right are exchanged: names against the way the toes point", false},
+    {"spike", "one frame stands out from both of its neighbours", true},
+    {"jump", "a joint goes a way between two frames that nobody can go", false},
+    {"sliding feet", "the foot that carries the body moves over the floor", false},
+    {"floor", "the feet are not on y = 0", true},
+}};
+inline const FaultInfo& info(Fault fault) { return fault_info[static_cast<std::size_t>(fault)]; }
+
+struct Finding {
+  Fault fault;
+  std::string text;   // with figures and units
+  double moment = 0;  // seconds into the clip, of what happens at a time
+};
+
+/// What `mended` does, in this order. Frames count in the clip that was inspected.
+struct Cure {
+  std::vector<Index> spikes;               // frames that are replaced by the middle of their neighbours
+  Index lead_in = 0;                       // frames that are cut off at the start
+  Quaternion<double> upright{1, 0, 0, 0};  // turns the up axis of the clip to +Y
+  double scale = 1;
+  double lift = 0;  // metres, after scaling
+};
+
+struct Inspection {
+  std::vector<Finding> findings;
+  Cure cure;
+
+  bool has(Fault fault) const {
+    return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.fault == fault; });
+  }
+};
+
+struct InspectionLimits {
+  double shortest = 1.0, tallest = 2.3;  // m: a person
+  double upright = 0.8;                  // mean direction of trunk and legs along another axis than +Y; 1: exactly
+  double standing = 0.3;                 // m that feet may be off 0 along an axis that is taken for the true one
+  double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
+  double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
+  double jump = 0.15;        // m between two frames, and
+  double jump_speed = 8;     // m/s: a fast punch or kick
+  double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
+  double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
+  double low = 0.03;         // m above where a foot joint is when it stands: still on the floor
+  double on_the_spot = 0.5;  // m across which the root moves in a clip in place
+  double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
+};
+
+namespace detail {
+
+/// Units of files by the factor from what was read to metres.
+struct UnitFactor {
+  double factor;
+  std::string_view unit;
+};
+inline constexpr std::array<UnitFactor, 9> unit_factors{{
+    {100, "the file is in metres where centimetres were expected"},
+    {10, "decimetres"},
+    {0.1, "millimetres where centimetres were expected"},
+    {2.54, "inches where centimetres were expected"},
+    {2.54 / 0.45, "the unit of CMU's files, 1/0.45 inch, where centimetres were expected"},
+    {0.01, "centimetres where metres were expected"},
+    {0.001, "millimetres where metres were expected"},
+    {0.0254, "inches where metres were expected"},
+    {1000, "metres where millimetres were expected"},
+}};
+
+inline double hundredths(double x) { return std::round(x * 100) / 100; }
+
+/// The value below which a share of the values is.
+inline double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// From the ankles to the head in the rest pose; length 1.
+inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoints& body) {
+  const auto rest = skeleton.rest_positions();
+  auto place = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
+  return normalized(place(body.head) - 0.5 * (place(body.ankle.left) + place(body.ankle.right)));
+}
+
+/// One clip under inspection: its joints in the world, put right as far as causes are known.
+class MotionInspector {
+ public:
+  MotionInspector(const Motion& motion, const InspectionLimits& limits) : motion_(motion), limits_(limits) {}
+
+  Inspection run() {
+    if (!check_values()) return std::move(out_);
+    check_frame_rate();
+    out_.cure.lead_in = detect_t_pose_lead_in(motion_);
+    if (out_.cure.lead_in > 0) {
+      add(Fault::lead_in, 0, out_.cure.lead_in, out_.cure.lead_in == 1 ? " frame" : " frames",
+          " of an inserted T-pose at the start");
+    }
+    first_ = out_.cure.lead_in;
+    positions_ = motion_.positions();
+    body_ = find_body_joints(motion_.skeleton);
+    if (body_) {
+      check_scale();
+      check_up_axis();
+      check_sides();
+    }
+    check_jumps();
+    if (body_) check_feet();
+    return std::move(out_);
+  }
+
+ private:
+  using Vec = Vec3<double>;
+
+  Vec& at(Index frame, Index joint) {
+    return positions_[static_cast<std::size_t>(frame * motion_.skeleton.size() + joint)];
+  }
+  Vec middle(Index frame, const BodyJoints::Pair& p) { return 0.5 * (at(frame, p.left) + at(frame, p.right)); }
+  double seconds(Index frame) const { return static_cast<double>(frame) / motion_.fps; }
+  Index frames() const { return motion_.frames(); }
+
+  template <class... T>
+  void add(Fault fault, Index frame, const T&... text) {
+    out_.findings.push_back({fault, concat_text(text...), seconds(frame)});
+  }
+
+  /// False if nothing else can be said.
+  bool check_values() {
+    for (Index f = 0; f < frames(); ++f) {
+      const Vec& r = motion_.root_at(f);
+      int wrong = std::isfinite(r.x + r.y + r.z) ? -1 : 0;
+      for (int j = 0; j < motion_.skeleton.size() && wrong < 0; ++j) {
+        const auto& q = motion_.rotations(f)[static_cast<std::size_t>(j)];
+        const double length = dot(q, q);
+        if (!std::isfinite(length) || length < 1e-12) wrong = j;
+      }
+      if (wrong < 0) continue;
+      add(Fault::not_finite, f, "frame ", f, ", joint '", motion_.skeleton.name(wrong), "': not a number");
+      return false;
+    }
+    if (frames() < 2) add(Fault::empty, 0, frames(), frames() == 1 ? " frame" : " frames");
+    return frames() >= 2;
+  }
+
+  void check_frame_rate() {
+    constexpr std::array<double, 25> usual{10,    12, 12.5, 15, 20, 23.976, 24,  25,     29.97, 30,  40,  48, 50,
+                                           59.94, 60, 72,   75, 90, 100,    120, 119.88, 125,   150, 180, 200};
+    constexpr std::array<double, 6> fast{240, 250, 300, 480, 500, 1000};
+    auto near = [&](double rate) { return std::abs(motion_.fps / rate - 1) < 5e-4; };
+    if (std::any_of(usual.begin(), usual.end(), near) || std::any_of(fast.begin(), fast.end(), near)) return;
+    add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
+  }
+
+  /// Sum of the bones from a joint up to one above it.
+  double chain(int joint, int above) const {
+    double sum = 0;
+    for (; joint >= 0 && joint != above; joint = motion_.skeleton.parent(joint)) {
+      if (motion_.skeleton.parent(joint) >= 0) sum += norm(motion_.skeleton.offset(joint));
+    }
+    return sum;
+  }
+
+  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are long.
+  void check_scale() {
+    const double legs = 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
+    const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
+    auto human = [&](double h) { return h >= limits_.shortest && h <= limits_.tallest; };
+    if (human(height) || !(height > 0)) return;
+    constexpr double usual_height = 1.7;
+    UnitFactor best{usual_height / height, "no usual unit"};
+    double farthest = std::log(limits_.tallest / limits_.shortest);
+    for (const UnitFactor& u : unit_factors) {
+      const double distance = std::abs(std::log(height * u.factor / usual_height));
+      if (human(height * u.factor) && distance < farthest) best = u, farthest = distance;
+    }
+    add(Fault::scale, 0, "the figure is ", hundredths(height), " m tall; x ", std::round(best.factor * 1e4) / 1e4, " (",
+        best.unit, ") makes it ", hundredths(height * best.factor), " m");
+    out_.cure.scale = best.factor;
+    for (Vec& p : positions_) p = best.factor * p;
+  }
+
+  /// Trunk and legs point up in most clips. Of those that lie, swim or crawl all the time, the feet would not be on the
+  /// floor along the other axis, and their rest pose stands.
+  void check_up_axis() {
+    Vec trunk{}, legs{};
+    for (Index f = first_; f < frames(); ++f) {
+      const Vec hips = middle(f, body_->hip);
+      trunk = trunk + normalized(middle(f, body_->shoulder) - hips);
+      legs = legs + normalized(hips - middle(f, body_->ankle));
+    }
+    const double n = static_cast<double>(frames() - first_);
+    const Vec rest = standing_direction(motion_.skeleton, *body_);
+    struct Axis {
+      std::string_view name;
+      Vec direction;
+    };
+    for (const Axis& a :
+         {Axis{"+Z", {0, 0, 1}}, {"-Z", {0, 0, -1}}, {"+X", {1, 0, 0}}, {"-X", {-1, 0, 0}}, {"-Y", {0, -1, 0}}}) {
+      const double up = dot(trunk, a.direction) / n, down = dot(legs, a.direction) / n;
+      if (up < limits_.upright || down < limits_.upright) continue;
+      if (dot(rest, a.direction) < limits_.upright && std::abs(sole_height(a.direction)) > limits_.standing) continue;
+      add(Fault::up_axis, first_, "the body stands along ", a.name, ", not +Y (", hundredths(up), " of 1)");
+      out_.cure.upright = rotation_between(a.direction, Vec{0, 1, 0});
+      for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
+      return;
+    }
+  }
+
+  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both, where
+  /// there is anything to see of them, must speak against the names.
+  void check_sides() {
+    struct Witness {
+      double legs = 0, arms = 0, weight = 0;
+    } toes, knees;
+    for (Index f = first_; f < frames(); ++f) {
+      const Vec ankles = middle(f, body_->ankle), hips = middle(f, body_->hip);
+      auto hear = [&](Witness& witness, Vec forward, double least) {
+        const double length = norm(forward);
+        forward.y = 0;
+        const double weight = norm(forward);
+        if (weight < std::max(least, 0.7 * length)) return;
+        const Vec left = normalized(cross(Vec{0, 1, 0}, forward));
+        witness.legs += weight * dot(left, normalized(at(f, body_->hip.left) - at(f, body_->hip.right)));
+        witness.arms += weight * dot(left, normalized(at(f, body_->shoulder.left) - at(f, body_->shoulder.right)));
+        witness.weight += weight;
+      };
+      if (normalized(middle(f, body_->shoulder) - hips).y < 0.7) continue;  // lies or bends down
+      if (body_->toe.known()) hear(toes, middle(f, body_->toe) - ankles, 0.05);
+      hear(knees, middle(f, body_->knee) - 0.5 * (hips + ankles), 0.04);
+    }
+    auto wrong = [&](double Witness::*side) {
+      double worst = 0;
+      for (const Witness& w : {toes, knees}) {
+        if (w.weight == 0) continue;
+        if (w.*side > -limits_.swapped * w.weight) return 0.0;
+        worst = std::min(worst, w.*side / w.weight);
+      }
+      return worst;
+    };
+    const double legs = wrong(&Witness::legs), arms = wrong(&Witness::arms);
+    if (legs == 0 && arms == 0) return;
+    add(Fault::swapped_sides, 0,
+        legs < 0 && arms < 0 ? "left and right"
+        : legs < 0           ? "the legs"
+                             : "the arms",
+        " are exchanged: where toes and knees say left, names say right (", hundredths(std::min(legs, arms)), " of 1)");
+  }
+
+  void check_jumps() {
+    Index worst_jump = -1, worst_joint = 0, spike_joint = 0, jumps = 0;
+    double worst = 0, worst_spike = 0;
+    for (Index f = first_ + 1; f < frames(); ++f) {
+      double off = 0, far = 0;
+      Index off_joint = 0, far_joint = 0;
+      for (Index j = 0; j < motion_.skeleton.size(); ++j) {
+        if (const double e = spike_size(f, j); e > off) off = e, off_joint = j;
+        if (const double s = jump_size(f, j); s > far) far = s, far_joint = j;
+      }
+      if (off > 0) {
+        out_.cure.spikes.push_back(f);
+        if (off > worst_spike) worst_spike = off, spike_joint = off_joint;
+      } else if (far > 0) {
+        ++jumps;
+        if (far > worst) worst = far, worst_joint = far_joint, worst_jump = f;
+      }
+    }
+    const auto& spikes = out_.cure.spikes;
+    if (!spikes.empty()) {
+      add(Fault::spike, spikes.front(), spikes.size(), spikes.size() == 1 ? " frame" : " frames", ", first at ",
+          hundredths(seconds(spikes.front())), " s; '", motion_.skeleton.name(static_cast<int>(spike_joint)),
+          "' up to ", hundredths(worst_spike), " m off");
+    }
+    if (worst_jump >= 0) {
+      add(Fault::jump, worst_jump, jumps, jumps == 1 ? " jump" : " jumps", "; the widest at ",
+          hundredths(seconds(worst_jump)), " s: '", motion_.skeleton.name(static_cast<int>(worst_joint)), "' goes ",
+          hundredths(worst), " m in a frame, ", std::round(worst * motion_.fps), " m/s");
+    }
+  }
+
+  double step(Index frame, Index joint) {  // from the frame before
+    return frame <= first_ || frame >= frames() ? 0 : norm(at(frame, joint) - at(frame - 1, joint));
+  }
+  /// How far a joint is off the middle of its neighbours in time, where that is a spike; else 0.
+  double spike_size(Index f, Index j) {
+    if (f <= first_ || f + 1 >= frames()) return 0;
+    const double off = norm(at(f, j) - 0.5 * (at(f - 1, j) + at(f + 1, j)));
+    if (off < limits_.spike) return 0;
+    const double around =
+        std::max({norm(at(f + 1, j) - at(f - 1, j)), step(f - 1, j), step(f - 2, j), step(f + 2, j), step(f + 3, j)});
+    return off > limits_.isolated * around ? off : 0;
+  }
+  double jump_size(Index f, Index j) {
+    const double s = step(f, j);
+    if (s < limits_.jump || s * motion_.fps < limits_.jump_speed) return 0;
+    const double around = std::max({step(f - 2, j), step(f - 1, j), step(f + 1, j), step(f + 2, j)});
+    return s > limits_.isolated * around ? s : 0;
+  }
+
+  std::vector<int> foot_joints() const {
+    std::vector<int> feet{body_->ankle.left, body_->ankle.right};
+    if (body_->toe.known()) feet.insert(feet.end(), {body_->toe.left, body_->toe.right});
+    return feet;
+  }
+  /// Where the soles stand along a direction: 5 % of the frames have a foot lower than this.
+  double sole_height(const Vec& up) {
+    constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
+    std::vector<double> lowest;
+    for (Index f = first_; f < frames(); ++f) {
+      double low = std::numeric_limits<double>::max();
+      for (const int foot : foot_joints()) low = std::min(low, dot(up, at(f, foot)));
+      lowest.push_back(low);
+    }
+    return quantile(std::move(lowest), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
+  }
+
+  /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
+  /// stays below, so that treading on and rolling off do not count.
+  void add_contacts(std::span<const int> feet, std::vector<double>& speeds) {
+    // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
+    const auto stride = std::max<Index>(1, static_cast<Index>(std::lround(motion_.fps / 25)));
+    std::vector<double> stands;  // the height at which a joint stands
+    for (const int foot : feet) {
+      std::vector<double> heights;
+      for (Index f = first_; f < frames(); ++f) heights.push_back(at(f, foot).y);
+      stands.push_back(quantile(std::move(heights), 0.05));
+    }
+    std::vector<double> contact;
+    for (Index f = first_; f < frames(); f += stride) {
+      double slowest = -1;
+      for (std::size_t k = 0; k < feet.size() && f + stride < frames(); ++k) {
+        const Vec &a = at(f, feet[k]), &b = at(f + stride, feet[k]);
+        if (std::max(a.y, b.y) > stands[k] + limits_.low) continue;
+        const double speed = norm(Vec{b.x - a.x, 0, b.z - a.z}) * motion_.fps / static_cast<double>(stride);
+        if (slowest < 0 || speed < slowest) slowest = speed;
+      }
+      if (slowest >= 0) {
+        contact.push_back(slowest);
+      } else if (!contact.empty()) {
+        if (contact.size() > 1) speeds.push_back(quantile(contact, 0.25));
+        contact.clear();
+      }
+    }
+  }
+
+  void check_feet() {
+    std::vector<double> speeds;
+    for (const bool left : {true, false}) {
+      auto side = [&](const BodyJoints::Pair& p) { return left ? p.left : p.right; };
+      std::vector<int> feet{side(body_->ankle)};
+      if (body_->toe.known()) feet.push_back(side(body_->toe));
+      add_contacts(feet, speeds);
+    }
+    if (const double speed = quantile(speeds, 0.5); speed > limits_.slide) {
+      Vec low = at(first_, 0), high = low;
+      for (Index f = first_; f < frames(); ++f) {
+        const Vec& p = at(f, 0);
+        low = {std::min(low.x, p.x), 0, std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), 0, std::max(high.z, p.z)};
+      }
+      add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
+          norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot ? "; a clip in place" : "");
+    }
+    const double sole = sole_height({0, 1, 0});
+    if (sole >= -limits_.below && sole <= limits_.above) return;
+    add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
+        " y = 0");
+    out_.cure.lift = -sole;
+  }
+
+  const Motion& motion_;
+  const InspectionLimits& limits_;
+  Inspection out_;
+  std::optional<BodyJoints> body_;
+  std::vector<Vec> positions_;  // (frames, joints)
+  Index first_ = 0;             // frame after the lead-in
+};
+
+}  // namespace detail
+
+/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate, spikes
+/// and jumps only. Throws config_error 106 for a malformed skeleton, shape_error 205 if the arrays do not fit.
+inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
+  motion.skeleton.validate();
+  if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
+    raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", motion.local.size(), " rotations for ",
+                       motion.frames(), " frames of ", motion.skeleton.size(), " joints");
+  }
+  return detail::MotionInspector(motion, limits).run();
+}
+
+/// The clip with what the cure says. Throws shape_error 203 if it names frames that the clip does not have.
+inline Motion mended(const Motion& motion, const Cure& cure) {
+  Motion out = motion;
+  for (const Index f : cure.spikes) {
+    if (f < 1 || f + 1 >= motion.frames())
+      raise<shape_error>(203, "mended: spike in frame ", f, " of ", motion.frames());
+    out.root[static_cast<std::size_t>(f)] = 0.5 * (out.root_at(f - 1) + motion.root_at(f + 1));
+    const auto pose = out.rotations(f), before = out.rotations(f - 1);
+    const auto after = motion.rotations(f + 1);
+    for (std::size_t j = 0; j < pose.size(); ++j) pose[j] = slerp(before[j], after[j], 0.5);
+  }
+  out = crop(out, cure.lead_in, out.frames());
+  // The rest pose is turned along if it stands along the same axis as the figure.
+  const auto& up = cure.upright;
+  const auto body = find_body_joints(out.skeleton);
+  const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
+  for (Vec3<double>& r : out.root) r = cure.scale * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
+  for (Vec3<double>& o : out.skeleton.offsets) o = cure.scale * (turn_rest ? rotate(up, o) : o);
+  for (Index f = 0; f < out.frames(); ++f) {
+    const auto pose = out.rotations(f);
+    if (turn_rest) {
+      for (auto& q : pose) q = up * q * inverse(up);
+    } else {
+      pose[0] = up * pose[0];
+    }
+  }
+  return out;
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -11578,6 +16361,52 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
+#define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
+/// Texts cut where what they own changes.
+///
+/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
+/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then without
+/// them, then with its own again; the transitions are where they were.
+///
+///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
+///
+/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
+inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
+  const auto pieces = elementary_pieces(timeline);
+  std::vector<PartOwners> owners;
+  FirstWins ties;
+  for (const Piece& piece : pieces) {
+    owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
+  }
+  Timeline out;
+  for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
+    Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
+    for (std::size_t k = 1; k < pieces.size(); ++k) {
+      const Index cut = pieces[k].start;
+      const bool changes = [&] {
+        for (std::size_t p = 0; p < body_part_count; ++p) {
+          if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
+        }
+        return false;
+      }();
+      if (!changes || cut - rest.start < std::max<Index>(least, 1) || rest.end - cut < std::max<Index>(least, 1)) continue;
+      out.intervals.push_back(rest);
+      out.intervals.back().end = cut;
+      rest.start = cut;
+    }
+    out.intervals.push_back(rest);
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP
 /// The text form of timelines.
@@ -11610,12 +16439,6 @@ struct TimedText {
 };
 
 namespace detail {
-
-constexpr std::string_view trim(std::string_view s) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  const std::size_t first = s.find_first_not_of(blanks);
-  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
-}
 
 /// One line of a file, split at '#'. Knows where it stands.
 class TimelineLine {
@@ -11668,17 +16491,6 @@ class TimelineLine {
   std::string_view name_;
   std::vector<std::string_view> fields_;
 };
-
-/// Calls on_line(line, number) for every line, without its end; numbers count from 1.
-template <class F>
-void for_each_line(std::string_view text, F on_line) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  for (Index number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-    on_line(text.substr(0, end), number);
-    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
-  }
-}
 
 /// T = Index: frames at options.fps; T = double: seconds.
 template <class T>

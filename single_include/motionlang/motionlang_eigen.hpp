@@ -55,7 +55,8 @@ struct KernelOps {
   static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                            const Offsets& k_offsets, const AttentionOptions& options);
+                            const Offsets& k_offsets, const AttentionOptions& options,
+                            const Dense<S>* relative_scores = nullptr);
   /// {dq, dk, dv}
   static std::array<Dense<S>, 3> attention_vjp(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v,
                                                const Offsets& q_offsets, const Offsets& k_offsets,
@@ -121,6 +122,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
+  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  Index reach = 0;
 };
 template <class S>
 struct AttentionGradients {
@@ -133,6 +136,15 @@ struct LayerNorm {
   const S *x = nullptr, *residual = nullptr, *weight = nullptr, *bias = nullptr;
   Index width = 0;
   S eps = S(1e-5);
+  S* y = nullptr;
+};
+
+/// y (rows, width) = act(z^T + bias + residual), z (width, rows).
+template <class S>
+struct Transposed {
+  const S *z = nullptr, *bias = nullptr, *residual = nullptr;
+  Index rows = 0, width = 0;
+  Activation act = Activation::none;
   S* y = nullptr;
 };
 
@@ -171,6 +183,7 @@ struct Kernels {
   void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
                                  Index first, Index last);
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
+  void (*transpose)(const Transposed<S>&, Index first, Index last);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
@@ -347,6 +360,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -369,6 +387,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -634,7 +660,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -647,6 +673,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -796,6 +826,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -906,6 +965,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -1079,6 +1139,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -1101,6 +1166,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -1366,7 +1439,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -1379,6 +1452,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -1528,6 +1605,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -1638,6 +1744,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -1809,6 +1916,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -1831,6 +1943,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -2096,7 +2216,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -2109,6 +2229,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -2258,6 +2382,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -2368,6 +2521,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -2520,6 +2674,22 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
                [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }
 
+/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
+/// order as with panels of the weight, so the same bits.
+template <class S>
+Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
+  const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
+  const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
+  Dense<S> z(Shape{n, m}), y(Shape{m, n});
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  const Transposed<S> t{
+      .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
+  constexpr Index columns = 64;
+  parallel_for(parts(n, columns),
+               [&](Index i) { kernels<S>().transpose(t, i * columns, std::min(n, (i + 1) * columns)); });
+  return y;
+}
+
 template <class S>
 LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, const S* bias, double eps, S* y) {
   return {.x = x.data(),
@@ -2567,14 +2737,18 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                               const Dense<S>* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
+  const bool last =
+      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
   if (ready == nullptr || ready->kernels != &detail::kernels<S>() || ready->n != n || ready->k != k) {
+    if (last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+      return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
+                                      residual == nullptr ? nullptr : residual->data());
+    }
     packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
-  const bool last =
-      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::run_gemm(detail::Gemm<S>{.m = m,
                                    .n = n,
                                    .k = k,
@@ -2674,10 +2848,12 @@ Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
 
 template <Scalar S>
 Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                                 const Offsets& k_offsets, const AttentionOptions& options) {
+                                 const Offsets& k_offsets, const AttentionOptions& options,
+                                 const Dense<S>* relative_scores) {
   const Index d = q.shape()[1];
   Dense<S> o(q.shape());
   auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
+  if (relative_scores != nullptr) t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention(t, q_offsets, k_offsets);
@@ -2926,6 +3102,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
+  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  Index reach = 0;
 };
 template <class S>
 struct AttentionGradients {
@@ -2938,6 +3116,15 @@ struct LayerNorm {
   const S *x = nullptr, *residual = nullptr, *weight = nullptr, *bias = nullptr;
   Index width = 0;
   S eps = S(1e-5);
+  S* y = nullptr;
+};
+
+/// y (rows, width) = act(z^T + bias + residual), z (width, rows).
+template <class S>
+struct Transposed {
+  const S *z = nullptr, *bias = nullptr, *residual = nullptr;
+  Index rows = 0, width = 0;
+  Activation act = Activation::none;
   S* y = nullptr;
 };
 
@@ -2976,6 +3163,7 @@ struct Kernels {
   void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
                                  Index first, Index last);
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
+  void (*transpose)(const Transposed<S>&, Index first, Index last);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
@@ -3152,6 +3340,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -3174,6 +3367,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -3439,7 +3640,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -3452,6 +3653,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -3601,6 +3806,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -3711,6 +3945,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -3884,6 +4119,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -3906,6 +4146,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -4171,7 +4419,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -4184,6 +4432,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -4333,6 +4585,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -4443,6 +4724,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -4614,6 +4896,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -4636,6 +4923,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -4901,7 +5196,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -4914,6 +5209,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -5063,6 +5362,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -5173,6 +5501,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -5294,7 +5623,8 @@ Dense<S> EigenBackend<S>::log(tensor a) {
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::sqrt(tensor a) {
-  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sqrt(); });
+  // Eigen's own root of a packet is rounded otherwise than its root of a single number
+  return detail::eigen_unary(std::move(a), [](const auto& x) { return x.unaryExpr([](S v) { return std::sqrt(v); }); });
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::tanh(tensor a) {

@@ -13,6 +13,13 @@
 /// the model's own frame, some 20 cm off the origin. We do not have the model, so J_0 is an argument and 0 by default:
 /// `trans` is then the pelvis itself, and a viewer with a real body shows the same motion shifted by J_0.
 
+#ifndef MOTIONLANG_HAS_IO_AMASS_SEQUENCE_HPP  // <motionlang/io/amass_sequence.hpp>
+#define MOTIONLANG_HAS_IO_AMASS_SEQUENCE_HPP
+/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on SMPL's
+/// bones: amass.hpp.
+///
+/// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
+
 #ifndef MOTIONLANG_HAS_IO_NPZ_HPP  // <motionlang/io/npz.hpp>
 #define MOTIONLANG_HAS_IO_NPZ_HPP
 /// NumPy's .npz archives: several arrays in a zip, array "poses" as member "poses.npy". Written uncompressed.
@@ -350,6 +357,13 @@ inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
 }
 
+/// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
+inline void make_folder(const FilePath& path) {
+  struct stat s {};
+  if (::mkdir(path.c_str(), 0777) == 0 || (::stat(path.c_str(), &s) == 0 && S_ISDIR(s.st_mode))) return;
+  raise<io_error>(401, "cannot make the folder ", path.string());
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -535,19 +549,81 @@ inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, 
   return out;
 }
 
-/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits.
-inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, const NpyHeader& header,
-                                std::string_view file) {
+/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no size.
+inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, std::string_view where) {
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
   std::uint64_t size = item_size;
-  if (size == 0) header.unsupported("elements of no size");
+  if (size == 0) raise<io_error>(404, where, ": elements of no size");
   for (const Index n : shape) {
     if (size > static_cast<std::uint64_t>(INT64_MAX) / static_cast<std::uint64_t>(n)) {
-      raise<io_error>(405, file, ": npy header: the product of the shape is too large");
+      raise<io_error>(405, where, ": the product of the shape is too large");
     }
     size *= static_cast<std::uint64_t>(n);
   }
   return static_cast<std::size_t>(size);
+}
+
+/// An array of an element type of NumPy (">f8") and a shape, without its elements. `where` is for messages.
+/// Throws  io_error 404 for other element types
+inline NpyArray described_array(std::string_view type, std::vector<Index> shape, std::string_view where) {
+  NpyArray array;
+  array.shape = std::move(shape);
+  std::size_t digits = 0;
+  const char* end = type.data() + type.size();
+  if (type.size() < 3 || std::from_chars(type.data() + 2, end, digits).ptr != end || digits > 1'000'000'000) {
+    raise<io_error>(404, where, ": element type '", type, "'");
+  }
+  array.kind = type[1];
+  array.item_size = array.kind == 'U' ? 4 * digits : digits;
+  const bool known_order = type[0] == '<' || type[0] == '>' || type[0] == '|' || type[0] == '=';
+  if (!known_order || !(array.is_text() || with_npy_number(array.kind, digits, [](auto) {}))) {
+    raise<io_error>(404, where, ": element type '", type, "'");
+  }
+  return array;
+}
+
+/// Throws io_error 402 if `raw` has fewer bytes than the array, 403 if it has more, 405 for impossible sizes.
+inline void check_raw_size(const NpyArray& array, std::span<const std::byte> raw, std::string_view where) {
+  const std::size_t needed = checked_size(array.shape, array.item_size, where);
+  if (raw.size() < needed) raise<io_error>(402, where, ": array data of ", raw.size(), " bytes, ", needed, " needed");
+  if (raw.size() > needed) raise<io_error>(403, where, ": ", raw.size() - needed, " bytes after the array data");
+}
+
+/// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
+inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
+                             std::span<const std::byte> raw, std::string_view where) {
+  NpyArray array = described_array(type, std::move(shape), where);
+  check_raw_size(array, raw, where);
+  array.data = fortran_order ? from_fortran_order(raw, array.shape, array.item_size)
+                             : std::vector<std::byte>(raw.begin(), raw.end());
+  const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
+  if (type[0] == '>') {
+    for (auto at = array.data.begin(); at != array.data.end(); at += static_cast<std::ptrdiff_t>(unit)) {
+      std::reverse(at, at + static_cast<std::ptrdiff_t>(unit));
+    }
+  }
+  return array;
+}
+
+/// A .npy file in parts: what its header says, and the bytes behind it.
+struct NpyParts {
+  NpyHeader header;
+  std::span<const std::byte> raw;
+  std::string where;  // for messages
+};
+/// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long header.
+inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file) {
+  constexpr std::string_view magic = "\x93NUMPY";
+  constexpr std::size_t longest_header = 65536;
+  if (!as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
+  const auto major = load<std::uint8_t>(bytes, 6, file, "npy version");
+  if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
+  const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
+                                        : load<std::uint32_t>(bytes, 8, file, "npy header length");
+  if (length > longest_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
+  const std::size_t start = major == 1 ? 10 : 12;
+  return {NpyHeader(as_text(slice(bytes, start, length, file, "npy header")), start, file),
+          bytes.subspan(start + length), concat_text(file, ": npy at byte ", start)};
 }
 
 }  // namespace detail
@@ -557,47 +633,8 @@ inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_s
 /// Throws  io_error 402 if the file is too short, 403 if it is malformed (trailing bytes, too), 404 for other element
 ///         types and versions, 405 for impossible sizes
 inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view file) {
-  using detail::load;
-  constexpr std::string_view magic = "\x93NUMPY";
-  constexpr std::size_t longest_header = 65536;
-  if (!detail::as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
-  const auto major = load<std::uint8_t>(bytes, 6, file, "npy version");
-  if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
-  const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
-                                        : load<std::uint32_t>(bytes, 8, file, "npy header length");
-  if (length > longest_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
-  const std::size_t start = major == 1 ? 10 : 12;
-  const detail::NpyHeader header(detail::as_text(detail::slice(bytes, start, length, file, "npy header")), start, file);
-
-  const std::string& type = header.descr;
-  NpyArray array;
-  array.shape = header.shape;
-  std::size_t digits = 0;
-  const char* end = type.data() + type.size();
-  if (type.size() < 3 || std::from_chars(type.data() + 2, end, digits).ptr != end || digits > 1'000'000'000) {
-    header.unsupported("element type '", type, "'");
-  }
-  array.kind = type[1];
-  array.item_size = array.kind == 'U' ? 4 * digits : digits;
-  const bool known_order = type[0] == '<' || type[0] == '>' || type[0] == '|' || type[0] == '=';
-  if (!known_order || !(array.is_text() || detail::with_npy_number(array.kind, digits, [](auto) {}))) {
-    header.unsupported("element type '", type, "'");
-  }
-
-  const std::size_t needed = detail::checked_size(array.shape, array.item_size, header, file);
-  const auto raw = bytes.subspan(start + length);
-  if (raw.size() < needed)
-    raise<io_error>(402, file, ": array data end at byte ", bytes.size(), ", ", needed, " needed");
-  if (raw.size() > needed) raise<io_error>(403, file, ": ", raw.size() - needed, " bytes after the array data");
-  array.data = header.fortran_order ? detail::from_fortran_order(raw, array.shape, array.item_size)
-                                    : std::vector<std::byte>(raw.begin(), raw.end());
-  const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
-  if (type[0] == '>') {
-    for (auto at = array.data.begin(); at != array.data.end(); at += static_cast<std::ptrdiff_t>(unit)) {
-      std::reverse(at, at + static_cast<std::ptrdiff_t>(unit));
-    }
-  }
-  return array;
+  detail::NpyParts npy = detail::npy_parts(bytes, file);
+  return detail::stored_array(npy.header.descr, npy.header.fortran_order, std::move(npy.header.shape), npy.raw, npy.where);
 }
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.
@@ -820,9 +857,9 @@ struct Inflated {
   std::size_t consumed = 0;
 };
 
-/// Unpacks one deflate stream of at most `limit` bytes of output.
+/// Unpacks one deflate stream of at most `limit` bytes of output, for `expected` of which room is made before.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
-inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file) {
+inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
   // RFC 1951, 3.2.5: symbols 257 ... 285 and 0 ... 29
   static constexpr std::array<std::uint16_t, 29> length_base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                              15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -834,6 +871,7 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       193, 257, 385, 513, 769, 1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
   BitReader in(stream, file);
   std::vector<std::byte> out;
+  out.reserve(expected);
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };
@@ -918,24 +956,34 @@ class ZipArchive {
     if (entry.deflated) raise<io_error>(404, name_, ": member '", entry.name, "' is compressed");
     return bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
   }
+  /// The same after a look at the checksum. Throws io_error 403, 404.
+  std::span<const std::byte> checked(const ZipEntry& entry) const {
+    const auto data = stored(entry);
+    check_crc(entry, data);
+    return data;
+  }
   /// The unpacked bytes, checked against size and checksum.
   /// Throws  io_error 402, 403 if the data are damaged, 405 if they are more than the directory says
   std::vector<std::byte> read(const ZipEntry& entry) const {
     const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
     const std::string where = name_ + "/" + entry.name;
+    const auto size = static_cast<std::size_t>(entry.size);
     std::vector<std::byte> data = entry.deflated
-                                      ? detail::inflate(raw, static_cast<std::size_t>(entry.size), where).data
+                                      ? detail::inflate(raw, size, where, size).data
                                       : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
       raise<io_error>(403, where, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);
     }
-    if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
-      raise<io_error>(403, where, ": checksum ", crc, ", the directory says ", entry.crc);
-    }
+    check_crc(entry, data);
     return data;
   }
 
  private:
+  void check_crc(const ZipEntry& entry, std::span<const std::byte> data) const {
+    if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
+      raise<io_error>(403, name_, "/", entry.name, ": checksum ", crc, ", the directory says ", entry.crc);
+    }
+  }
   template <class T>
   T at(std::uint64_t offset, std::string_view what) const {
     return detail::load<T>(bytes_, offset, name_, what);
@@ -966,6 +1014,8 @@ class ZipArchive {
       start = at<std::uint64_t>(large + 48, "ZIP64 end record");
     }
     const auto directory = detail::slice(bytes_, start, size, name_, "zip directory");
+    constexpr std::uint64_t most_members = 100'000;
+    if (count > most_members) raise<io_error>(405, name_, ": ", count, " members; at most ", most_members);
     std::uint64_t position = start;
     for (std::uint64_t i = 0; i < count; ++i) position = read_entry(position);
     if (position > start + directory.size()) raise<io_error>(403, name_, ": zip directory runs past its end");
@@ -1160,6 +1210,39 @@ inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) 
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate). The gender may be a
+/// text or an array of one, as in SSM_synced.
+/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
+///         motion), 407 if one has another shape, 403 for an impossible frame rate
+inline AmassSequence read_amass_sequence(const FilePath& path) {
+  const NpzArchive npz = NpzArchive::open(path);
+  auto matrix = [&](std::string_view name) {
+    NpyArray array = npz.read(name);
+    if (array.shape.size() != 2) {
+      raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
+    }
+    return array;
+  };
+  const NpyArray poses = matrix("poses"), trans = matrix("trans");
+  AmassSequence out{.frames = poses.shape[0], .columns = poses.shape[1]};
+  if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {
+    raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and trans (", trans.shape[0], ", ",
+                    trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
+  }
+  out.poses = poses.to<double>();
+  out.trans = trans.to<double>();
+  out.fps = npz.read(npz.has("mocap_framerate") ? "mocap_framerate" : "mocap_frame_rate").value<double>();
+  if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
+  if (npz.has("gender")) out.gender = npz.read("gender").text();
+  if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
 /// Y up (this library) to Z up (AMASS) and back: a quarter turn about x.
 inline Vec3<double> y_up_to_z_up(const Vec3<double>& v) { return {v.x, -v.z, v.y}; }
 inline Vec3<double> z_up_to_y_up(const Vec3<double>& v) { return {v.x, v.z, -v.y}; }
@@ -1197,26 +1280,6 @@ inline void require_smpl(const Skeleton& skeleton) {
     }
   }
 }
-
-/// A matrix of numbers with a given or at least a given number of columns.
-struct AmassMatrix {
-  std::vector<double> values;
-  std::size_t rows = 0, columns = 0;
-
-  AmassMatrix(const NpzArchive& npz, std::string_view name) {
-    const NpyArray array = npz.read(name);
-    if (array.shape.size() != 2) {
-      raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
-    }
-    values = array.to<double>();
-    rows = static_cast<std::size_t>(array.shape[0]);
-    columns = static_cast<std::size_t>(array.shape[1]);
-  }
-  Vec3<double> at(std::size_t row, std::size_t column) const {
-    const double* v = values.data() + row * columns + column;
-    return {v[0], v[1], v[2]};
-  }
-};
 
 }  // namespace detail
 
@@ -1256,26 +1319,22 @@ inline void write_amass(const FilePath& path, const Motion& motion, const AmassB
 /// 406 if an array is missing, 407 if one has another shape, 403 for an impossible frame rate,
 ///         numeric_error 301 if a value is not finite
 inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
-  const NpzArchive npz = NpzArchive::open(path);
-  const detail::AmassMatrix poses(npz, "poses"), trans(npz, "trans");
-  if (poses.columns < 3 * detail::amass_joints || trans.columns != 3 || trans.rows != poses.rows) {
-    raise<io_error>(407, npz.file(), ": poses (", poses.rows, ", ", poses.columns, ") and trans (", trans.rows, ", ",
-                    trans.columns, "), expected (N, 66 or more) and (N, 3)");
-  }
-  AmassClip clip{{smpl24_skeleton(), 0, {}, {}, path.stem()}, {}};
+  AmassSequence sequence = read_amass_sequence(path);
+  AmassClip clip{{smpl24_skeleton(), sequence.fps, {}, {}, path.stem()}, {}};
+  clip.body.gender = std::move(sequence.gender);
+  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
   Motion& motion = clip.motion;
-  motion.fps = npz.read(npz.has("mocap_framerate") ? "mocap_framerate" : "mocap_frame_rate").value<double>();
-  if (!(motion.fps > 0 && motion.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", motion.fps);
-  if (npz.has("gender")) clip.body.gender = npz.read("gender").text();
-  if (npz.has("betas")) clip.body.betas = npz.read("betas").to<double>();
-
+  auto vector_at = [](const std::vector<double>& values, std::size_t at) {
+    return Vec3<double>{values[at], values[at + 1], values[at + 2]};
+  };
+  const auto frames = static_cast<std::size_t>(sequence.frames), columns = static_cast<std::size_t>(sequence.columns);
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  motion.local.assign(poses.rows * joints, Quaternion<double>::identity());
+  motion.local.assign(frames * joints, Quaternion<double>::identity());
   const Quaternion<double> lying = detail::quarter_turn_about_x(-1);
-  for (std::size_t frame = 0; frame < poses.rows; ++frame) {
-    motion.root.push_back(z_up_to_y_up(trans.at(frame, 0) + rest_pelvis));
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    motion.root.push_back(z_up_to_y_up(vector_at(sequence.trans, 3 * frame) + rest_pelvis));
     for (std::size_t j = 0; j < detail::amass_joints; ++j) {
-      const auto q = to_quaternion(AxisAngle<double>{poses.at(frame, 3 * j)});
+      const auto q = to_quaternion(AxisAngle<double>{vector_at(sequence.poses, frame * columns + 3 * j)});
       motion.local[frame * joints + j] = j == 0 ? lying * q : q;
     }
   }
@@ -1397,8 +1456,9 @@ class TextScanner {
 
   /// A finite number; a leading plus sign is accepted, a value too small for a double is 0.
   double number(std::string_view wanted) {
-    const std::string_view w = word(wanted);
     double value = 0;
+    if (plain_decimal(value)) return value;
+    const std::string_view w = word(wanted);
     const auto [end, problem] = from_digits(w, value);
     const bool whole = end == w.data() + w.size();
     if (whole && problem == std::errc::result_out_of_range && (w.find("e-") != w.npos || w.find("E-") != w.npos))
@@ -1456,6 +1516,35 @@ class TextScanner {
   static bool is_brace(char c) { return c == '{' || c == '}'; }
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  }
+  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank. Digits
+  /// and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
+  bool plain_decimal(double& value) {
+    static constexpr double powers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                        1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    skip_blanks();
+    const char* const end = text_.data() + text_.size();
+    const char* p = text_.data() + at_;
+    const bool negative = p != end && *p == '-';
+    const char* const first = p += negative;
+    const char* behind_point = nullptr;
+    std::uint64_t digits = 0;
+    for (; p != end; ++p) {
+      const unsigned digit = static_cast<unsigned char>(*p) - unsigned{'0'};
+      if (digit < 10)
+        digits = 10 * digits + digit;
+      else if (*p == '.' && behind_point == nullptr)
+        behind_point = p + 1;
+      else
+        break;
+    }
+    const auto count = p - first - (behind_point != nullptr);
+    if (count < 1 || count > 15 || (p != end && !is_blank(*p))) return false;
+    const double size = static_cast<double>(digits) / powers[behind_point == nullptr ? 0 : p - behind_point];
+    value = negative ? -size : size;
+    last_ = at_;
+    at_ = static_cast<std::size_t>(p - text_.data());
+    return true;
   }
   template <class N>
   static std::from_chars_result from_digits(std::string_view w, N& value) {
@@ -1833,6 +1922,1833 @@ inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcRe
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_ANNOTATIONS_HPP  // <motionlang/io/annotations.hpp>
+#define MOTIONLANG_HAS_IO_ANNOTATIONS_HPP
+/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by entry,
+/// written in the published layout.
+///
+///     {"000000": {"path": "KIT/3/kick_high_left02_poses", "duration": 5.82, "annotations": [
+///         {"seg_id": "000000_0", "text": "a man kicks.", "start": 0.0, "end": 5.82}, ...]}, ...}
+///
+///     const auto file = AnnotationFile::open("annotations.json");
+///     for (const std::string& id : file.select(read_ids("splits/train.txt"))) {
+///       for (const Annotation& a : training_annotations(file.load(id), "train")) ...
+///     }
+///
+/// Source  AMASS-Annotation-Unifier; TMR (Petrovich et al. 2023), src/data/text_motion.py; spec exchange-formats.md 5.1
+
+#ifndef MOTIONLANG_HAS_IO_ID_LIST_HPP  // <motionlang/io/id_list.hpp>
+#define MOTIONLANG_HAS_IO_ID_LIST_HPP
+/// Lists of clips: the split files of data sets (train.txt, val.txt, test.txt, ...), one id on each line.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Whether an id names a file in the folder of its data set: it has no control characters and does not lead out.
+inline bool is_clip_id(std::string_view id) {
+  if (id.empty() || id.front() == '/' || trim(id) != id || id.find('\\') != id.npos) return false;
+  for (std::size_t at = 0; at <= id.size();) {
+    const std::size_t end = std::min(id.find('/', at), id.size());
+    const std::string_view part = id.substr(at, end - at);
+    if (part.empty() || part == "." || part == "..") return false;
+    at = end + 1;
+  }
+  return std::none_of(id.begin(), id.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
+}
+
+}  // namespace detail
+
+/// The ids of a text in its order, without blanks around them; empty lines are skipped. Repeated ids stay.
+/// Throws io_error 403, with the line, for an id that cannot be the name of a file below a folder.
+inline std::vector<std::string> parse_ids(std::string_view text, std::string_view name = "list of ids") {
+  std::vector<std::string> ids;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    const std::string_view id = detail::trim(line);
+    if (id.empty()) return;
+    if (!detail::is_clip_id(id)) raise<io_error>(403, name, ":", number, ": '", id, "' is no id of a clip");
+    ids.emplace_back(id);
+  });
+  return ids;
+}
+/// Throws io_error 401 and as parse_ids.
+inline std::vector<std::string> read_ids(const FilePath& path) {
+  return parse_ids(detail::as_text(MappedFile::open(path)->bytes()), path.string());
+}
+/// Throws io_error 401, 403 for an id that would not be read again.
+inline void write_ids(const FilePath& path, std::span<const std::string> ids) {
+  std::string text;
+  for (const std::string& id : ids) {
+    if (!detail::is_clip_id(id)) raise<io_error>(403, path.string(), ": '", id, "' is no id of a clip");
+    text += id + '\n';
+  }
+  write_file(path, text);
+}
+
+/// Mirrored clips have an M in front of their ids.
+inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_JSON_MEMBERS_HPP  // <motionlang/io/json_members.hpp>
+#define MOTIONLANG_HAS_IO_JSON_MEMBERS_HPP
+/// The members of the object that a JSON file consists of, found without reading their values: a large file of many
+/// entries opens quickly and stays on the disk, an entry is parsed when it is asked for.
+///
+///     const auto file = JsonMembers::open("annotations.json");
+///     for (const std::string& id : file.keys()) use(file.load(id));
+
+#ifndef MOTIONLANG_HAS_IO_JSON_HPP  // <motionlang/io/json.hpp>
+#define MOTIONLANG_HAS_IO_JSON_HPP
+/// JSON documents: reading with positions in the messages, and typed access that names the way to a wrong value. The
+/// only header that includes nlohmann/json.hpp; it costs a translation unit 1.5 s, so include it in few.
+///
+///     const nlohmann::json document = read_json("config.json");
+///     const JsonView config(document, "config.json");
+///     const int width = config["model"]["latent_dim"].as<int>();
+///     const double rate = config["optim"].value_or("lr", 1e-4);
+
+#include <nlohmann/json.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Deepest nesting that is read: what works on documents later recurses.
+inline constexpr int max_json_depth = 256;
+
+namespace detail {
+
+/// Throws io_error 403 with line and column of a byte of the text.
+[[noreturn]] inline void raise_json(std::string_view text, std::size_t byte, std::string_view name,
+                                    std::string_view what) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
+  raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
+                  ": ", what);
+}
+
+/// Reads the document in `size` bytes of a text from `begin` on; messages give the place in the whole text.
+inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size,
+                                      std::string_view name) {
+  const std::string_view part = text.substr(begin, size);
+  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
+    return true;
+  };
+  try {
+    return nlohmann::json::parse(part, shallow);
+  } catch (const nlohmann::json::parse_error& e) {
+    const std::string_view message = e.what();
+    const std::size_t detail = message.rfind(": ");  // behind id and position
+    raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
+               detail == message.npos ? message : message.substr(detail + 2));
+  } catch (const nlohmann::json::out_of_range& e) {  // ... parsing '1e999'
+    const std::string_view message = e.what();
+    const std::size_t number = message.find('\'') + 1;
+    const std::size_t at = part.find(message.substr(number, message.rfind('\'') - number));
+    raise_json(text, begin + std::min(at, size), name, "a number beyond the range of double");
+  }
+  return {};
+}
+
+}  // namespace detail
+
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
+inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
+  return detail::parse_json_part(text, 0, text.size(), name);
+}
+
+/// Reads a file. Throws io_error 401, 403.
+inline nlohmann::json read_json(const FilePath& path) {
+  return parse_json(read_file(path), path.string());
+}
+
+/// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
+/// Every access to a value of the wrong kind throws config_error 107 with that way.
+class JsonView {
+ public:
+  explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
+      : value_(&document), path_(std::move(name)) {}
+  JsonView(nlohmann::json&&, std::string = {}) = delete;  // a view does not keep its document
+
+  const nlohmann::json& json() const { return *value_; }
+  const std::string& path() const { return path_; }
+
+  bool is_null() const { return value_->is_null(); }
+  bool is_object() const { return value_->is_object(); }
+  bool is_array() const { return value_->is_array(); }
+  bool is_string() const { return value_->is_string(); }
+  bool is_number() const { return value_->is_number(); }
+
+  /// Whether this is an object with that member.
+  bool contains(const std::string& key) const { return value_->is_object() && value_->contains(key); }
+  JsonView operator[](const std::string& key) const {
+    if (!value_->is_object()) fail("an object");
+    const auto member = value_->find(key);
+    if (member == value_->end()) raise<config_error>(107, path_, ": has no member '", key, "'");
+    return {*member, path_ + (is_root_ ? ": " : ".") + key, Inner{}};
+  }
+  JsonView operator[](Index i) const {
+    if (i < 0 || i >= size()) raise<config_error>(107, path_, ": no element ", i, " among ", size());
+    return {(*value_)[static_cast<std::size_t>(i)], concat_text(path_, is_root_ ? ": [" : "[", i, "]"), Inner{}};
+  }
+  /// Number of elements of an array.
+  Index size() const {
+    if (!value_->is_array()) fail("an array");
+    return static_cast<Index>(value_->size());
+  }
+  /// Names of the members of an object, sorted.
+  std::vector<std::string> keys() const {
+    if (!value_->is_object()) fail("an object");
+    std::vector<std::string> out;
+    for (const auto& member : value_->items()) out.push_back(member.key());
+    return out;
+  }
+
+  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is no integer
+  /// and an integer has to fit.
+  template <class T>
+  T as() const {
+    T out{};
+    get(out);
+    return out;
+  }
+  /// The member `key` if it is there and not null, else `otherwise`.
+  template <class T>
+  T value_or(const std::string& key, T otherwise) const {
+    return contains(key) && !(*value_)[key].is_null() ? (*this)[key].as<T>() : otherwise;
+  }
+  std::string value_or(const std::string& key, const char* otherwise) const {
+    return value_or(key, std::string(otherwise));
+  }
+
+ private:
+  struct Inner {};
+  JsonView(const nlohmann::json& value, std::string path, Inner)
+      : value_(&value), path_(std::move(path)), is_root_(false) {}
+
+  [[noreturn]] void fail(std::string_view wanted) const {
+    raise<config_error>(107, path_, ": expected ", wanted, ", found ", value_->type_name());
+  }
+
+  void get(bool& out) const {
+    if (!value_->is_boolean()) fail("true or false");
+    out = value_->get<bool>();
+  }
+  void get(std::string& out) const {
+    if (!value_->is_string()) fail("a string");
+    out = value_->get_ref<const std::string&>();
+  }
+  template <std::floating_point T>
+  void get(T& out) const {
+    if (!value_->is_number()) fail("a number");
+    out = value_->get<T>();
+  }
+  template <std::integral T>
+  void get(T& out) const {
+    if (value_->is_number_float()) return get_whole(out);
+    if (!value_->is_number_integer()) fail("an integer");
+    const bool fits = value_->is_number_unsigned() ? std::in_range<T>(value_->get<std::uint64_t>())
+                                                   : std::in_range<T>(value_->get<std::int64_t>());
+    if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
+    out = value_->get<T>();
+  }
+  /// 20.0 where 20 is due: Python writes such numbers.
+  template <std::integral T>
+  void get_whole(T& out) const {
+    const auto number = value_->get<double>();
+    if (!(std::abs(number) < 0x1p53) || number != std::trunc(number)) fail("an integer");
+    if (!std::in_range<T>(static_cast<std::int64_t>(number))) fail("a smaller integer");
+    out = static_cast<T>(number);
+  }
+  template <class T>
+  void get(std::vector<T>& out) const {
+    for (Index i = 0; i < size(); ++i) out.push_back((*this)[i].as<T>());
+  }
+  template <class T>
+  void get(std::map<std::string, T>& out) const {
+    for (const std::string& key : keys()) out[key] = (*this)[key].template as<T>();
+  }
+
+  const nlohmann::json* value_;
+  std::string path_;
+  bool is_root_ = true;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+class JsonMembers {
+ public:
+  /// Throws io_error 401; 403 if the file is not an object, if a name stands twice, and at the end of the file where
+  /// something is not closed. Mistakes inside of a value show when it is loaded.
+  static JsonMembers open(const FilePath& path) {
+    const auto file = MappedFile::open(path);
+    return JsonMembers(detail::as_text(file->bytes()), path.string(), file);
+  }
+  static JsonMembers from_text(std::string text, std::string name = "JSON") {
+    const auto kept = std::make_shared<const std::string>(std::move(text));
+    return JsonMembers(*kept, std::move(name), kept);
+  }
+
+  const std::string& name() const { return name_; }
+  /// In the order of the file.
+  const std::vector<std::string>& keys() const { return keys_; }
+  bool has(const std::string& key) const { return parts_.contains(key); }
+  /// Throws config_error 103 if there is no such member, io_error 403 with line and column if its value is malformed.
+  nlohmann::json load(const std::string& key) const {
+    const auto found = parts_.find(key);
+    if (found == parts_.end()) raise<config_error>(103, name_, ": has no member '", key, "'");
+    return detail::parse_json_part(text_, found->second.begin, found->second.size, name_);
+  }
+  /// Where a member stands, for the messages of a JsonView of it: "annotations.json: 00001".
+  std::string place(const std::string& key) const { return name_ + ": " + key; }
+
+ private:
+  struct Part {
+    std::size_t begin, size;
+  };
+
+  JsonMembers(std::string_view text, std::string name, std::shared_ptr<const void> owner)
+      : text_(text), name_(std::move(name)), owner_(std::move(owner)) {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // byte order mark
+    expect('{');
+    if (!accept('}')) {
+      do add_member();
+      while (accept(','));
+      expect('}');
+    }
+    skip_blanks();
+    if (at_ != text_.size()) fail(at_, "something follows the object");
+  }
+
+  void add_member() {
+    skip_blanks();
+    const std::size_t start = at_;
+    if (peek() != '"') fail(at_, "expected a name in quotes");
+    skip_string();
+    const auto key = detail::parse_json_part(text_, start, at_ - start, name_).get<std::string>();
+    expect(':');
+    skip_blanks();
+    const std::size_t value = at_;
+    skip_value();
+    if (at_ == value) fail(at_, "expected a value");
+    if (!parts_.emplace(key, Part{value, at_ - value}).second) fail(start, "the name '" + key + "' stands twice");
+    keys_.push_back(key);
+  }
+  /// To the place behind a value: brackets are counted and strings stepped over. What stands between them is for the
+  /// parser.
+  void skip_value() {
+    if (peek() != '{' && peek() != '[' && peek() != '"') {
+      at_ = std::min(text_.find_first_of(",:{}[]\" \t\r\n", at_), text_.size());
+      return;
+    }
+    int depth = 0;
+    do {
+      const char c = peek();
+      if (at_ == text_.size()) fail(at_, "the text ends inside of a value");
+      if (c == '"') {
+        skip_string();
+      } else {
+        depth += (c == '{' || c == '[') - (c == '}' || c == ']');
+        ++at_;
+      }
+    } while (depth > 0);
+  }
+  void skip_string() {
+    const std::size_t start = at_++;
+    for (; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+      if (text_[at_] == '\\') ++at_;
+    }
+    if (at_ >= text_.size()) fail(start, "a string has no end");
+    ++at_;
+  }
+
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  void skip_blanks() {
+    while (peek() == ' ' || peek() == '\t' || peek() == '\r' || peek() == '\n') ++at_;
+  }
+  bool accept(char c) {
+    skip_blanks();
+    return peek() == c && (++at_, true);
+  }
+  void expect(char c) {
+    if (!accept(c)) fail(at_, concat_text("expected '", c, "'"));
+  }
+  [[noreturn]] void fail(std::size_t at, std::string_view what) const { detail::raise_json(text_, at, name_, what); }
+
+  std::string_view text_;
+  std::string name_;
+  std::shared_ptr<const void> owner_;
+  std::size_t at_ = 0;
+  std::vector<std::string> keys_;
+  std::unordered_map<std::string, Part> parts_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct Annotation {
+  std::string seg_id;  // "<id>_<number>"
+  std::string text;
+  double start = 0, end = 0;  // seconds
+  bool operator==(const Annotation&) const = default;
+};
+
+struct AnnotatedMotion {
+  std::string id;
+  std::string path;  // AMASS-relative, without extension; "M/..." of mirrored motions, "humanact12/..." of HumanAct12
+  double duration = 0;  // seconds
+  std::vector<Annotation> annotations;
+  bool operator==(const AnnotatedMotion&) const = default;
+};
+
+namespace detail {
+
+/// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
+inline void require_times(std::string_view place, double start, double end) {
+  if (!(start >= 0 && start <= end && std::isfinite(end)))
+    raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
+}
+
+}  // namespace detail
+
+/// An annotation file that is being read. Entries are parsed when they are asked for.
+class AnnotationFile {
+ public:
+  /// Throws io_error 401, 403 (JsonMembers).
+  static AnnotationFile open(const FilePath& path) { return AnnotationFile(JsonMembers::open(path)); }
+  static AnnotationFile from_text(std::string text, std::string name = "annotations") {
+    return AnnotationFile(JsonMembers::from_text(std::move(text), std::move(name)));
+  }
+
+  /// In the order of the file.
+  const std::vector<std::string>& ids() const { return members_.keys(); }
+  bool has(const std::string& id) const { return members_.has(id); }
+
+  /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
+  /// malformed JSON (with line and column) and for times that are none.
+  AnnotatedMotion load(const std::string& id) const {
+    const nlohmann::json document = members_.load(id);
+    const JsonView view(document, members_.place(id));
+    AnnotatedMotion motion{id, view["path"].as<std::string>(), view["duration"].as<double>(), {}};
+    detail::require_times(view["duration"].path(), 0, motion.duration);
+    const JsonView list = view["annotations"];
+    for (Index i = 0; i < list.size(); ++i) {
+      const JsonView a = list[i];
+      motion.annotations.push_back(
+          {a["seg_id"].as<std::string>(), a["text"].as<std::string>(), a["start"].as<double>(), a["end"].as<double>()});
+      detail::require_times(a.path(), motion.annotations.back().start, motion.annotations.back().end);
+    }
+    return motion;
+  }
+
+  /// The ids of a split that have an entry, in the order of the split. Others are left out silently, as published.
+  std::vector<std::string> select(std::span<const std::string> split) const {
+    std::vector<std::string> out;
+    std::copy_if(split.begin(), split.end(), std::back_inserter(out), [&](const std::string& id) { return has(id); });
+    return out;
+  }
+
+ private:
+  explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
+  JsonMembers members_;
+};
+
+/// What TMR trains on: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without any are
+/// left out of the split. Evaluation takes the first text.
+inline std::vector<Annotation> training_annotations(const AnnotatedMotion& motion, std::string_view split,
+                                                    double least = 2, double most = 10) {
+  if (split.find("test") != split.npos) return motion.annotations;
+  std::vector<Annotation> out;
+  for (const Annotation& a : motion.annotations) {
+    if (a.end - a.start >= least && a.end - a.start <= most) out.push_back(a);
+  }
+  return out;
+}
+
+/// The frames of a text: int(start fps) up to int(end fps), as far as the motion goes.
+inline FrameSlice annotated_frames(const Annotation& a, double fps, Index frames) {
+  return slice_of_seconds(a.start, a.end, fps, frames);
+}
+
+/// The entry of the mirrored motion: "M" in front of id, seg_id and path, and captions of the other side.
+inline AnnotatedMotion mirrored(AnnotatedMotion motion) {
+  motion.id = mirrored_id(motion.id);
+  motion.path = concat_text("M/", motion.path);
+  for (Annotation& a : motion.annotations) {
+    a.seg_id = mirrored_id(a.seg_id);
+    a.text = mirror_caption(a.text);
+  }
+  return motion;
+}
+
+/// The text of an annotation file, laid out as the published ones.
+/// Laws    AnnotationFile::from_text(annotations_json(x)) loads x
+/// Throws  io_error 403 for an id that stands twice, a text that is not UTF-8, and times that are none
+inline std::string annotations_json(std::span<const AnnotatedMotion> motions) {
+  std::string out = "{";
+  std::unordered_set<std::string_view> seen;
+  for (const AnnotatedMotion& m : motions) {
+    const std::string place = "annotations: " + m.id;
+    auto checked = [&](const std::string& text) {
+      if (!is_utf8(text)) raise<io_error>(403, place, ": a text is not UTF-8");
+      return text;
+    };
+    if (!seen.insert(m.id).second) raise<io_error>(403, place, ": the id stands twice");
+    detail::require_times(place, 0, m.duration);
+    auto list = nlohmann::ordered_json::array();
+    for (const Annotation& a : m.annotations) {
+      detail::require_times(place, a.start, a.end);
+      list.push_back({{"seg_id", checked(a.seg_id)}, {"text", checked(a.text)}, {"start", a.start}, {"end", a.end}});
+    }
+    const nlohmann::ordered_json entry{
+        {"path", checked(m.path)}, {"duration", m.duration}, {"annotations", std::move(list)}};
+    out += (out.size() == 1 ? "\n  " : ",\n  ") + nlohmann::json(checked(m.id)).dump(-1, ' ', true) + ": ";
+    for (const char c : entry.dump(2, ' ', true)) {
+      out += c;
+      if (c == '\n') out += "  ";
+    }
+  }
+  return out + (motions.empty() ? "}" : "\n}");
+}
+/// Throws io_error 401 and as annotations_json.
+inline void write_annotations(const FilePath& path, std::span<const AnnotatedMotion> motions) {
+  write_file(path, annotations_json(motions));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_BABEL_HPP  // <motionlang/io/babel.hpp>
+#define MOTIONLANG_HAS_IO_BABEL_HPP
+/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; and the stretches as TEACH and
+/// SINC take them.
+///
+///     const auto file = BabelFile::open("train.json");
+///     for (const std::string& id : file.ids()) {
+///       const BabelSequence sequence = file.load(id);
+///       for (const auto& a : sequence.frame_annotations) use(babel_segments(a.labels, 30, frames, spelling));
+///     }
+///
+/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.4,
+///         teach.md 4, sinc.md 5
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BabelLabel {
+  std::string raw_label, proc_label, seg_id;
+  std::vector<std::string> act_cat;  // empty where the file has null
+  double start = 0, end = 0;         // seconds; of a whole sequence: all of it
+  bool operator==(const BabelLabel&) const = default;
+};
+
+/// By one annotator. Labels stand in the order of the file: not sorted, perhaps overlapping, the last one perhaps a few
+/// milliseconds longer than the sequence.
+struct BabelAnnotation {
+  std::string babel_lid, anntr_id;
+  bool mul_act = false;  // several actions
+  std::vector<BabelLabel> labels;
+  bool operator==(const BabelAnnotation&) const = default;
+};
+
+struct BabelSequence {
+  std::string id;
+  std::int64_t babel_sid = 0;
+  std::string url, feat_p;  // feat_p: "CMU/CMU/141/141_05_poses.npz", the folder of the data set twice
+  double dur = 0;           // seconds, rounded to hundredths; 0 if the file has none
+  std::vector<BabelAnnotation> sequence_annotations, frame_annotations;
+  bool operator==(const BabelSequence&) const = default;
+};
+
+/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a sequence).
+class BabelFile {
+ public:
+  /// Throws io_error 401, 403 (JsonMembers).
+  static BabelFile open(const FilePath& path) { return BabelFile(JsonMembers::open(path)); }
+  static BabelFile from_text(std::string text, std::string name = "BABEL") {
+    return BabelFile(JsonMembers::from_text(std::move(text), std::move(name)));
+  }
+
+  /// In the order of the file.
+  const std::vector<std::string>& ids() const { return members_.keys(); }
+  bool has(const std::string& id) const { return members_.has(id); }
+
+  /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
+  /// malformed JSON (with line and column) and for times that are none.
+  BabelSequence load(const std::string& id) const {
+    const nlohmann::json document = members_.load(id);
+    const JsonView view(document, members_.place(id));
+    BabelSequence out{id,
+                      view["babel_sid"].as<std::int64_t>(),
+                      view.value_or("url", ""),
+                      view.value_or("feat_p", ""),
+                      view.value_or("dur", 0.0),
+                      {},
+                      {}};
+    if (!(out.dur >= 0 && std::isfinite(out.dur))) raise<io_error>(403, view.path(), ": dur is ", out.dur);
+    for (const char* key : {"seq_ann", "seq_anns"}) read(view, key, {0, out.dur, false}, out.sequence_annotations);
+    for (const char* key : {"frame_ann", "frame_anns"}) read(view, key, {0, 0, true}, out.frame_annotations);
+    return out;
+  }
+
+ private:
+  struct Times {
+    double start, end;
+    bool in_file;
+  };
+
+  explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
+
+  /// An annotation, a list of them, null or nothing.
+  static void read(const JsonView& entry, const std::string& key, const Times& times,
+                   std::vector<BabelAnnotation>& out) {
+    if (!entry.contains(key) || entry[key].is_null()) return;
+    const JsonView view = entry[key];
+    if (!view.is_array()) return out.push_back(annotation(view, times));
+    for (Index i = 0; i < view.size(); ++i) {
+      if (!view[i].is_null()) out.push_back(annotation(view[i], times));
+    }
+  }
+  static BabelAnnotation annotation(const JsonView& view, const Times& times) {
+    BabelAnnotation out{
+        view.value_or("babel_lid", ""), view.value_or("anntr_id", ""), view.value_or("mul_act", false), {}};
+    const JsonView labels = view["labels"];
+    for (Index i = 0; i < labels.size(); ++i) out.labels.push_back(label(labels[i], times));
+    return out;
+  }
+  static BabelLabel label(const JsonView& view, const Times& times) {
+    BabelLabel out{view.value_or("raw_label", ""),
+                   view.value_or("proc_label", ""),
+                   view.value_or("seg_id", ""),
+                   view.value_or("act_cat", std::vector<std::string>{}),
+                   times.start,
+                   times.end};
+    if (times.in_file) {
+      out.start = view["start_t"].as<double>();
+      out.end = view["end_t"].as<double>();
+      if (!(out.start >= 0 && out.start <= out.end && std::isfinite(out.end)))
+        raise<io_error>(403, view.path(), ": from ", out.start, " to ", out.end, " seconds");
+    }
+    return out;
+  }
+
+  JsonMembers members_;
+};
+
+/// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
+using SpellingTable = std::unordered_map<std::string, std::string>;
+
+/// The label word by word through the table, joined by single blanks. The published table is the user's to supply.
+inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
+  std::string out;
+  for (label = detail::trim(label); !label.empty(); label = detail::trim(label)) {
+    std::string word(label.substr(0, std::min(label.find_first_of(" \t\r\n\v\f"), label.size())));
+    label.remove_prefix(word.size());
+    if (const auto found = spelling.find(word); found != spelling.end()) word = found->second;
+    if (!out.empty()) out += ' ';
+    out += word;
+  }
+  return out;
+}
+
+/// Labels that TEACH and SINC train nothing on.
+inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
+                                                                       "tpose",  "apose",  "transition"};
+inline bool is_babel_excluded(std::string_view label) {
+  return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
+}
+
+/// Frames [start, end) with their text.
+struct BabelSegment {
+  Index start = 0, end = 0;
+  std::string text;
+  bool operator==(const BabelSegment&) const = default;
+};
+
+struct BabelSegmentOptions {
+  bool keep_transitions = false;  // TEACH pairs actions by the transition between them
+};
+
+/// The stretches of an annotation in a motion of `frames` frames, sorted by start and end: int(start fps) up to
+/// int(end fps), cut at the end of the motion. Without empty ones, those without text and excluded labels.
+/// Throws config_error 101 for a rate that is none.
+inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labels, double fps, Index frames,
+                                                const SpellingTable& spelling = {},
+                                                const BabelSegmentOptions& options = {}) {
+  if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "babel_segments: ", fps, " frames per second");
+  const auto frame = [&](double seconds) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
+  };
+  std::vector<BabelSegment> out;
+  for (const BabelLabel& label : labels) {
+    BabelSegment segment{frame(label.start), frame(label.end), clean_babel_label(label.proc_label, spelling)};
+    const bool transition = options.keep_transitions && segment.text == "transition";
+    if (segment.end > segment.start && !segment.text.empty() && (transition || !is_babel_excluded(segment.text)))
+      out.push_back(std::move(segment));
+  }
+  std::stable_sort(out.begin(), out.end(), [](const BabelSegment& a, const BabelSegment& b) {
+    return std::pair(a.start, a.end) < std::pair(b.start, b.end);
+  });
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_BODY_FILE_HPP  // <motionlang/io/body_file.hpp>
+#define MOTIONLANG_HAS_IO_BODY_FILE_HPP
+/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its content,
+/// the kind of body by its number of joints; a body of any other number of joints is read, too. No file of these is or may be
+/// part of this library.
+///
+///     auto file = find_body_file("models", BodyKind::smplh);
+///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
+///     auto posed = body.model(betas, rotations, translation);        // vertices, joints, extra points
+///
+/// Coefficients are those of shape and then those of expression. Source: spec weights.md 8, body-models.md 2, 4, 7.
+
+#include <variant>  // one of two forms
+
+#ifndef MOTIONLANG_HAS_IO_PICKLE_ARRAYS_HPP  // <motionlang/io/pickle_arrays.hpp>
+#define MOTIONLANG_HAS_IO_PICKLE_ARRAYS_HPP
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's compressed matrices, chumpy's
+/// nodes (which SMPL's first files hold).
+///
+///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
+///
+/// Source  spec weights.md, sections 5.2, 6, 7, 8.2
+
+#ifndef MOTIONLANG_HAS_IO_PICKLE_HPP  // <motionlang/io/pickle.hpp>
+#define MOTIONLANG_HAS_IO_PICKLE_HPP
+/// Python pickles, protocols 0 to 5, read without executing anything.
+///
+/// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts, lists,
+/// dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked for: name,
+/// arguments, state, items. What such an object means is the business of the caller, who looks at the names that it knows:
+/// io/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose storages are `persistent`.
+///
+///     Pickle file = Pickle::open("model.pkl");
+///     NpyArray weights = to_array(file.root()["weights"]);
+///
+/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed. Memory is
+/// bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are views into the file.
+///
+/// Source  CPython Lib/pickle.py and pickletools.py; spec weights.md, section 5
+
+#ifndef MOTIONLANG_HAS_IO_DETAIL_PICKLE_MACHINE_HPP  // <motionlang/io/detail/pickle_machine.hpp>
+#define MOTIONLANG_HAS_IO_DETAIL_PICKLE_MACHINE_HPP
+/// The stack machine of a pickle: opcodes in, a graph of inert values out. Nothing is called or imported.
+
+#include <deque>          // unescaped texts: views to them stay valid
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class PickleKind : std::uint8_t {
+  none,
+  boolean,
+  integer,
+  real,
+  text,   // also whole numbers of more than 64 bits in protocol 0: their digits
+  bytes,  // also the texts of Python 2, and such numbers in other protocols: little-endian
+  list,   // also sets
+  tuple,
+  dict,
+  name,        // of a class or a function
+  object,      // what calling one would have made
+  persistent,  // something outside the pickle, known by an id
+};
+inline std::string_view name_of(PickleKind k) {
+  constexpr std::string_view names[] = {"None",         "a truth value", "a whole number", "a real number",
+                                        "a text",       "bytes",         "a list",         "a tuple",
+                                        "a dictionary", "a name",        "an object",      "a persistent id"};
+  return names[static_cast<std::size_t>(k)];
+}
+inline std::string to_string(PickleKind k) { return std::string(name_of(k)); }
+
+class PickleValue;
+
+/// Bytes in the file that belong to an object but not to the pickle.
+struct InlineBytes {
+  std::uint64_t begin = 0, size = 0;  // begin 0: there are none
+};
+
+struct PickleOptions {
+  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty: all but
+  /// those that execute something; classes that nobody knows are inert objects.
+  std::span<const std::string_view> allowed{};
+  bool persistent_ids = false;         // PyTorch's storages
+  std::size_t max_values = 4'000'000;  // values and links between them; never more than the bytes of the file allow
+  std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB and as much as the file has
+  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on behind.
+  InlineBytes (*inline_bytes)(const PickleValue& object, std::span<const std::byte> file,
+                              std::uint64_t position) = nullptr;
+};
+
+namespace detail {
+
+using PickleRef = std::uint32_t;
+inline constexpr PickleRef no_pickle_value = UINT32_MAX;
+
+struct PickleNode {
+  PickleKind kind = PickleKind::none;
+  bool keyed = false;  // items are keys and values in turn
+  PickleRef callee = no_pickle_value, arguments = no_pickle_value, state = no_pickle_value;
+  std::uint64_t at = 0;
+  std::int64_t integer = 0;
+  double real = 0;
+  std::string_view text, attribute;  // of a name: module and attribute; of an object: the bytes that follow it
+  std::vector<PickleRef> items;
+};
+
+class PickleMachine {
+ public:
+  PickleMachine(std::span<const std::byte> bytes, std::string file, const PickleOptions& options)
+      : bytes_(bytes), file_(std::move(file)), options_(options) {
+    budget_ = std::min<std::uint64_t>(options_.max_values, 16 + 2 * std::uint64_t{bytes.size()});
+    memory_ = options_.max_memory != 0 ? options_.max_memory : (std::uint64_t{24} << 20) + bytes.size();
+  }
+
+  const std::string& file() const { return file_; }
+  const PickleNode& node(PickleRef ref) const { return nodes_[ref]; }
+  std::uint64_t position() const { return position_; }
+  /// Values that stand for something outside of the pickle, in the order of the file.
+  const std::vector<PickleRef>& persistent() const { return persistent_; }
+
+  /// Reads from `start` to STOP and gives the value that is left.
+  PickleRef run(std::uint64_t start) {
+    position_ = start;
+    for (;;) {
+      opcode_at_ = position_;
+      const auto opcode = static_cast<unsigned char>(number<std::uint8_t>("opcode"));
+      if (opcode == '.') return pop();
+      execute(opcode);
+    }
+  }
+
+ private:
+  static constexpr std::size_t max_stack = 1'000'000, max_marks = 100'000, max_line = 65536, max_digits = 1024;
+
+  template <class... T>
+  [[noreturn]] void fail(int id, const T&... what) const {
+    raise<io_error>(id, file_, ": pickle: ", what..., " at byte ", opcode_at_);
+  }
+
+  // The file.
+
+  template <class T>
+  T number(std::string_view what) {
+    const T value = load<T>(bytes_, position_, file_, what);
+    position_ += sizeof(T);
+    return value;
+  }
+  std::string_view take(std::uint64_t size, std::string_view what) {
+    const auto part = slice(bytes_, position_, size, file_, what);
+    position_ += size;
+    return as_text(part);
+  }
+  /// Up to the end of the line, which is skipped.
+  std::string_view line(std::size_t longest) {
+    const std::string_view rest = as_text(bytes_.subspan(static_cast<std::size_t>(position_)));
+    const std::size_t end = rest.substr(0, longest).find('\n');
+    if (end == std::string_view::npos) {
+      fail(rest.size() > longest ? 405 : 402, "a line without end");
+    }
+    position_ += end + 1;
+    const std::string_view text = rest.substr(0, end);
+    return text.ends_with('\r') ? text.substr(0, end - 1) : text;
+  }
+  std::string_view keep(std::string text) {
+    spend(sizeof(std::string) + text.size());
+    return owned_.emplace_back(std::move(text));
+  }
+
+  // The stack. Marks are positions in it; what lies below the last one is out of reach.
+
+  void charge(std::size_t count) {
+    if (count > budget_) fail(405, "more values than a file of ", bytes_.size(), " bytes may have");
+    budget_ -= count;
+    spend(count * 2 * sizeof(PickleRef));
+  }
+  void spend(std::uint64_t bytes) {
+    if (bytes > memory_) fail(405, "more memory than a file of ", bytes_.size(), " bytes may need");
+    memory_ -= bytes;
+  }
+  PickleRef add(PickleKind kind) {
+    charge(1);
+    spend(sizeof(PickleNode));
+    nodes_.push_back({});
+    nodes_.back().kind = kind;
+    nodes_.back().at = opcode_at_;
+    return static_cast<PickleRef>(nodes_.size() - 1);
+  }
+  void push(PickleRef ref) {
+    if (stack_.size() >= max_stack) fail(405, "more than ", max_stack, " values on the stack");
+    stack_.push_back(ref);
+  }
+  PickleNode& push_new(PickleKind kind) {
+    push(add(kind));
+    return nodes_.back();
+  }
+  std::size_t floor() const { return marks_.empty() ? 0 : marks_.back(); }
+  PickleRef top() const {
+    if (stack_.size() <= floor()) fail(403, "nothing on the stack");
+    return stack_.back();
+  }
+  PickleRef pop() {
+    const PickleRef ref = top();
+    stack_.pop_back();
+    return ref;
+  }
+  PickleNode& pop_node(PickleKind kind) {
+    PickleNode& n = nodes_[pop()];
+    if (n.kind != kind) fail(403, name_of(kind), " expected on the stack, found ", name_of(n.kind));
+    return n;
+  }
+  /// Values above the last mark; the mark goes, too.
+  std::vector<PickleRef> pop_marked() {
+    if (marks_.empty()) fail(403, "no mark on the stack");
+    const auto first = stack_.begin() + static_cast<std::ptrdiff_t>(marks_.back());
+    std::vector<PickleRef> items(first, stack_.end());
+    stack_.erase(first, stack_.end());
+    marks_.pop_back();
+    return items;
+  }
+  std::vector<PickleRef> pop_some(std::size_t count) {
+    std::vector<PickleRef> items(count);
+    for (std::size_t i = count; i-- > 0;) items[i] = pop();
+    return items;
+  }
+
+  // Values.
+
+  void push_integer(std::int64_t value) { push_new(PickleKind::integer).integer = value; }
+  void push_boolean(bool value) { push_new(PickleKind::boolean).integer = value ? 1 : 0; }
+  void push_real(double value) { push_new(PickleKind::real).real = value; }
+  void push_text(PickleKind kind, std::string_view text) { push_new(kind).text = text; }
+  void push_items(PickleKind kind, std::vector<PickleRef> items) {
+    charge(items.size());
+    PickleNode& n = push_new(kind);
+    n.keyed = kind == PickleKind::dict;
+    if (n.keyed && items.size() % 2 != 0) fail(403, "a key without a value");
+    n.items = std::move(items);
+  }
+  void add_items(bool keyed, const std::vector<PickleRef>& items) {
+    PickleNode& n = nodes_[top()];
+    const bool fits = keyed ? n.kind == PickleKind::dict : n.kind == PickleKind::list;
+    const bool object = n.kind == PickleKind::object && (n.items.empty() || n.keyed == keyed);
+    if (!fits && !object) fail(403, keyed ? "entries for " : "elements for ", name_of(n.kind));
+    if (keyed && items.size() % 2 != 0) fail(403, "a key without a value");
+    charge(items.size());
+    n.keyed = keyed;
+    n.items.insert(n.items.end(), items.begin(), items.end());
+  }
+
+  /// Little-endian two's complement of any length.
+  void push_long(std::string_view digits) {
+    if (digits.size() > 8) return push_text(PickleKind::bytes, digits);
+    const bool negative = !digits.empty() && (digits.back() & 0x80) != 0;
+    std::uint64_t value = negative ? ~std::uint64_t{0} : 0;
+    for (std::size_t i = digits.size(); i-- > 0;) value = value << 8 | static_cast<unsigned char>(digits[i]);
+    push_integer(static_cast<std::int64_t>(value));
+  }
+  template <class T>
+  T parse(std::string_view digits, const char* what) {
+    T value{};
+    const char* const end = digits.data() + digits.size();
+    const auto [stop, problem] = std::from_chars(digits.data(), end, value);
+    if (problem != std::errc() || stop != end) fail(403, "not ", what, ": '", digits, "'");
+    return value;
+  }
+  void push_decimal(std::string_view digits) {
+    if (digits.ends_with('L')) digits.remove_suffix(1);
+    std::int64_t value = 0;
+    const char* const end = digits.data() + digits.size();
+    const auto [stop, problem] = std::from_chars(digits.data(), end, value);
+    if (problem == std::errc::invalid_argument || stop != end) fail(403, "not a whole number: '", digits, "'");
+    if (problem != std::errc()) return push_text(PickleKind::text, digits);
+    push_integer(value);
+  }
+  /// UTF-8, or with surrogates of their own, which Python writes as three bytes each.
+  void push_utf8(std::string_view text) {
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t start = at;
+      if (decode_utf8(text, at) != invalid_code_point) continue;
+      if (text[start] != '\xED' || start + 2 >= text.size()) fail(403, "a text that is not UTF-8");
+      at = start + 3;
+    }
+    push_text(PickleKind::text, text);
+  }
+
+  static int hexadecimal(char c) {
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+  }
+  /// The number of `count` hexadecimal digits from text[at].
+  char32_t code(std::string_view text, std::size_t at, std::size_t count) {
+    char32_t value = 0;
+    for (std::size_t i = at; i < at + count; ++i) {
+      const int digit = i < text.size() ? hexadecimal(text[i]) : -1;
+      if (digit < 0) fail(403, "a damaged escape in a text");
+      value = value << 4 | static_cast<char32_t>(digit);
+    }
+    return value;
+  }
+  /// 'text' in quotes, with the escapes of Python's repr.
+  std::string unquoted(std::string_view text) {
+    const bool quoted =
+        text.size() >= 2 && text.front() == text.back() && (text.front() == '\'' || text.front() == '"');
+    if (!quoted) fail(403, "a text without quotes");
+    text = text.substr(1, text.size() - 2);
+    constexpr std::string_view letters = "abfnrtv\\'\"", meanings = "\a\b\f\n\r\t\v\\'\"";
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] != '\\') {
+        out += text[i];
+        continue;
+      }
+      const char c = ++i < text.size() ? text[i] : '\0';
+      if (const std::size_t k = letters.find(c); k != std::string_view::npos) {
+        out += meanings[k];
+      } else if (c == 'x') {
+        out += static_cast<char>(code(text, i + 1, 2));
+        i += 2;
+      } else if (c >= '0' && c < '8') {
+        unsigned value = 0;
+        std::size_t end = i;
+        for (; end < text.size() && end < i + 3 && text[end] >= '0' && text[end] < '8'; ++end) {
+          value = value * 8 + static_cast<unsigned>(text[end] - '0');
+        }
+        out += static_cast<char>(value & 255u);
+        i = end - 1;
+      } else {
+        fail(403, "a damaged escape in a text");
+      }
+    }
+    return out;
+  }
+  /// Latin-1 with \uXXXX and \UXXXXXXXX.
+  std::string raw_unicode(std::string_view text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const char next = i + 1 < text.size() ? text[i + 1] : '\0';
+      char32_t c = static_cast<unsigned char>(text[i]);
+      if (c == '\\' && (next == 'u' || next == 'U')) {
+        const std::size_t digits = next == 'u' ? 4 : 8;
+        c = code(text, i + 2, digits);
+        if (c > 0x10FFFF) fail(403, "a damaged escape in a text");
+        i += 1 + digits;
+      }
+      append_utf8(out, c);
+    }
+    return out;
+  }
+
+  // Names and calls.
+
+  static bool executes(std::string_view module, std::string_view attribute) {
+    constexpr std::string_view modules[] = {"os",    "posix",     "nt",  "subprocess", "sys",      "socket", "shutil",
+                                            "runpy", "importlib", "pty", "ctypes",     "commands", "popen2", "code"};
+    constexpr std::string_view builtins[] = {"eval",  "exec",       "execfile",  "compile", "open",
+                                             "file",  "__import__", "getattr",   "setattr", "delattr",
+                                             "apply", "input",      "breakpoint"};
+    const std::string_view package = module.substr(0, module.find('.'));
+    if (std::find(std::begin(modules), std::end(modules), package) != std::end(modules)) return true;
+    return is_builtin(module) && std::find(std::begin(builtins), std::end(builtins), attribute) != std::end(builtins);
+  }
+  static bool is_builtin(std::string_view module) { return module == "__builtin__" || module == "builtins"; }
+  bool allowed(std::string_view module, std::string_view attribute) const {
+    const std::string name = concat_text(module, ".", attribute);
+    return options_.allowed.empty() ||
+           std::any_of(options_.allowed.begin(), options_.allowed.end(), [&](std::string_view pattern) {
+             return pattern.ends_with('.') ? name.starts_with(pattern) : name == pattern;
+           });
+  }
+  void push_name(std::string_view module, std::string_view attribute) {
+    if (module.size() > max_line || attribute.size() > max_line) fail(405, "a name of more than ", max_line, " bytes");
+    if (executes(module, attribute)) {
+      fail(404, "names ", module, ".", attribute, ": the file tries to execute code");
+    }
+    if (!allowed(module, attribute)) fail(404, "names ", module, ".", attribute, ", which is not allowed here");
+    PickleNode& n = push_new(PickleKind::name);
+    n.text = module;
+    n.attribute = attribute;
+  }
+
+  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted once, however
+  /// often it is asked for.
+  std::string_view latin1(PickleRef ref) {
+    const auto [slot, first] = latin1_.try_emplace(ref);
+    if (!first) return slot->second;
+    spend(sizeof(*slot) + 2 * sizeof(void*));
+    const std::string_view text = nodes_[ref].text;
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+      const char32_t c = decode_utf8(text, at);
+      if (c > 255) fail(403, "bytes outside Latin-1");
+      out += static_cast<char>(static_cast<unsigned char>(c));
+    }
+    return slot->second = keep(std::move(out));
+  }
+
+  /// Result of calling `callee`: a plain value if Python's own types are meant, else an object that remembers the call.
+  void call(PickleRef callee, PickleRef arguments) {
+    const std::string_view module = nodes_[callee].text, attribute = nodes_[callee].attribute;
+    const bool named = nodes_[callee].kind == PickleKind::name;
+    const std::vector<PickleRef>& given = nodes_[arguments].items;
+    auto is_sequence = [&](PickleRef r) {
+      return nodes_[r].kind == PickleKind::list || nodes_[r].kind == PickleKind::tuple;
+    };
+    if (named && module == "collections" && (attribute == "OrderedDict" || attribute == "defaultdict")) {
+      if (attribute == "defaultdict" || given.empty()) return push_items(PickleKind::dict, {});
+      if (given.size() == 1 && is_sequence(given[0])) return push_pairs(given[0]);
+      fail(403, "arguments of collections.OrderedDict");
+    }
+    const bool encode = named && module == "_codecs" && attribute == "encode";
+    const bool encoded = given.size() == 2 && nodes_[given[0]].kind == PickleKind::text &&
+                         (nodes_[given[1]].text == "latin1" || nodes_[given[1]].text == "latin-1");
+    if (encode && !encoded) fail(404, "an encoding other than Latin-1");
+    if (named && is_builtin(module)) {
+      const bool bytes = attribute == "bytes" || attribute == "bytearray";
+      if (bytes && encoded) return push_bytes(given[0]);
+      if (bytes && given.empty()) return push_text(PickleKind::bytes, {});
+      const bool collection =
+          attribute == "list" || attribute == "tuple" || attribute == "set" || attribute == "frozenset";
+      if (collection && given.empty()) return push_items(PickleKind::list, {});
+      if (collection && given.size() == 1 && is_sequence(given[0])) return push(given[0]);
+      if (attribute == "bytearray" && given.size() == 1 && nodes_[given[0]].kind == PickleKind::bytes) {
+        return push(given[0]);
+      }
+    }
+    if (encode) return push_bytes(given[0]);
+    const bool rebuilt = named && (module == "copy_reg" || module == "copyreg") && attribute == "_reconstructor";
+    if (rebuilt && given.empty()) fail(403, "arguments of copyreg._reconstructor");
+    const PickleRef made_by = rebuilt ? given[0] : callee;  // (class, base, state of the base)
+    PickleNode& n = push_new(PickleKind::object);
+    n.callee = made_by;
+    n.arguments = arguments;
+  }
+  void push_bytes(PickleRef text) { push_text(PickleKind::bytes, latin1(text)); }
+  void push_pairs(PickleRef list) {
+    std::vector<PickleRef> items;
+    for (const PickleRef pair : nodes_[list].items) {
+      const std::vector<PickleRef>& entry = nodes_[pair].items;
+      if (entry.size() != 2 || nodes_[pair].keyed) fail(403, "a pair of key and value expected");
+      items.insert(items.end(), entry.begin(), entry.end());
+    }
+    push_items(PickleKind::dict, std::move(items));
+  }
+
+  void build() {
+    const PickleRef state = pop();
+    PickleNode& n = nodes_[top()];
+    if (n.kind != PickleKind::object && n.kind != PickleKind::dict && n.kind != PickleKind::list) {
+      fail(403, "a state for ", name_of(n.kind));
+    }
+    n.state = state;
+    if (options_.inline_bytes != nullptr && n.kind == PickleKind::object) read_inline(top());
+  }
+  void read_inline(PickleRef object);  // in io/pickle.hpp: it needs PickleValue
+
+  void put(std::uint64_t index) {
+    const auto [slot, first] = memo_.try_emplace(index);
+    if (first) spend(sizeof(*slot) + 2 * sizeof(void*));
+    slot->second = top();
+  }
+  void get(std::uint64_t index) {
+    const auto found = memo_.find(index);
+    if (found == memo_.end()) fail(403, "memo ", index, " was never written");
+    push(found->second);
+  }
+  void push_persistent(PickleRef id) {
+    if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
+    push_new(PickleKind::persistent).arguments = id;
+    persistent_.push_back(stack_.back());
+  }
+
+  // clang-format off
+  void execute(unsigned char opcode) {
+    switch (opcode) {
+      case 0x80: if (const int v = number<std::uint8_t>("protocol"); v > 5) fail(404, "protocol ", v); return;
+      case 0x95: frame(number<std::uint64_t>("frame")); return;
+      case '(': if (marks_.size() >= max_marks) fail(405, "too many marks"); marks_.push_back(stack_.size()); return;
+      case '0': if (stack_.size() == floor() && !marks_.empty()) marks_.pop_back(); else pop(); return;
+      case '1': pop_marked(); return;
+      case '2': push(top()); return;
+
+      case 'N': push_new(PickleKind::none); return;
+      case 0x88: push_boolean(true); return;
+      case 0x89: push_boolean(false); return;
+      case 'K': push_integer(number<std::uint8_t>("integer")); return;
+      case 'M': push_integer(number<std::uint16_t>("integer")); return;
+      case 'J': push_integer(number<std::int32_t>("integer")); return;
+      case 'I': {
+        const std::string_view digits = line(max_digits);
+        if (digits == "00" || digits == "01") return push_boolean(digits == "01");
+        return push_decimal(digits);
+      }
+      case 'L': push_decimal(line(max_digits)); return;
+      case 'F': push_real(parse<double>(line(max_digits), "a real number")); return;
+      case 'G': push_real(std::bit_cast<double>(__builtin_bswap64(number<std::uint64_t>("real number")))); return;
+      case 0x8A: push_long(take(number<std::uint8_t>("length"), "integer")); return;
+      case 0x8B: push_long(take(length(), "integer")); return;
+
+      case 'X': push_utf8(take(number<std::uint32_t>("length"), "text")); return;
+      case 0x8C: push_utf8(take(number<std::uint8_t>("length"), "text")); return;
+      case 0x8D: push_utf8(take(number<std::uint64_t>("length"), "text")); return;
+      case 'V': push_text(PickleKind::text, keep(raw_unicode(line(bytes_.size())))); return;
+      case 'U': push_text(PickleKind::bytes, take(number<std::uint8_t>("length"), "text")); return;
+      case 'T': push_text(PickleKind::bytes, take(length(), "text")); return;
+      case 'S': push_text(PickleKind::bytes, keep(unquoted(line(bytes_.size())))); return;
+      case 'C': push_text(PickleKind::bytes, take(number<std::uint8_t>("length"), "bytes")); return;
+      case 'B': push_text(PickleKind::bytes, take(number<std::uint32_t>("length"), "bytes")); return;
+      case 0x8E: case 0x96: push_text(PickleKind::bytes, take(number<std::uint64_t>("length"), "bytes")); return;
+
+      case ')': push_items(PickleKind::tuple, {}); return;
+      case 0x85: push_items(PickleKind::tuple, pop_some(1)); return;
+      case 0x86: push_items(PickleKind::tuple, pop_some(2)); return;
+      case 0x87: push_items(PickleKind::tuple, pop_some(3)); return;
+      case 't': push_items(PickleKind::tuple, pop_marked()); return;
+      case ']': case 0x8F: push_items(PickleKind::list, {}); return;
+      case 'l': case 0x91: push_items(PickleKind::list, pop_marked()); return;
+      case 'a': { const auto items = pop_some(1); return add_items(false, items); }
+      case 'e': case 0x90: { const auto items = pop_marked(); return add_items(false, items); }
+      case '}': push_items(PickleKind::dict, {}); return;
+      case 'd': push_items(PickleKind::dict, pop_marked()); return;
+      case 's': { const auto items = pop_some(2); return add_items(true, items); }
+      case 'u': { const auto items = pop_marked(); return add_items(true, items); }
+
+      case 'q': put(number<std::uint8_t>("memo")); return;
+      case 'r': put(number<std::uint32_t>("memo")); return;
+      case 'p': put(parse<std::uint64_t>(line(max_digits), "a memo number")); return;
+      case 0x94: put(memo_.size()); return;
+      case 'h': get(number<std::uint8_t>("memo")); return;
+      case 'j': get(number<std::uint32_t>("memo")); return;
+      case 'g': get(parse<std::uint64_t>(line(max_digits), "a memo number")); return;
+
+      case 'c': { const std::string_view module = line(max_line); return push_name(module, line(max_line)); }
+      case 0x93: {
+        const std::string_view attribute = pop_node(PickleKind::text).text;
+        return push_name(pop_node(PickleKind::text).text, attribute);
+      }
+      case 'R': case 0x81: {
+        const PickleRef arguments = pop();
+        return call_with_tuple(pop(), arguments);
+      }
+      case 0x92: {
+        pop_node(PickleKind::dict);
+        const PickleRef arguments = pop();
+        return call_with_tuple(pop(), arguments);
+      }
+      case 'i': {
+        const std::string_view module = line(max_line);
+        push_items(PickleKind::tuple, pop_marked());
+        const PickleRef arguments = pop();
+        push_name(module, line(max_line));
+        return call_with_tuple(pop(), arguments);
+      }
+      case 'o': {
+        std::vector<PickleRef> items = pop_marked();
+        if (items.empty()) fail(403, "an object without a class");
+        const PickleRef callee = items.front();
+        items.erase(items.begin());
+        push_items(PickleKind::tuple, std::move(items));
+        return call_with_tuple(callee, pop());
+      }
+      case 'b': build(); return;
+      case 'Q': push_persistent(pop()); return;
+      case 'P': push_text(PickleKind::text, line(max_line)); push_persistent(pop()); return;
+
+      case 0x82: case 0x83: case 0x84: case 0x97: case 0x98: fail(404, "an extension or a buffer outside the file");
+      default: fail(403, "opcode ", int{opcode});
+    }
+  }
+  // clang-format on
+
+  void frame(std::uint64_t size) {
+    if (size > bytes_.size() - position_) {
+      raise<io_error>(402, file_, ": pickle: a frame of ", size, " bytes at byte ", opcode_at_, " of ", bytes_.size());
+    }
+  }
+  std::uint64_t length() {
+    const auto n = number<std::int32_t>("length");
+    if (n < 0) fail(403, "a negative length");
+    return static_cast<std::uint64_t>(n);
+  }
+  void call_with_tuple(PickleRef callee, PickleRef arguments) {
+    if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
+    call(callee, arguments);
+  }
+
+  std::span<const std::byte> bytes_;
+  std::string file_;
+  PickleOptions options_;
+  std::uint64_t position_ = 0, opcode_at_ = 0, budget_ = 0, memory_ = 0;
+  std::deque<PickleNode> nodes_;
+  std::vector<PickleRef> stack_, persistent_;
+  std::vector<std::size_t> marks_;
+  std::unordered_map<std::uint64_t, PickleRef> memo_;
+  std::unordered_map<PickleRef, std::string_view> latin1_;
+  std::deque<std::string> owned_;
+};
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+class Pickle;
+
+/// A value in a pickle: a handle, valid as long as its Pickle lives. Graphs may share values and may be cyclic: whoever
+/// descends into one limits the depth.
+class PickleValue {
+ public:
+  PickleKind kind() const { return node().kind; }
+  bool is(PickleKind k) const { return kind() == k; }
+  /// The same for handles of the same value.
+  std::uint32_t id() const { return ref_; }
+  /// Offset of the byte that made it.
+  std::uint64_t at() const { return node().at; }
+  const std::string& file() const { return machine_->file(); }
+
+  /// Values of these kinds. A whole number also reads as a real one, a truth value as 0 or 1. Throws io_error 407.
+  std::int64_t integer() const {
+    if (!is(PickleKind::integer) && !is(PickleKind::boolean)) wrong("a whole number");
+    return node().integer;
+  }
+  bool boolean() const {
+    if (!is(PickleKind::boolean)) integer();
+    return node().integer != 0;
+  }
+  double real() const { return is(PickleKind::real) ? node().real : static_cast<double>(integer()); }
+  /// UTF-8; of a Python-2 string the bytes as they are, which is Latin-1. Throws io_error 407.
+  std::string_view text() const {
+    if (!is(PickleKind::text) && !is(PickleKind::bytes)) wrong("a text");
+    return node().text;
+  }
+  std::span<const std::byte> bytes() const {
+    if (!is(PickleKind::bytes)) wrong("bytes");
+    return std::as_bytes(std::span(node().text.data(), node().text.size()));
+  }
+
+  /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or set.
+  std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
+  /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
+  bool keyed() const { return node().keyed; }
+  /// Element of a sequence. Throws io_error 407 if there is no such element.
+  PickleValue operator[](std::size_t i) const {
+    if (node().keyed || i >= node().items.size()) wrong("a sequence of more elements");
+    return {*machine_, node().items[i]};
+  }
+  /// Key and value of entry i < size() of a dictionary. Throws io_error 407 if it is none.
+  PickleValue key(std::size_t i) const { return entry(2 * i); }
+  PickleValue value(std::size_t i) const { return entry(2 * i + 1); }
+  /// The entry of a dictionary with this text as its key; of several the last, as in Python.
+  std::optional<PickleValue> find(std::string_view name) const {
+    for (std::size_t i = node().keyed ? size() : 0; i-- > 0;) {
+      const PickleValue k = key(i);
+      if ((k.is(PickleKind::text) || k.is(PickleKind::bytes)) && k.text() == name) return value(i);
+    }
+    return std::nullopt;
+  }
+  /// Throws io_error 406 if there is none.
+  PickleValue operator[](std::string_view name) const {
+    const auto found = find(name);
+    if (!found) raise<io_error>(406, machine_->file(), ": no entry '", name, "' in the dictionary at byte ", at());
+    return *found;
+  }
+
+  /// "module.attribute" of a name, and of the class or function that made an object; "" for all others.
+  std::string name() const {
+    if (is(PickleKind::name)) return concat_text(node().text, ".", node().attribute);
+    if (!is(PickleKind::object)) return "";
+    return machine_->node(node().callee).kind == PickleKind::name ? PickleValue(*machine_, node().callee).name() : "";
+  }
+  /// Of an object: what its class or function was called with. Of a persistent value: its id.
+  PickleValue arguments() const { return related(node().arguments, "arguments"); }
+  /// Of an object: what it was asked to restore itself from.
+  PickleValue state() const { return related(node().state, "a state"); }
+  bool has_state() const { return node().state != detail::no_pickle_value; }
+  /// Of an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
+  std::span<const std::byte> inline_bytes() const {
+    if (!is(PickleKind::object)) wrong("an object with bytes behind it");
+    return std::as_bytes(std::span(node().text.data(), node().text.size()));
+  }
+
+  /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
+  template <class... T>
+  [[noreturn]] void fail(int id, const T&... what) const {
+    raise<io_error>(id, machine_->file(), ": ", what..., " at byte ", at());
+  }
+
+ private:
+  friend class Pickle;
+  friend class detail::PickleMachine;
+  PickleValue(const detail::PickleMachine& machine, detail::PickleRef ref) : machine_(&machine), ref_(ref) {}
+  const detail::PickleNode& node() const { return machine_->node(ref_); }
+  [[noreturn]] void wrong(const char* expected) const {
+    const std::string n = name();
+    fail(407, expected, " expected, found ", to_string(kind()), n.empty() ? "" : " ", n);
+  }
+  PickleValue entry(std::size_t i) const {
+    if (!node().keyed || i >= node().items.size()) wrong("a dictionary of more entries");
+    return {*machine_, node().items[i]};
+  }
+  PickleValue related(detail::PickleRef ref, const char* what) const {
+    if (ref == detail::no_pickle_value) wrong(what);
+    return {*machine_, ref};
+  }
+
+  const detail::PickleMachine* machine_;
+  detail::PickleRef ref_;
+};
+
+namespace detail {
+
+inline void PickleMachine::read_inline(PickleRef object) {
+  const InlineBytes found = options_.inline_bytes(PickleValue(*this, object), bytes_, position_);
+  if (found.begin == 0) return;
+  nodes_[object].text = as_text(slice(bytes_, found.begin, found.size, file_, "bytes behind an object"));
+  position_ = found.begin + found.size;
+}
+
+}  // namespace detail
+
+/// A pickle that has been read.
+class Pickle {
+ public:
+  /// file    for messages
+  /// owner   keeps `bytes` alive
+  /// start   of the pickle in the bytes: several may follow each other
+  /// Throws  io_error 402 if it ends too early, 403 if it is malformed, 404 if it names what must not be executed, what
+  ///         `options` do not allow, or an extension, 405 beyond the limits
+  Pickle(std::span<const std::byte> bytes, std::string file, const PickleOptions& options = {},
+         std::shared_ptr<const void> owner = nullptr, std::uint64_t start = 0)
+      : machine_(std::make_unique<detail::PickleMachine>(bytes, std::move(file), options)), owner_(std::move(owner)) {
+    root_ = machine_->run(start);
+  }
+  /// Throws io_error 401, and as above.
+  static Pickle open(const FilePath& path, const PickleOptions& options = {}) {
+    auto file = MappedFile::open(path);
+    return Pickle(file->bytes(), path.string(), options, file);
+  }
+
+  PickleValue root() const { return {*machine_, root_}; }
+  /// The values that stand for something outside of the pickle, in the order of the file.
+  std::vector<PickleValue> persistent() const {
+    std::vector<PickleValue> out;
+    for (const detail::PickleRef ref : machine_->persistent()) out.push_back({*machine_, ref});
+    return out;
+  }
+  /// Offset behind the pickle.
+  std::uint64_t end() const { return machine_->position(); }
+
+ private:
+  std::unique_ptr<detail::PickleMachine> machine_;  // values point to it
+  std::shared_ptr<const void> owner_;
+  detail::PickleRef root_ = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline bool is_numpy(const PickleValue& v, std::string_view function) {
+  const std::string name = v.name();
+  for (const std::string_view module :
+       {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.", "numpy._core.numeric.", "numpy."}) {
+    if (name.starts_with(module) && std::string_view(name).substr(module.size()) == function) return true;
+  }
+  return false;
+}
+
+inline std::vector<Index> shape_of(const PickleValue& sizes) {
+  std::vector<Index> shape;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const std::int64_t n = sizes[i].integer();
+    if (n < 0 || i >= 32) sizes.fail(403, "not the shape of an array");
+    shape.push_back(static_cast<Index>(n));
+  }
+  return shape;
+}
+
+/// numpy.dtype('f8', False, True) with the state (3, '<', None, ...): "<f8".
+inline std::string dtype_of(const PickleValue& v) {
+  if (!is_numpy(v, "dtype")) v.fail(407, "an element type expected");
+  std::string type(v.arguments()[0].text());
+  if (type.starts_with('<') || type.starts_with('>') || type.starts_with('|')) return type;
+  return concat_text(v.has_state() ? v.state()[1].text() : "=", type);
+}
+
+inline bool is_joblib_array(const PickleValue& v) { return v.name() == "joblib.numpy_pickle.NumpyArrayWrapper"; }
+inline bool is_numpy_scalar(const PickleValue& v) { return is_numpy(v, "scalar"); }
+inline bool is_numpy_array(const PickleValue& v) {
+  return is_numpy(v, "_reconstruct") || is_numpy(v, "_frombuffer") || is_joblib_array(v);
+}
+
+/// An array of NumPy as the file holds it. The bytes live as long as the Pickle and the file.
+struct PickledArray {
+  std::string type;  // NumPy's: "<f4"
+  bool fortran_order = false;
+  std::vector<Index> shape;
+  std::span<const std::byte> raw;
+  std::string where;  // for messages
+};
+inline PickledArray pickled_array(const PickleValue& v) {
+  const std::string where = concat_text(v.file(), ": array at byte ", v.at());
+  if (is_numpy(v, "_reconstruct")) {
+    const PickleValue state = v.state();  // version, shape, element type, whether the first index is the fastest, bytes
+    return {dtype_of(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
+  }
+  if (is_joblib_array(v)) {
+    const PickleValue state = v.state();
+    return {dtype_of(state["dtype"]), state["order"].text() == "F", shape_of(state["shape"]), v.inline_bytes(), where};
+  }
+  const PickleValue given = v.arguments();
+  if (is_numpy(v, "_frombuffer")) {  // bytes, element type, shape, order
+    return {dtype_of(given[1]), given[3].text() == "F", shape_of(given[2]), given[0].bytes(), where};
+  }
+  return {dtype_of(given[0]), false, {}, given[1].bytes(), where};
+}
+
+inline NpyArray numpy_array(const PickleValue& v) {
+  PickledArray a = pickled_array(v);
+  return stored_array(a.type, a.fortran_order, std::move(a.shape), a.raw, a.where);
+}
+
+inline bool is_compressed_matrix(const PickleValue& v) {
+  const std::string name = v.name();
+  return name.starts_with("scipy.sparse.") && (name.ends_with(".csc_matrix") || name.ends_with(".csr_matrix"));
+}
+
+/// A compressed matrix in full: entries indptr[c] ... indptr[c + 1] - 1 lie in column (csr: row) c at row (column) indices[k].
+inline NpyArray dense_matrix(const PickleValue& v) {
+  const PickleValue state = v.state();
+  const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
+  const auto numbers = [&](const char* name) { return numpy_array(state[name]); };
+  const auto data = numbers("data").to<double>();
+  const auto indices = numbers("indices").to<std::int64_t>(), starts = numbers("indptr").to<std::int64_t>();
+  constexpr Index most = 2'000'000;
+  if (shape.size() != 2) v.fail(403, "a sparse matrix with ", shape.size(), " sizes");
+  const Index rows = shape[0], columns = shape[1];
+  if (rows > most || columns > most || rows * columns > most) {
+    v.fail(405, "a sparse matrix of ", rows, " x ", columns, " is too large");
+  }
+  const bool by_column = v.name().ends_with("csc_matrix");
+  const Index major = by_column ? columns : rows, minor = by_column ? rows : columns;
+  if (std::ssize(starts) != major + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
+      indices.size() != data.size() || !std::is_sorted(starts.begin(), starts.end())) {
+    v.fail(403, "a sparse matrix whose arrays do not fit together");
+  }
+  std::vector<double> dense(static_cast<std::size_t>(rows * columns), 0.0);
+  for (Index c = 0; c < major; ++c) {
+    for (auto k = static_cast<std::size_t>(starts[static_cast<std::size_t>(c)]);
+         k < static_cast<std::size_t>(starts[static_cast<std::size_t>(c) + 1]); ++k) {
+      if (indices[k] < 0 || indices[k] >= minor) v.fail(403, "index ", indices[k], " in a sparse matrix of ", minor);
+      dense[static_cast<std::size_t>(by_column ? indices[k] * columns + c : c * columns + indices[k])] += data[k];
+    }
+  }
+  return NpyArray::of(std::span<const double>(dense), {rows, columns});
+}
+
+inline NpyArray to_array(const PickleValue& v, int depth);
+
+/// Select: a flattened, elements idxs of it, in the shape preferred_shape.
+inline NpyArray selected_array(const PickleValue& v, int depth) {
+  const PickleValue state = v.state();
+  const auto values = to_array(state["a"], depth).to<double>();
+  const auto indices = to_array(state["idxs"], depth).to<std::int64_t>();
+  std::vector<double> out;
+  for (const std::int64_t i : indices) {
+    if (i < 0 || i >= std::ssize(values)) v.fail(403, "index ", i, " into ", values.size(), " values");
+    out.push_back(values[static_cast<std::size_t>(i)]);
+  }
+  const auto preferred = state.find("preferred_shape");
+  const bool has_shape = preferred && !preferred->is(PickleKind::none);
+  auto shape = has_shape ? shape_of(*preferred) : std::vector<Index>{std::ssize(out)};
+  if (static_cast<std::size_t>(checked_size(shape, 1, "chumpy")) != out.size()) {
+    v.fail(403, out.size(), " selected values for another shape");
+  }
+  return NpyArray::of(std::span<const double>(out), std::move(shape));
+}
+
+/// Any other node of chumpy: its only value, called x or a.
+inline NpyArray node_array(const PickleValue& v, int depth) {
+  if (!v.has_state()) v.fail(404, "an array of class ", v.name());
+  const auto x = v.state().find("x"), a = v.state().find("a");
+  if (x.has_value() == a.has_value()) v.fail(404, "an array of class ", v.name());
+  return to_array(x ? *x : *a, depth);
+}
+
+inline NpyArray to_array(const PickleValue& v, int depth) {
+  constexpr int deepest = 32;
+  if (depth > deepest) v.fail(405, "arrays in arrays, more than ", deepest, " deep");
+  if (v.is(PickleKind::integer) || v.is(PickleKind::boolean)) return NpyArray::scalar(v.integer());
+  if (v.is(PickleKind::real)) return NpyArray::scalar(v.real());
+  if (is_numpy_array(v) || is_numpy_scalar(v)) return numpy_array(v);
+  if (is_compressed_matrix(v)) return dense_matrix(v);
+  const std::string name = v.name();
+  if (name == "chumpy.reordering.Select") return selected_array(v, depth + 1);
+  if (name.starts_with("chumpy.")) return node_array(v, depth + 1);
+  v.fail(407, "an array expected, found ", name.empty() ? to_string(v.kind()) : name);
+}
+
+}  // namespace detail
+
+/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of bytes that
+/// fill up to an aligned address.
+/// Throws  io_error 403 if its description is damaged, 404 for arrays of objects
+inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::byte> file,
+                                      std::uint64_t position) {
+  if (!detail::is_joblib_array(object)) return {};
+  const PickleValue state = object.state();
+  const auto alignment = state.find("numpy_array_alignment_bytes");
+  if (alignment && !alignment->is(PickleKind::none)) {
+    position += 1 + detail::load<std::uint8_t>(file, position, object.file(), "padding of an array");
+  }
+  const NpyArray described = detail::described_array(detail::dtype_of(state["dtype"]), detail::shape_of(state["shape"]),
+                                                     concat_text(object.file(), ": array at byte ", object.at()));
+  return {position, detail::checked_size(described.shape, described.item_size, object.file())};
+}
+
+/// The array that a value of a pickle means: of NumPy or joblib, a single number, a compressed matrix of SciPy in full (as real numbers),
+/// or the value of a chumpy node.
+/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
+///         the value is no array
+inline NpyArray to_array(const PickleValue& value) { return detail::to_array(value, 0); }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct BodyFileOptions {
+  Index betas = 10;        // coefficients of shape
+  Index expressions = 10;  // SMPL-X: coefficients of expression, which follow those of shape
+  bool extra_points =
+      true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
+};
+
+namespace detail {
+
+/// The named arrays of a file of either form.
+class BodyArrays {
+ public:
+  explicit BodyArrays(const FilePath& path) : file_(path.string()), source_(open(path)) {}
+
+  const std::string& file() const { return file_; }
+  bool has(const char* name) const {
+    if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->has(name);
+    return std::get<Pickle>(source_).root().find(name).has_value();
+  }
+  NpyArray read(const char* name) const {
+    if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->read(name);
+    return to_array(std::get<Pickle>(source_).root()[name]);
+  }
+  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not finite.
+  template <class T>
+  std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const {
+    const NpyArray array = read(name);
+    bool fits = array.shape.size() == wanted.size();
+    for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
+    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", shape(array.shape), ", expected ", shape(wanted));
+    if (found != nullptr) *found = array.shape;
+    std::vector<T> values = array.to<T>();
+    for (const T x : values) {
+      if (!std::isfinite(static_cast<double>(x))) raise<numeric_error>(301, file_, ": '", name, "' is not finite");
+    }
+    return values;
+  }
+
+ private:
+  static std::variant<NpzArchive, Pickle> open(const FilePath& path) {
+    auto file = MappedFile::open(path);
+    if (as_text(file->bytes()).starts_with("PK\x03\x04"))
+      return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
+    return Pickle(file->bytes(), path.string(), {}, file);
+  }
+  static std::string shape(const std::vector<Index>& sizes) {
+    std::string out = "(";
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      out += concat_text(i > 0 ? ", " : "", sizes[i] < 0 ? "any" : concat_text(sizes[i]));
+    }
+    return out + ")";
+  }
+  std::string file_;
+  std::variant<NpzArchive, Pickle> source_;
+};
+
+/// Columns first ... first + count - 1 of every row.
+template <class T>
+void copy_columns(const std::vector<T>& from, Index width, Index first, Index count, std::vector<T>& to, Index to_width,
+                  Index to_first) {
+  for (Index row = 0; row < static_cast<Index>(from.size()) / width; ++row) {
+    std::copy_n(from.begin() + row * width + first, count, to.begin() + row * to_width + to_first);
+  }
+}
+
+/// Row 0: parents, the root's as -1 of any width. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
+inline std::vector<int> body_parents(const BodyArrays& arrays) {
+  std::vector<Index> shape;
+  const auto table = arrays.read<double>("kintree_table", {2, -1}, &shape);
+  const auto joints = static_cast<std::size_t>(shape[1]);
+  std::vector<int> parents;
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (table[joints + j] != static_cast<double>(j)) {
+      raise<io_error>(403, arrays.file(), ": 'kintree_table' calls joint ", j, " ", table[joints + j]);
+    }
+    if (j > 0 && !(table[j] >= 0 && table[j] < static_cast<double>(j))) {
+      raise<io_error>(403, arrays.file(), ": 'kintree_table': joint ", j, " has parent ", table[j],
+                      ", which does not come before it");
+    }
+    parents.push_back(j == 0 ? -1 : static_cast<int>(table[j]));
+  }
+  if (joints == 0) raise<io_error>(403, arrays.file(), ": 'kintree_table' has no joints");
+  return parents;
+}
+
+template <class S>
+void check_weights(const BodyArrays& arrays, const std::vector<S>& weights, Index joints) {
+  for (std::size_t at = 0; at < weights.size(); at += static_cast<std::size_t>(joints)) {
+    double sum = 0;
+    for (Index j = 0; j < joints; ++j) sum += static_cast<double>(weights[at + static_cast<std::size_t>(j)]);
+    if (std::abs(sum - 1) > 1e-3) {
+      raise<io_error>(403, arrays.file(), ": 'weights' of vertex ", at / static_cast<std::size_t>(joints),
+                      " sum up to ", sum);
+    }
+  }
+}
+
+inline std::vector<std::array<Index, 3>> body_faces(const BodyArrays& arrays, Index vertices) {
+  std::vector<std::array<Index, 3>> faces;
+  const auto numbers = arrays.read<std::int64_t>("f", {-1, 3});
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    std::array<Index, 3> face{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      face[c] = static_cast<Index>(numbers[i + c]);
+      if (face[c] < 0 || face[c] >= vertices) {
+        raise<io_error>(403, arrays.file(), ": face ", i / 3, " has vertex ", face[c], " of ", vertices);
+      }
+    }
+    faces.push_back(face);
+  }
+  return faces;
+}
+
+template <Backend B>
+std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* components, const char* mean) {
+  if (!arrays.has(components)) return std::nullopt;
+  using S = typename B::scalar;
+  std::vector<Index> shape;
+  const auto rows = arrays.read<S>(components, {-1, 45}, &shape);
+  return HandPoses<B>{Tensor<B, 2>::from(rows, {shape[0], 45}), Tensor<B, 1>::from(arrays.read<S>(mean, {45}), {45})};
+}
+
+/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old ones.
+inline Index first_expression(BodyKind kind, Index directions) {
+  if (kind != BodyKind::smplx) return directions;
+  return directions > 300 ? 300 : directions > 10 ? directions - 10 : directions;
+}
+
+inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
+
+}  // namespace detail
+
+/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are not finite,
+///         config_error 101 if the file has fewer coefficients than asked for
+template <Backend B>
+Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
+  using S = typename B::scalar;
+  const detail::BodyArrays arrays(path);
+  Body<B> body;
+  BodyModel<B>& model = body.model;
+  model.parents = detail::body_parents(arrays);
+  const Index joints = model.joints();
+  body.kind = body_kind_of(joints);
+
+  std::vector<Index> shape;
+  auto tensor = [](const std::vector<S>& values, Index rows, Index columns) {
+    return Tensor<B, 2>::from(values, {rows, columns});
+  };
+  const auto points = arrays.read<S>("v_template", {-1, 3}, &shape);
+  const Index vertices = shape[0];
+  model.v_template = tensor(points, vertices, 3);
+  model.posedirs = tensor(arrays.read<S>("posedirs", {vertices, 3, 9 * (joints - 1)}), 3 * vertices, 9 * (joints - 1));
+  model.J_regressor = tensor(arrays.read<S>("J_regressor", {joints, vertices}), joints, vertices);
+  const auto weights = arrays.read<S>("weights", {vertices, joints});
+  detail::check_weights(arrays, weights, joints);
+  model.weights = tensor(weights, vertices, joints);
+
+  const auto directions = arrays.read<S>("shapedirs", {vertices, 3, -1}, &shape);
+  const Index first_expression = detail::first_expression(body.kind, shape[2]);
+  body.expressions = body.kind == BodyKind::smplx ? options.expressions : 0;
+  if (options.betas < 0 || options.betas > first_expression || body.expressions < 0 ||
+      body.expressions > shape[2] - first_expression) {
+    raise<config_error>(101, path.string(), ": ", options.betas, " coefficients of shape and ", body.expressions,
+                        " of expression asked for, the file has ", first_expression, " and ",
+                        shape[2] - first_expression);
+  }
+  const Index wanted = options.betas + body.expressions;
+  std::vector<S> chosen(static_cast<std::size_t>(3 * vertices * wanted));
+  if (shape[2] > 0) {
+    detail::copy_columns(directions, shape[2], 0, options.betas, chosen, wanted, 0);
+    detail::copy_columns(directions, shape[2], first_expression, body.expressions, chosen, wanted, options.betas);
+  }
+  model.shapedirs = tensor(chosen, 3 * vertices, wanted);
+
+  body.faces = detail::body_faces(arrays, vertices);
+  const bool published =
+      body.kind != BodyKind::other && vertices == body_kinds[static_cast<std::size_t>(body.kind)].vertices;
+  if (options.extra_points && published) model.extra = extra_vertices(body.kind);
+  body.left_hand = detail::hand_poses<B>(arrays, "hands_componentsl", "hands_meanl");
+  body.right_hand = detail::hand_poses<B>(arrays, "hands_componentsr", "hands_meanr");
+  model.validate();
+  return body;
+}
+
+/// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,
+/// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
+/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind `other`
+inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral) {
+  if (kind == BodyKind::other) raise<config_error>(101, "find_body_file: a body of kind 'other' has no usual name");
+  struct Names {
+    const char *small, *large, *letter;
+  };
+  constexpr Names names[] = {{"neutral", "NEUTRAL", "neutral"}, {"male", "MALE", "m"}, {"female", "FEMALE", "f"}};
+  const Names& g = names[static_cast<std::size_t>(gender)];
+  constexpr const char* folders[] = {"smpl", "smplh", "smplx"};
+  constexpr const char* prefixes[] = {"SMPL_", "SMPLH_", "SMPLX_"};
+  const std::string folder = concat_text(root.string(), "/", folders[static_cast<std::size_t>(kind)], "/");
+  const std::string usual = concat_text(folder, prefixes[static_cast<std::size_t>(kind)], g.large);
+  std::vector<std::string> candidates{usual + ".npz", usual + ".pkl", concat_text(folder, g.small, "/model.npz"),
+                                      concat_text(folder, g.small, "/model.pkl")};
+  for (const char* model : {"basicmodel_", "basicModel_"}) {
+    for (const char* version : {"_lbs_10_207_0_v1.1.0.pkl", "_lbs_10_207_0_v1.0.0.pkl"}) {
+      if (kind == BodyKind::smpl) candidates.push_back(concat_text(folder, model, g.letter, version));
+    }
+  }
+  for (const std::string& c : candidates) {
+    if (detail::readable(c)) return c;
+  }
+  const BodyKindInfo& info = body_kinds[static_cast<std::size_t>(kind)];
+  raise<io_error>(401, "no ", info.name, " file such as ", usual, kind == BodyKind::smpl ? ".pkl" : ".npz",
+                  ": register at ", info.site, " to download it (free for research, no redistribution)");
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_BVH_HPP  // <motionlang/io/bvh.hpp>
 #define MOTIONLANG_HAS_IO_BVH_HPP
 /// BVH files as motions: what their channels mean, and how to write them so that all programs read them.
@@ -1994,7 +3910,9 @@ inline Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text") 
   return detail::BvhParser(text, name).parse();
 }
 /// Throws io_error 401 and as parse_bvh.
-inline Bvh read_bvh(const FilePath& path) { return parse_bvh(read_file(path), path.string()); }
+inline Bvh read_bvh(const FilePath& path) {
+  return parse_bvh(detail::as_text(MappedFile::open(path)->bytes()), path.string());
+}
 
 namespace detail {
 
@@ -2092,6 +4010,14 @@ inline double frames_per_second(double frame_time) {
 
 inline double& coordinate(Vec3<double>& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
+/// q times the rotation by `angle` about the coordinate axis x, y or z.
+inline Quaternion<double> turned(const Quaternion<double>& q, int axis, double angle) {
+  const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
+  if (axis == 0) return {q.w * c - q.x * s, q.x * c + q.w * s, q.y * c + q.z * s, q.z * c - q.y * s};
+  if (axis == 1) return {q.w * c - q.y * s, q.x * c - q.z * s, q.y * c + q.w * s, q.z * c + q.x * s};
+  return {q.w * c - q.z * s, q.x * c + q.y * s, q.y * c - q.x * s, q.z * c + q.w * s};
+}
+
 /// Gives every name only once: "Hand", "Hand_2", "Hand_3".
 class UniqueNames {
  public:
@@ -2129,10 +4055,7 @@ struct BvhJoint {
     Quaternion<double> q = Quaternion<double>::identity();
     for (std::size_t c = 0; c < node->channels.size(); ++c) {
       const BvhChannel channel = node->channels[c];
-      if (!is_rotation(channel)) continue;
-      Vec3<double> axis{};
-      coordinate(axis, axis_of(channel)) = 1;
-      q = q * from_axis_angle(axis, frame[first_channel + c] * degree);
+      if (is_rotation(channel)) q = turned(q, axis_of(channel), frame[first_channel + c] * degree);
     }
     return q;
   }
@@ -2359,6 +4282,202 @@ inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWrite
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_EMBEDDING_CACHE_HPP  // <motionlang/io/embedding_cache.hpp>
+#define MOTIONLANG_HAS_IO_EMBEDDING_CACHE_HPP
+/// Embeddings of texts on disk, in the layout of TMR and STMC.
+///
+///     folder/<model>.npy          all rows of all texts, (rows, width), F32
+///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one row and no
+///                                 slices are wanted (TMR's sent_embeddings)
+///     folder/<model>_index.json   text -> its number
+///
+/// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
+/// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
+/// Texts      are found by their exact characters; "" is a text like any other
+/// Memory     rows are read where they lie in the file
+/// Atomicity  every file is replaced as a whole, the index last; a reader that meets files of two caches finds that they do not fit
+/// Source     spec text-encoders.md, section 11
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// rows_of(text) -> the rows of the text, row-major.
+template <Backend B, class F>
+TextFeatures<B> features_of_rows(std::span<const std::string> texts, Index width, F rows_of) {
+  std::vector<typename B::scalar> values;
+  std::vector<Index> lengths;
+  for (const std::string& t : texts) {
+    const std::span<const float> rows = rows_of(t);
+    values.insert(values.end(), rows.begin(), rows.end());
+    lengths.push_back(static_cast<Index>(rows.size()) / std::max<Index>(1, width));
+  }
+  const Offsets offsets(lengths);
+  return {{Tensor<B, 2>::from(values, {offsets.rows(), width}), offsets}};
+}
+
+}  // namespace detail
+
+class EmbeddingCache {
+ public:
+  /// Without texts.
+  explicit EmbeddingCache(Index width) : width_(width) {}
+
+  /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json throw.
+  static EmbeddingCache read(const FilePath& folder, const std::string& model) {
+    const std::string base = folder.string() + "/" + model, rows = base + ".npy", index = base + "_index.json";
+    EmbeddingCache cache(0);
+    cache.read_rows(rows);
+    const Index count = cache.width_ == 0 ? 0 : static_cast<Index>(cache.rows().size()) / cache.width_;
+    std::error_code ignored;
+    if (const std::string slices = base + "_slice.npy"; std::filesystem::exists(slices, ignored)) {
+      const NpyArray array = read_npy(slices);
+      if (array.shape.size() != 2 || array.shape[1] != 2) raise<io_error>(403, slices, ": not pairs of rows");
+      const auto bounds = array.to<std::int64_t>();
+      for (std::size_t i = 0; i < bounds.size(); i += 2) {
+        if (bounds[i] < 0 || bounds[i + 1] < bounds[i] || bounds[i + 1] > count)
+          raise<io_error>(403, slices, ": text ", i / 2, " has the rows ", bounds[i], " ... ", bounds[i + 1], " of ",
+                          count);
+        cache.slices_.push_back({bounds[i], bounds[i + 1]});
+      }
+    } else {
+      for (Index i = 0; i < count; ++i) cache.slices_.push_back({i, i + 1});
+    }
+    const auto document = read_json(index);
+    for (const auto& [text, number] : JsonView(document, index).as<std::map<std::string, Index>>()) {
+      if (number < 0 || number >= cache.count())
+        raise<io_error>(403, index, ": '", text, "' has number ", number, " of ", cache.count());
+      cache.number_.emplace(text, static_cast<std::size_t>(number));
+    }
+    if (static_cast<Index>(cache.number_.size()) != cache.count())
+      raise<io_error>(403, index, ": ", cache.number_.size(), " texts, the rows are of ", cache.count());
+    return cache;
+  }
+
+  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has not one row but
+  /// slices are not wanted.
+  void write(const FilePath& folder, const std::string& model, bool with_slices = true) const {
+    std::string path = folder.string();
+    make_folder(path);
+    for (std::size_t from = 0, slash; (slash = model.find('/', from)) != model.npos; from = slash + 1)
+      make_folder(path + "/" + model.substr(0, slash));
+    const std::string base = path + "/" + model;
+    std::vector<std::int64_t> bounds;
+    for (std::size_t i = 0; i < slices_.size(); ++i) {
+      const auto [begin, end] = slices_[i];
+      if (!with_slices && (begin != static_cast<Index>(i) || end != begin + 1))
+        raise<io_error>(403, base, ": text ", i, " has ", end - begin, " rows; without slices every text has one");
+      bounds.insert(bounds.end(), {begin, end});
+    }
+    nlohmann::json index = nlohmann::json::object();
+    for (const auto& [text, number] : number_) index[text] = number;
+    write_npy(base + ".npy", NpyArray::of(rows(), {row_count(), width_}));
+    if (with_slices) write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
+    write_file(base + "_index.json", std::string_view(index.dump()));
+  }
+
+  /// Texts, and numbers of a row.
+  Index count() const { return static_cast<Index>(slices_.size()); }
+  Index width() const { return width_; }
+  bool contains(const std::string& text) const { return number_.contains(text); }
+  /// The rows of a text, row-major. Throws config_error 103 for a text that is not here.
+  std::span<const float> find(const std::string& text) const {
+    const auto found = number_.find(text);
+    if (found == number_.end()) raise<config_error>(103, "embedding cache: no text '", text, "' among ", count());
+    const auto [begin, end] = slices_[found->second];
+    return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
+  }
+  /// Adds a text. Throws shape_error 204 for rows of another width, config_error 102 for a text that is here already.
+  void add(const std::string& text, std::span<const float> values) {
+    if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
+      raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
+    if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
+    if (file_ != nullptr) {  // from here on in memory
+      own_.assign(mapped_.begin(), mapped_.end());
+      file_.reset();
+    }
+    const Index begin = row_count();
+    own_.insert(own_.end(), values.begin(), values.end());
+    number_.emplace(text, slices_.size());
+    slices_.push_back({begin, row_count()});
+  }
+  /// Adds those of the texts that are not here yet.
+  template <Backend B, TextEncoder<B> E>
+  void add(const E& encoder, std::span<const std::string> texts) {
+    std::vector<std::string> missing;
+    std::unordered_map<std::string, bool> seen;
+    for (const std::string& t : texts) {
+      if (!contains(t) && seen.emplace(t, true).second) missing.push_back(t);
+    }
+    const TextFeatures<B> features = encoder.template encode<B>(std::span<const std::string>(missing));
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+      const auto rows = features.tokens[static_cast<Index>(i)].to_vector();
+      add(missing[i], std::vector<float>(rows.begin(), rows.end()));
+    }
+  }
+
+  /// The cache is a text encoder for the texts that it has. Throws config_error 103 for others.
+  template <Backend B>
+  TextFeatures<B> encode(std::span<const std::string> texts) const {
+    return detail::features_of_rows<B>(texts, width_, [&](const std::string& t) { return find(t); });
+  }
+
+ private:
+  struct Slice {
+    Index begin, end;
+  };
+
+  std::span<const float> rows() const { return file_ == nullptr ? std::span<const float>(own_) : mapped_; }
+  Index row_count() const { return width_ == 0 ? 0 : static_cast<Index>(rows().size()) / width_; }
+
+  /// Rows as they are written above are a view of the file; any other array of numbers is converted.
+  void read_rows(const std::string& path) {
+    const auto file = MappedFile::open(path);
+    const auto npy = detail::npy_parts(file->bytes(), path);
+    const auto& shape = npy.header.shape;
+    if (shape.size() != 2) raise<io_error>(403, path, ": ", shape.size(), " axes, expected rows of numbers");
+    width_ = shape[1];
+    const bool aligned = reinterpret_cast<std::uintptr_t>(npy.raw.data()) % alignof(float) == 0;
+    if (npy.header.descr == "<f4" && !npy.header.fortran_order && aligned &&
+        npy.raw.size() == detail::checked_size(shape, sizeof(float), path)) {
+      file_ = file;
+      mapped_ = {reinterpret_cast<const float*>(npy.raw.data()), npy.raw.size() / sizeof(float)};
+    } else {
+      own_ = parse_npy(file->bytes(), path).to<float>();
+    }
+  }
+
+  Index width_;
+  std::vector<Slice> slices_;
+  std::unordered_map<std::string, std::size_t> number_;
+  std::vector<float> own_;
+  std::span<const float> mapped_;
+  std::shared_ptr<const MappedFile> file_;
+};
+
+/// Takes texts from a cache and has the others encoded.
+template <class E>
+struct CachedEncoder {
+  EmbeddingCache cache;
+  E encoder;
+
+  template <Backend B>
+  requires TextEncoder<E, B> TextFeatures<B> encode(std::span<const std::string> texts)
+  const {
+    EmbeddingCache others(cache.width());
+    std::vector<std::string> unknown;
+    for (const std::string& t : texts) {
+      if (!cache.contains(t)) unknown.push_back(t);
+    }
+    others.add<B>(encoder, unknown);
+    return detail::features_of_rows<B>(
+        texts, cache.width(), [&](const std::string& t) { return cache.contains(t) ? cache.find(t) : others.find(t); });
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_FIGURE_HPP  // <motionlang/io/figure.hpp>
 #define MOTIONLANG_HAS_IO_FIGURE_HPP
 /// A body for any skeleton: round cones along the bones, thick where much hangs on them, and a head. It is what the
@@ -2532,6 +4651,163 @@ inline Figure make_figure(const Skeleton& skeleton) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_FIGURE_BODY_HPP  // <motionlang/io/figure_body.hpp>
+#define MOTIONLANG_HAS_IO_FIGURE_BODY_HPP
+/// A free body: the figure of any skeleton (io/figure.hpp, the round cones that GLB files and pages show) as a body model, so that
+/// every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no blend shapes.
+///
+///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
+///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)
+
+#ifndef MOTIONLANG_HAS_IO_DETAIL_FIGURE_MESH_HPP  // <motionlang/io/detail/figure_mesh.hpp>
+#define MOTIONLANG_HAS_IO_DETAIL_FIGURE_MESH_HPP
+/// Triangles of a figure: every round cone a closed surface of its own, in the rest pose.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+struct FigureMesh {
+  std::vector<Vec3<float>> positions, normals;
+  std::vector<std::uint16_t> joints;     // of each vertex: the one that moves it
+  std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise from outside
+};
+
+/// Adds the surface of a cone: rings from the pole beyond `from` to the pole beyond `to`.
+///     position = centre + r n,   n = cos(latitude) (cos a u + sin a v) + sin(latitude) axis
+/// The straight part touches both spheres at the latitude s with sin s = (r_from - r_to) / length.
+inline void add_round_cone(FigureMesh& mesh, const RoundCone& cone, const Vec3<double>& origin) {
+  constexpr int around = 16, rings = 5;  // of each half
+  constexpr double half_pi = std::numbers::pi / 2;
+  const Vec3<double> bone = cone.to - cone.from;
+  const double length = norm(bone), difference = cone.radius_from - cone.radius_to;
+  const Vec3<double> axis = length > 1e-9 ? normalized(bone) : Vec3<double>{0, 1, 0};
+  const Vec3<double> u =
+      normalized(cross(axis, std::abs(axis.y) < 0.9 ? Vec3<double>{0, 1, 0} : Vec3<double>{1, 0, 0}));
+  const Vec3<double> v = cross(axis, u);
+  const double seam =
+      std::abs(difference) < length ? std::asin(difference / length) : std::copysign(half_pi, difference);
+
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (int ring = 0; ring < 2 * (rings + 1); ++ring) {
+    const bool start = ring <= rings;
+    const double share = static_cast<double>(start ? ring : ring - rings - 1) / rings;
+    const double latitude = start ? -half_pi + share * (seam + half_pi) : seam + share * (half_pi - seam);
+    for (int k = 0; k < around; ++k) {
+      const double a = 2 * std::numbers::pi * k / around;
+      const Vec3<double> n = std::cos(latitude) * (std::cos(a) * u + std::sin(a) * v) + std::sin(latitude) * axis;
+      const Vec3<double> centre = origin + (start ? cone.from : cone.to);
+      mesh.positions.push_back(vec_cast<float>(centre + (start ? cone.radius_from : cone.radius_to) * n));
+      mesh.normals.push_back(vec_cast<float>(n));
+      mesh.joints.push_back(static_cast<std::uint16_t>(cone.joint));
+    }
+  }
+  for (std::uint32_t ring = 0; ring + 1 < 2 * (rings + 1); ++ring) {
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const std::uint32_t a = first + ring * around + k, b = first + ring * around + (k + 1) % around;
+      if (ring > 0) mesh.triangles.insert(mesh.triangles.end(), {a, b, a + around});  // else a = b: the pole
+      if (ring < 2 * rings) mesh.triangles.insert(mesh.triangles.end(), {b, b + around, a + around});
+    }
+  }
+}
+
+inline FigureMesh make_mesh(const Figure& figure, const Skeleton& skeleton) {
+  const std::vector<Vec3<double>> rest = skeleton.rest_positions();
+  FigureMesh mesh;
+  for (const RoundCone& c : figure.cones) add_round_cone(mesh, c, rest[static_cast<std::size_t>(c.joint)]);
+  return mesh;
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all such weights
+/// the smallest:
+///     w_i = 1 / V + (x_i - c) C^-1 (p - c),   c = mean of x,   C = sum (x_i - c) (x_i - c)^T
+template <class S>
+std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const std::vector<Vec3<double>>& joints) {
+  const auto count = static_cast<double>(vertices.size());
+  Vec3<double> centre{};
+  for (const auto& v : vertices) centre = centre + 1 / count * vec_cast<double>(v);
+  Vec3<double> a{}, b{}, c{};  // columns of C
+  for (const auto& v : vertices) {
+    const Vec3<double> d = vec_cast<double>(v) - centre;
+    a = a + d.x * d, b = b + d.y * d, c = c + d.z * d;
+  }
+  const double determinant = dot(a, cross(b, c));
+  std::vector<S> out;
+  for (const Vec3<double>& joint : joints) {
+    const Vec3<double> p = joint - centre;
+    const Vec3<double> solved{dot(p, cross(b, c)), dot(p, cross(c, a)), dot(p, cross(a, b))};
+    for (const auto& v : vertices) {
+      out.push_back(static_cast<S>(1 / count + dot(vec_cast<double>(v) - centre, solved) / determinant));
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+template <Backend B>
+Body<B> figure_body(const Skeleton& skeleton) {
+  using S = typename B::scalar;
+  const detail::FigureMesh mesh = detail::make_mesh(make_figure(skeleton), skeleton);
+  const auto vertices = static_cast<Index>(mesh.positions.size());
+  const Index joints = skeleton.size();
+  std::vector<S> points, weights(static_cast<std::size_t>(vertices * joints), S(0));
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const auto& p = mesh.positions[v];
+    points.insert(points.end(), {static_cast<S>(p.x), static_cast<S>(p.y), static_cast<S>(p.z)});
+    weights[v * static_cast<std::size_t>(joints) + mesh.joints[v]] = S(1);
+  }
+  Body<B> body;
+  body.model.v_template = Tensor<B, 2>::from(points, {vertices, 3});
+  body.model.shapedirs = body.model.posedirs = Tensor<B, 2>::zeros({3 * vertices, 0});
+  body.model.J_regressor =
+      Tensor<B, 2>::from(detail::rest_regressor<S>(mesh.positions, skeleton.rest_positions()), {joints, vertices});
+  body.model.weights = Tensor<B, 2>::from(weights, {vertices, joints});
+  body.model.parents = skeleton.parents;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+    body.faces.push_back({static_cast<Index>(mesh.triangles[i]), static_cast<Index>(mesh.triangles[i + 1]),
+                          static_cast<Index>(mesh.triangles[i + 2])});
+  }
+  return body;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_FILE_VALUE_HPP  // <motionlang/io/file_value.hpp>
+#define MOTIONLANG_HAS_IO_FILE_VALUE_HPP
+/// Single values of a file, flat: each with the keys that lead to it.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A truth value, a number or a text, and the keys from the root of the file to it: "hyper_parameters/layers/0".
+struct FileValue {
+  std::string path;
+  std::variant<bool, std::int64_t, double, std::string> value;
+};
+inline std::string to_string(const FileValue& v) {
+  return std::visit([](const auto& value) { return concat_text(value); }, v.value);
+}
+/// The value at a path, or null.
+inline const FileValue* find_value(const std::vector<FileValue>& values, std::string_view path) {
+  for (const FileValue& v : values) {
+    if (v.path == path) return &v;
+  }
+  return nullptr;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_FILM_STRIP_HPP  // <motionlang/io/film_strip.hpp>
 #define MOTIONLANG_HAS_IO_FILM_STRIP_HPP
 /// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
@@ -2556,21 +4832,29 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
   return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
 }
 
-/// Lowest and highest point of the body in all frames.
+/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in most
+/// frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
 struct Heights {
-  double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+  double floor = 0, high = std::numeric_limits<double>::lowest();
 };
 inline Heights heights(const Motion& motion, const Figure& figure) {
   Heights h;
+  std::vector<double> lows;
   JointTransforms<double> world;
   for (Index frame = 0; frame < motion.frames(); ++frame) {
     motion.world(frame, world);
+    double low = std::numeric_limits<double>::max();
     for (const RoundCone& c : figure.cones) {
       const auto [from, to] = cone_ends(world, c);
-      h.low = std::min({h.low, from.y - c.radius_from, to.y - c.radius_to});
+      low = std::min({low, from.y - c.radius_from, to.y - c.radius_to});
       h.high = std::max({h.high, from.y + c.radius_from, to.y + c.radius_to});
     }
+    lows.push_back(low);
   }
+  if (lows.empty()) return h;
+  const auto quartile = lows.begin() + std::ssize(lows) / 4;
+  std::nth_element(lows.begin(), quartile, lows.end());
+  h.floor = *quartile;
   return h;
 }
 
@@ -2761,8 +5045,8 @@ class FilmStrip {
 
   /// Chooses the scale so that figures fit into their cells, and the places of the floor and of everything below it.
   void measure() {
-    const auto [low, high] = heights(motion_, figure_);
-    ground_ = low;
+    const auto [floor, high] = heights(motion_, figure_);
+    ground_ = floor;
     nearest_ = farthest_ = depth_of_root(0);
     for (Index frame = 1; frame < motion_.frames(); ++frame) {
       nearest_ = std::min(nearest_, depth_of_root(frame));
@@ -2779,12 +5063,12 @@ class FilmStrip {
         }
       }
     }
-    const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - low);
+    const double tallest_figure = 300 / figure_.size, tallest_picture = 420 / (high - floor);
     scale_ = std::min({1.25 * cell_ / (2 * half_width), tallest_figure, tallest_picture});
     const double depth = farthest_ - nearest_, tallest = 0.45 * figure_.size;  // of the floor in the picture
     depth_scale_ = depth * view_.sine > tallest ? scale_ * tallest / (depth * view_.sine) : scale_;
     const double rise = depth * view_.sine * depth_scale_;
-    floor_ = header + (high - low) * view_.cosine * scale_ + rise + 0.08 * figure_.size * scale_;
+    floor_ = header + (high - floor) * view_.cosine * scale_ + rise + 0.08 * figure_.size * scale_;
     labels_ = floor_ + 0.16 * figure_.size * scale_ + 14;
   }
 
@@ -2955,7 +5239,7 @@ class FilmStrip {
   double last_;  // time of the last frame
   int poses_ = 1;
   double cell_ = 0, scale_ = 1, depth_scale_ = 1;  // pixels per cell, per metre, per metre of depth of the floor
-  double ground_ = 0;                              // lowest point of the motion
+  double ground_ = 0;                              // height of the floor
   double nearest_ = 0, farthest_ = 0;              // depth of the root
   double floor_ = 0, labels_ = 0;                  // y of the nearest root's floor, of the time labels
 };
@@ -3000,8 +5284,6 @@ inline void write_film_strip(const FilePath& path, const Motion& motion,
 #define MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP
 /// The skeleton in a glTF document: which nodes are joints, which of them is the root, and where they stand at rest.
 
-#include <queue>          // joints whose parent is done
-
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLTF_ANIMATION_HPP  // <motionlang/io/detail/gltf_animation.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_GLTF_ANIMATION_HPP
 /// Animations of a glTF document: the transform of any node at any time. Source: glTF 2.0, 3.11 and appendix C.
@@ -3015,169 +5297,6 @@ inline void write_film_strip(const FilePath& path, const Motion& motion,
 #define MOTIONLANG_HAS_IO_DETAIL_GLB_CONTAINER_HPP
 /// The two chunks of a GLB file: a JSON document and binary data. Source: glTF 2.0, section 4.
 
-#ifndef MOTIONLANG_HAS_IO_JSON_HPP  // <motionlang/io/json.hpp>
-#define MOTIONLANG_HAS_IO_JSON_HPP
-/// JSON documents: reading with positions in the messages, and typed access that names the way to a wrong value. The
-/// only header that includes nlohmann/json.hpp; it costs a translation unit 1.5 s, so include it in few.
-///
-///     const nlohmann::json document = read_json("config.json");
-///     const JsonView config(document, "config.json");
-///     const int width = config["model"]["latent_dim"].as<int>();
-///     const double rate = config["optim"].value_or("lr", 1e-4);
-
-#include <nlohmann/json.hpp>
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Deepest nesting that is read: what works on documents later recurses.
-inline constexpr int max_json_depth = 256;
-
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
-inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
-  const auto fail = [&](std::size_t byte, std::string_view what) {
-    const std::string_view before = text.substr(0, std::min(byte, text.size()));
-    const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
-    raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
-                    ": ", what);
-  };
-  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
-    if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
-    return true;
-  };
-  try {
-    return nlohmann::json::parse(text, shallow);
-  } catch (const nlohmann::json::parse_error& e) {
-    const std::string_view message = e.what();
-    const std::size_t detail = message.rfind(": ");  // behind id and position
-    fail(e.byte == 0 ? 0 : e.byte - 1, detail == message.npos ? message : message.substr(detail + 2));
-  } catch (const nlohmann::json::out_of_range& e) {  // ... parsing '1e999'
-    const std::string_view message = e.what();
-    const std::size_t number = message.find('\'') + 1;
-    fail(text.find(message.substr(number, message.rfind('\'') - number)), "a number beyond the range of double");
-  }
-  return {};
-}
-
-/// Reads a file. Throws io_error 401, 403.
-inline nlohmann::json read_json(const FilePath& path) {
-  return parse_json(read_file(path), path.string());
-}
-
-/// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
-/// Every access to a value of the wrong kind throws config_error 107 with that way.
-class JsonView {
- public:
-  explicit JsonView(const nlohmann::json& document, std::string name = "JSON")
-      : value_(&document), path_(std::move(name)) {}
-  JsonView(nlohmann::json&&, std::string = {}) = delete;  // a view does not keep its document
-
-  const nlohmann::json& json() const { return *value_; }
-  const std::string& path() const { return path_; }
-
-  bool is_null() const { return value_->is_null(); }
-  bool is_object() const { return value_->is_object(); }
-  bool is_array() const { return value_->is_array(); }
-  bool is_string() const { return value_->is_string(); }
-  bool is_number() const { return value_->is_number(); }
-
-  /// Whether this is an object with that member.
-  bool contains(const std::string& key) const { return value_->is_object() && value_->contains(key); }
-  JsonView operator[](const std::string& key) const {
-    if (!value_->is_object()) fail("an object");
-    const auto member = value_->find(key);
-    if (member == value_->end()) raise<config_error>(107, path_, ": has no member '", key, "'");
-    return {*member, path_ + (is_root_ ? ": " : ".") + key, Inner{}};
-  }
-  JsonView operator[](Index i) const {
-    if (i < 0 || i >= size()) raise<config_error>(107, path_, ": no element ", i, " among ", size());
-    return {(*value_)[static_cast<std::size_t>(i)], concat_text(path_, is_root_ ? ": [" : "[", i, "]"), Inner{}};
-  }
-  /// Number of elements of an array.
-  Index size() const {
-    if (!value_->is_array()) fail("an array");
-    return static_cast<Index>(value_->size());
-  }
-  /// Names of the members of an object, sorted.
-  std::vector<std::string> keys() const {
-    if (!value_->is_object()) fail("an object");
-    std::vector<std::string> out;
-    for (const auto& member : value_->items()) out.push_back(member.key());
-    return out;
-  }
-
-  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is no integer
-  /// and an integer has to fit.
-  template <class T>
-  T as() const {
-    T out{};
-    get(out);
-    return out;
-  }
-  /// The member `key` if it is there and not null, else `otherwise`.
-  template <class T>
-  T value_or(const std::string& key, T otherwise) const {
-    return contains(key) && !(*value_)[key].is_null() ? (*this)[key].as<T>() : otherwise;
-  }
-  std::string value_or(const std::string& key, const char* otherwise) const {
-    return value_or(key, std::string(otherwise));
-  }
-
- private:
-  struct Inner {};
-  JsonView(const nlohmann::json& value, std::string path, Inner)
-      : value_(&value), path_(std::move(path)), is_root_(false) {}
-
-  [[noreturn]] void fail(std::string_view wanted) const {
-    raise<config_error>(107, path_, ": expected ", wanted, ", found ", value_->type_name());
-  }
-
-  void get(bool& out) const {
-    if (!value_->is_boolean()) fail("true or false");
-    out = value_->get<bool>();
-  }
-  void get(std::string& out) const {
-    if (!value_->is_string()) fail("a string");
-    out = value_->get_ref<const std::string&>();
-  }
-  template <std::floating_point T>
-  void get(T& out) const {
-    if (!value_->is_number()) fail("a number");
-    out = value_->get<T>();
-  }
-  template <std::integral T>
-  void get(T& out) const {
-    if (value_->is_number_float()) return get_whole(out);
-    if (!value_->is_number_integer()) fail("an integer");
-    const bool fits = value_->is_number_unsigned() ? std::in_range<T>(value_->get<std::uint64_t>())
-                                                   : std::in_range<T>(value_->get<std::int64_t>());
-    if (!fits) raise<config_error>(107, path_, ": ", value_->dump(), " is out of range");
-    out = value_->get<T>();
-  }
-  /// 20.0 where 20 is due: Python writes such numbers.
-  template <std::integral T>
-  void get_whole(T& out) const {
-    const auto number = value_->get<double>();
-    if (!(std::abs(number) < 0x1p53) || number != std::trunc(number)) fail("an integer");
-    if (!std::in_range<T>(static_cast<std::int64_t>(number))) fail("a smaller integer");
-    out = static_cast<T>(number);
-  }
-  template <class T>
-  void get(std::vector<T>& out) const {
-    for (Index i = 0; i < size(); ++i) out.push_back((*this)[i].as<T>());
-  }
-  template <class T>
-  void get(std::map<std::string, T>& out) const {
-    for (const std::string& key : keys()) out[key] = (*this)[key].template as<T>();
-  }
-
-  const nlohmann::json* value_;
-  std::string path_;
-  bool is_root_ = true;
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -3185,6 +5304,7 @@ namespace detail {
 inline constexpr std::uint32_t glb_magic = 0x46546C67u, glb_json = 0x4E4F534Au, glb_binary = 0x004E4942u;
 
 struct GlbChunks {
+  std::string_view text;  // of the document, in the bytes that were parsed
   nlohmann::json document;
   std::span<const std::byte> binary;  // of the bytes that were parsed
 };
@@ -3205,7 +5325,7 @@ inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_
     const auto chunk = slice(bytes, at + 8, number(at), file, "GLB chunk");
     const std::uint32_t kind = number(at + 4);
     if (i == 0 && kind != glb_json) raise<io_error>(403, file, ": the first chunk at byte ", at, " is not JSON");
-    if (i == 0) chunks.document = parse_json(as_text(chunk), file);
+    if (i == 0) chunks.text = as_text(chunk), chunks.document = parse_json(chunks.text, file);
     if (i == 1 && kind == glb_binary) chunks.binary = chunk;
     at += 8 + chunk.size();
   }
@@ -3267,6 +5387,13 @@ class GltfDocument {
   /// Bytes of the file.
   std::size_t size() const { return size_; }
   JsonView root() const { return JsonView(chunks_.document, file_); }
+  /// The binary data that the file's own buffer has, without what fills the chunk up. Throws io_error 402, 404.
+  std::span<const std::byte> buffer() const {
+    if (count("buffers") == 0) return {};
+    const JsonView b = element("buffers", 0);
+    if (b.contains("uri")) raise<io_error>(404, b.path(), ": the buffer is not in this file");
+    return slice(chunks_.binary, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
+  }
   /// The elements of a top-level array; none if it is missing.
   Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
   JsonView element(const std::string& array, Index i) const { return root()[array][i]; }
@@ -3428,6 +5555,28 @@ class GltfDocument {
   std::vector<GltfNode> nodes_;
   std::vector<int> order_;
 };
+
+inline Vec3<double> scaled(const Vec3<double>& s, const Vec3<double>& v) { return {s.x * v.x, s.y * v.y, s.z * v.z}; }
+
+/// World transforms of all nodes at rest. Scales are multiplied axis by axis: exact unless an uneven scale stands above
+/// a rotation. Throws io_error 403 for a node that is infinitely far away.
+inline std::vector<GltfTransform> world_at_rest(const GltfDocument& document) {
+  std::vector<GltfTransform> world(document.nodes().size());
+  for (const int n : document.depth_first()) {
+    const GltfNode& node = document.node(n);
+    GltfTransform& w = world[static_cast<std::size_t>(n)];
+    w = node.rest;
+    if (node.parent >= 0) {
+      const GltfTransform& p = world[static_cast<std::size_t>(node.parent)];
+      w = {p.translation + rotate(p.rotation, scaled(p.scale, node.rest.translation)),
+           normalized(p.rotation * node.rest.rotation), scaled(p.scale, node.rest.scale)};
+    }
+    if (!std::isfinite(norm(w.translation) + norm(w.scale))) {
+      raise<io_error>(403, document.file(), ": node ", n, " '", node.name, "' is infinitely far away");
+    }
+  }
+  return world;
+}
 
 /// Accessors that are used several times (the times of an animation), each read once. A small file whose objects all
 /// point to the same place could ask for much more work than it has bytes: that is refused.
@@ -3598,8 +5747,6 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-inline Vec3<double> scaled(const Vec3<double>& s, const Vec3<double>& v) { return {s.x * v.x, s.y * v.y, s.z * v.z}; }
-
 /// Which nodes become joints, and how they stand at rest.
 class GltfSkeleton {
  public:
@@ -3699,26 +5846,6 @@ class GltfSkeleton {
       if (hips >= 0 && a.moves_away(hips, document.node(hips).rest.translation)) return hips;
     }
     return -1;
-  }
-
-  /// World transforms of all nodes at rest. Scales are multiplied axis by axis: exact unless an uneven scale stands
-  /// above a rotation. Throws io_error 403 for a node that is infinitely far away.
-  static std::vector<GltfTransform> world_at_rest(const GltfDocument& document) {
-    std::vector<GltfTransform> world(document.nodes().size());
-    for (const int n : document.depth_first()) {
-      const GltfNode& node = document.node(n);
-      GltfTransform& w = world[slot(n)];
-      w = node.rest;
-      if (node.parent >= 0) {
-        const GltfTransform& p = world[slot(node.parent)];
-        w = {p.translation + rotate(p.rotation, scaled(p.scale, node.rest.translation)),
-             normalized(p.rotation * node.rest.rotation), scaled(p.scale, node.rest.scale)};
-      }
-      if (!std::isfinite(norm(w.translation) + norm(w.scale))) {
-        raise<io_error>(403, document.file(), ": node ", n, " '", node.name, "' is infinitely far away");
-      }
-    }
-    return world;
   }
 
   /// The skeleton from `root` down: parents before children, else in the order of the skin.
@@ -3888,70 +6015,6 @@ inline Motion read_glb(const FilePath& path, const GlbReadOptions& options = {})
 /// GLB files (glTF 2.0) for viewers, engines and Blender: a skinned figure of round cones with animations. Y up,
 /// metres, seconds, facing +Z: the library's own conventions.
 
-#ifndef MOTIONLANG_HAS_IO_DETAIL_FIGURE_MESH_HPP  // <motionlang/io/detail/figure_mesh.hpp>
-#define MOTIONLANG_HAS_IO_DETAIL_FIGURE_MESH_HPP
-/// Triangles of a figure: every round cone a closed surface of its own, in the rest pose.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-struct FigureMesh {
-  std::vector<Vec3<float>> positions, normals;
-  std::vector<std::uint16_t> joints;     // of each vertex: the one that moves it
-  std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise from outside
-};
-
-/// Adds the surface of a cone: rings from the pole beyond `from` to the pole beyond `to`.
-///     position = centre + r n,   n = cos(latitude) (cos a u + sin a v) + sin(latitude) axis
-/// The straight part touches both spheres at the latitude s with sin s = (r_from - r_to) / length.
-inline void add_round_cone(FigureMesh& mesh, const RoundCone& cone, const Vec3<double>& origin) {
-  constexpr int around = 16, rings = 5;  // of each half
-  constexpr double half_pi = std::numbers::pi / 2;
-  const Vec3<double> bone = cone.to - cone.from;
-  const double length = norm(bone), difference = cone.radius_from - cone.radius_to;
-  const Vec3<double> axis = length > 1e-9 ? normalized(bone) : Vec3<double>{0, 1, 0};
-  const Vec3<double> u =
-      normalized(cross(axis, std::abs(axis.y) < 0.9 ? Vec3<double>{0, 1, 0} : Vec3<double>{1, 0, 0}));
-  const Vec3<double> v = cross(axis, u);
-  const double seam =
-      std::abs(difference) < length ? std::asin(difference / length) : std::copysign(half_pi, difference);
-
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  for (int ring = 0; ring < 2 * (rings + 1); ++ring) {
-    const bool start = ring <= rings;
-    const double share = static_cast<double>(start ? ring : ring - rings - 1) / rings;
-    const double latitude = start ? -half_pi + share * (seam + half_pi) : seam + share * (half_pi - seam);
-    for (int k = 0; k < around; ++k) {
-      const double a = 2 * std::numbers::pi * k / around;
-      const Vec3<double> n = std::cos(latitude) * (std::cos(a) * u + std::sin(a) * v) + std::sin(latitude) * axis;
-      const Vec3<double> centre = origin + (start ? cone.from : cone.to);
-      mesh.positions.push_back(vec_cast<float>(centre + (start ? cone.radius_from : cone.radius_to) * n));
-      mesh.normals.push_back(vec_cast<float>(n));
-      mesh.joints.push_back(static_cast<std::uint16_t>(cone.joint));
-    }
-  }
-  for (std::uint32_t ring = 0; ring + 1 < 2 * (rings + 1); ++ring) {
-    for (std::uint32_t k = 0; k < around; ++k) {
-      const std::uint32_t a = first + ring * around + k, b = first + ring * around + (k + 1) % around;
-      if (ring > 0) mesh.triangles.insert(mesh.triangles.end(), {a, b, a + around});  // else a = b: the pole
-      if (ring < 2 * rings) mesh.triangles.insert(mesh.triangles.end(), {b, b + around, a + around});
-    }
-  }
-}
-
-inline FigureMesh make_mesh(const Figure& figure, const Skeleton& skeleton) {
-  const std::vector<Vec3<double>> rest = skeleton.rest_positions();
-  FigureMesh mesh;
-  for (const RoundCone& c : figure.cones) add_round_cone(mesh, c, rest[static_cast<std::size_t>(c.joint)]);
-  return mesh;
-}
-
-}  // namespace detail
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct GlbWriteOptions {
@@ -3974,6 +6037,11 @@ class GlbBuilder {
                                   {"animations", nlohmann::ordered_json::array()},
                                   {"accessors", nlohmann::ordered_json::array()},
                                   {"bufferViews", nlohmann::ordered_json::array()}};
+
+  GlbBuilder() = default;
+  /// Goes on with a file that is there: its document, whose only buffer in the file is the first, and its binary data.
+  GlbBuilder(nlohmann::ordered_json file, std::span<const std::byte> binary)
+      : document(std::move(file)), binary_(binary.begin(), binary.end()) {}
 
   enum Target { none = 0, attributes = 34962, indices = 34963 };
   template <class T>
@@ -4018,7 +6086,8 @@ class GlbBuilder {
   }
 
   std::vector<std::byte> finish() {
-    document["buffers"].push_back({{"byteLength", binary_.size()}});
+    if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
+    document["buffers"][0]["byteLength"] = binary_.size();
     constexpr auto repair = nlohmann::ordered_json::error_handler_t::replace;  // names that are not UTF-8
     return glb_file(document.dump(-1, ' ', false, repair), std::move(binary_));
   }
@@ -4095,8 +6164,9 @@ inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint
   return out;
 }
 
-/// Throws config_error 101 if two frames fall on the same time in single precision.
-inline void add_animation(GlbBuilder& glb, const Motion& motion) {
+/// nodes   that of every joint, -1 for a joint that gets no channel; rotations are relative to the node's parent
+/// Throws  config_error 101 if two frames fall on the same time in single precision
+inline void add_animation(GlbBuilder& glb, const Motion& motion, std::span<const int> nodes) {
   std::vector<float> times;
   for (Index frame = 0; frame < motion.frames(); ++frame) {
     times.push_back(static_cast<float>(static_cast<double>(frame) / motion.fps));
@@ -4109,17 +6179,18 @@ inline void add_animation(GlbBuilder& glb, const Motion& motion) {
   nlohmann::ordered_json animation{{"name", motion.name.empty() ? "motion" : motion.name},
                                    {"channels", nlohmann::ordered_json::array()},
                                    {"samplers", nlohmann::ordered_json::array()}};
-  auto add_channel = [&](std::size_t node, const char* path, std::size_t output) {
+  auto add_channel = [&](int node, const char* path, std::size_t output) {
     animation["channels"].push_back(
         {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
     animation["samplers"].push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
   };
   std::vector<Vec3<float>> root;
   for (const Vec3<double>& p : motion.root) root.push_back(vec_cast<float>(p));
-  add_channel(0, "translation", glb.add(root, GlbBuilder::none));
-  for (std::size_t j = 0; j < motion.skeleton.parents.size(); ++j) {
+  add_channel(nodes[0], "translation", glb.add(root, GlbBuilder::none));
+  for (std::size_t j = 0; j < nodes.size(); ++j) {
+    if (nodes[j] < 0) continue;
     const std::vector<float> track = rotation_track(motion, j);
-    add_channel(j, "rotation", glb.add(std::span<const float>(track), "VEC4", GlbBuilder::none));
+    add_channel(nodes[j], "rotation", glb.add(std::span<const float>(track), "VEC4", GlbBuilder::none));
   }
   glb.document["animations"].push_back(std::move(animation));
 }
@@ -4144,7 +6215,9 @@ inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const G
   if (skeleton.size() > 65535) raise<config_error>(101, "GLB: ", skeleton.size(), " joints");
   detail::add_joints(glb, skeleton);
   detail::add_figure(glb, skeleton, options);
-  for (const Motion& motion : motions) detail::add_animation(glb, motion);
+  std::vector<int> nodes(skeleton.parents.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  for (const Motion& motion : motions) detail::add_animation(glb, motion, nodes);
   return glb.finish();
 }
 
@@ -4161,11 +6234,827 @@ inline void write_glb(const FilePath& path, const Motion& motion, const GlbWrite
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_GLB_RIG_HPP  // <motionlang/io/glb_rig.hpp>
+#define MOTIONLANG_HAS_IO_GLB_RIG_HPP
+/// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
+///
+/// The binary data of the file are kept byte for byte and new ones are put behind them; of the document only the arrays
+/// of animations, accessors and buffer views grow, and the length of the buffer. The joint that is the pelvis moves;
+/// what stands above it (armature, root) stays as it is at rest.
+
+#include <set>  // names of animations
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct GlbRigOptions {
+  bool keep_animations = true;  // of the character's file; without them their data stay in the file, unused
+};
+
+class GlbRig {
+ public:
+  /// Of several skins, the first whose joints one of the skeleton tables knows.
+  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits
+  static GlbRig open(const FilePath& path) { return GlbRig(MappedFile::open(path)->bytes(), path.string()); }
+  GlbRig(std::span<const std::byte> bytes, std::string name)
+      : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
+        document_(*bytes_, std::move(name)) {
+    const Index skins = document_.count("skins");
+    for (Index skin = 0;; ++skin) {
+      try {
+        find_joints(skin);
+        return;
+      } catch (const config_error&) {
+        if (skin + 1 >= skins) throw;
+      }
+    }
+  }
+
+  const std::string& file() const { return document_.file(); }
+  /// From the pelvis down; a root position is that of the pelvis in the world.
+  const Skeleton& skeleton() const { return skeleton_; }
+  /// The kind of skeleton that it is.
+  const SkeletonTable& table() const { return *table_; }
+
+  /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
+  /// gets a number.
+  /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 103 where a motion's
+  ///         skeleton is of no known kind; what Motion::validate throws; io_error 405 from 4 GiB on
+  std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const {
+    if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
+    const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
+    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
+    nlohmann::ordered_json& animations = glb.document["animations"];
+    if (!options.keep_animations) animations.clear();
+    std::set<std::string> taken;
+    for (const auto& a : animations) taken.insert(a.value("name", std::string()));
+    for (const Motion& motion : motions) {
+      motion.validate();
+      if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
+      Motion added = in_nodes(motion.skeleton == skeleton_ ? motion : retarget(motion, skeleton_));
+      const std::string name = motion.name.empty() ? "motion" : motion.name;
+      added.name = name;
+      for (int k = 2; !taken.insert(added.name).second; ++k) added.name = concat_text(name, "_", k);
+      detail::add_animation(glb, added, moved_nodes(added));
+    }
+    return glb.finish();
+  }
+
+ private:
+  void find_joints(Index skin) {
+    std::vector<detail::GltfAnimation> animations;
+    detail::SharedAccessors keys(document_);
+    if (document_.count("skins") == 0) {  // then joints are what moves
+      for (Index i = 0; i < document_.count("animations"); ++i) animations.emplace_back(keys, i);
+    }
+    const detail::GltfSkeleton all(document_, animations, skin);
+    table_ = &detect_skeleton_table(all.skeleton);
+    const int pelvis = find_joint(all.skeleton, table_->find("pelvis")->source);
+
+    std::vector<int> number(all.nodes.size(), -1);  // of a joint of `all` in the skeleton from the pelvis down
+    for (std::size_t j = 0; j < all.nodes.size(); ++j) {
+      const int parent = all.skeleton.parents[j];
+      const bool root = static_cast<int>(j) == pelvis;
+      if (!root && (parent < 0 || number[static_cast<std::size_t>(parent)] < 0)) continue;
+      number[j] = static_cast<int>(nodes_.size());
+      nodes_.push_back(all.nodes[j]);
+      rest_rotations_.push_back(all.rest_rotations[j]);
+      skeleton_.names.push_back(all.skeleton.names[j]);
+      skeleton_.parents.push_back(root ? -1 : number[static_cast<std::size_t>(parent)]);
+      skeleton_.offsets.push_back(root ? all.skeleton.rest_positions()[j] : all.skeleton.offsets[j]);
+    }
+    skeleton_.validate();
+    const std::vector<detail::GltfTransform> world = detail::world_at_rest(document_);
+    const int above = document_.node(nodes_.front()).parent;
+    if (above >= 0) above_ = world[static_cast<std::size_t>(above)];
+    if (const auto& s = above_.scale; !(s.x > 0 && s.y > 0 && s.z > 0)) {
+      raise<io_error>(404, file(), ": the scale above '", skeleton_.name(0), "' is not positive");
+    }
+  }
+
+  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the world rotations at rest, and the place of the
+  /// pelvis as seen from the node above it.
+  Motion in_nodes(Motion motion) const {
+    const auto undo = inverse(above_.rotation);
+    for (Index f = 0; f < motion.frames(); ++f) {
+      const auto local = motion.rotations(f);
+      for (std::size_t j = 0; j < local.size(); ++j) {
+        const int parent = skeleton_.parents[j];
+        const auto up = parent < 0 ? above_.rotation : rest_rotations_[static_cast<std::size_t>(parent)];
+        local[j] = inverse(up) * local[j] * rest_rotations_[j];
+      }
+      Vec3<double>& root = motion.root[static_cast<std::size_t>(f)];
+      const Vec3<double> seen = rotate(undo, root - above_.translation);
+      root = {seen.x / above_.scale.x, seen.y / above_.scale.y, seen.z / above_.scale.z};
+    }
+    return motion;
+  }
+  /// The nodes of joints that ever leave the pose at rest; -1 for fingers and the like, which need no keys.
+  std::vector<int> moved_nodes(const Motion& motion) const {
+    std::vector<int> nodes = nodes_;
+    for (std::size_t j = 1; j < nodes.size(); ++j) {
+      const auto& rest = document_.node(nodes_[j]).rest.rotation;
+      bool moves = false;
+      for (Index f = 0; f < motion.frames() && !moves; ++f) moves = distance(motion.rotations(f)[j], rest) > 1e-6;
+      if (!moves) nodes[j] = -1;
+    }
+    return nodes;
+  }
+
+  std::shared_ptr<const std::vector<std::byte>> bytes_;
+  detail::GltfDocument document_;
+  const SkeletonTable* table_ = nullptr;
+  Skeleton skeleton_;
+  std::vector<int> nodes_;  // of the joints
+  std::vector<Quaternion<double>> rest_rotations_;
+  detail::GltfTransform above_;  // of the pelvis' parent in the world, at rest
+};
+
+/// Throws io_error 401, and what GlbRig::with throws. The file is whole or not there at all.
+inline void write_glb(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,
+                      const GlbRigOptions& options = {}) {
+  write_file(path, rig.with(motions, options));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_GLOVE_FILE_HPP  // <motionlang/io/glove_file.hpp>
+#define MOTIONLANG_HAS_IO_GLOVE_FILE_HPP
+/// The word vectors of the HumanML3D evaluators: three files with one stem ("our_vab").
+///
+///     stem_data.npy    (words, 300)
+///     stem_words.pkl   list of words
+///     stem_idx.pkl     word -> row
+/// Source  spec text-encoders.md, section 6
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Throws io_error 401 to 407; 403 if the files do not fit each other.
+inline GloVe read_glove(const FilePath& stem) {
+  const std::string base = stem.string(), data = base + "_data.npy", places = base + "_idx.pkl";
+  const NpyArray array = read_npy(data);
+  const Pickle words = Pickle::open(base + "_words.pkl"), index = Pickle::open(places);
+  const PickleValue rows = index.root(), list = words.root();
+  if (array.shape.size() != 2 || array.shape[0] != static_cast<Index>(list.size()) || rows.size() != list.size())
+    raise<io_error>(403, data, ": not one row for each of ", list.size(), " words, of which ", places, " has ",
+                    rows.size());
+  std::vector<std::string> in_order(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::int64_t row = rows.value(i).integer();
+    if (row < 0 || row >= static_cast<std::int64_t>(list.size()) || !in_order[static_cast<std::size_t>(row)].empty())
+      rows.value(i).fail(403, "row ", row, " is not the one of a word among ", list.size());
+    in_order[static_cast<std::size_t>(row)] = rows.key(i).text();
+  }
+  GloVe out(in_order, array.to<float>(), array.shape[1]);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (const std::string word(list[i].text()); !out.contains(word))
+      list[i].fail(403, "the word '", word, "' has no row");
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_GZIP_HPP  // <motionlang/io/gzip.hpp>
+#define MOTIONLANG_HAS_IO_GZIP_HPP
+/// Gzip files of one member (RFC 1952): unpacking. Nothing here compresses.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+inline bool is_gzip(std::span<const std::byte> bytes) {
+  return bytes.size() >= 2 && bytes[0] == std::byte{0x1F} && bytes[1] == std::byte{0x8B};
+}
+
+/// The unpacked contents. Allocates no more than deflate can pack into the bytes that are there.
+/// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an unknown method,
+///         405 if it unpacks to more than it declares or declares more than it can hold
+inline std::string gunzip(std::span<const std::byte> bytes, std::string_view name = "gzip") {
+  constexpr std::uint8_t has_checksum = 2, has_extra = 4, has_name = 8, has_comment = 16, reserved = 0xE0;
+  if (!is_gzip(bytes)) raise<io_error>(403, name, ": does not begin as a gzip file");
+  if (const auto method = detail::load<std::uint8_t>(bytes, 2, name, "the method"); method != 8)
+    raise<io_error>(404, name, ": gzip method ", int{method}, ", only 8 (deflate) is known");
+  const auto flags = detail::load<std::uint8_t>(bytes, 3, name, "the flags");
+  if ((flags & reserved) != 0) raise<io_error>(404, name, ": gzip flags ", int{flags});
+  std::uint64_t at = 10;
+  if ((flags & has_extra) != 0) at += 2u + detail::load<std::uint16_t>(bytes, at, name, "the extra field");
+  for (const auto text : {has_name, has_comment}) {
+    if ((flags & text) == 0) continue;
+    while (detail::load<char>(bytes, at, name, "a text of the header") != '\0') ++at;
+    ++at;
+  }
+  if ((flags & has_checksum) != 0) at += 2;
+  if (at > bytes.size() || bytes.size() - at < 8) raise<io_error>(402, name, ": ends inside the header or the trailer");
+  const std::uint64_t trailer = bytes.size() - 8;
+  const auto crc = detail::load<std::uint32_t>(bytes, trailer, name, "the checksum");
+  const auto size = detail::load<std::uint32_t>(bytes, trailer + 4, name, "the size");
+  const auto stream = bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(trailer - at));
+  constexpr std::uint64_t largest_ratio = 1032;
+  if (size > largest_ratio * stream.size())
+    raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
+  const detail::Inflated out = detail::inflate(stream, size, name);
+  if (out.consumed != stream.size())
+    raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
+  if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
+  if (detail::crc32(out.data) != crc) raise<io_error>(403, name, ": wrong checksum");
+  return std::string(detail::as_text(out.data));
+}
+
+/// A text file, packed with gzip or not. Throws io_error 401 and as gunzip.
+inline std::string read_text(const FilePath& path) {
+  const auto file = MappedFile::open(path);
+  return is_gzip(file->bytes()) ? gunzip(file->bytes(), path.string()) : std::string(detail::as_text(file->bytes()));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_HUMANML3D_FOLDER_HPP  // <motionlang/io/humanml3d_folder.hpp>
+#define MOTIONLANG_HAS_IO_HUMANML3D_FOLDER_HPP
+/// Data sets in the form of HumanML3D, which KIT-ML and most own data take, too: read clip by clip, and written.
+///
+///     new_joint_vecs/<id>.npy  (N, 263) float32        texts/<id>.txt      captions (humanml3d_texts.hpp)
+///     new_joints/<id>.npy      (N, 22, 3) float32      Mean.npy, Std.npy   (263) float32
+///     train.txt, val.txt, test.txt, train_val.txt, all.txt    ids, of mirrored clips with an M in front
+///
+///     const HumanMl3dFolder data("HumanML3D");
+///     for (const std::string& id : data.ids("train")) use(data.load(id));
+///
+/// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 10, exchange-formats.md 5.2
+
+#ifndef MOTIONLANG_HAS_IO_HUMANML3D_TEXTS_HPP  // <motionlang/io/humanml3d_texts.hpp>
+#define MOTIONLANG_HAS_IO_HUMANML3D_TEXTS_HPP
+/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut from.
+///
+///     caption#word/POS word/POS ...#start#end          seconds; 0.0 and 0.0: the whole clip; "nan" is 0
+///
+/// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 8 and 10, exchange-formats.md 5.2
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A word of a caption as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
+struct TaggedWord {
+  std::string word, tag;
+  bool operator==(const TaggedWord&) const = default;
+};
+
+struct MotionCaption {
+  std::string text;
+  std::vector<TaggedWord> words;  // may be empty; T2M and its evaluation need them
+  double start = 0, end = 0;      // seconds
+  bool of_whole_clip() const { return start == 0 && end == 0; }
+  bool operator==(const MotionCaption&) const = default;
+};
+
+namespace detail {
+
+/// A time in seconds, 0 for "nan". Throws io_error 403 with the place.
+inline double caption_time(std::string_view field, std::string_view name, Index line) {
+  field = trim(field);
+  double seconds = 0;
+  const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), seconds);
+  if (status == std::errc{} && end == field.data() + field.size()) {
+    if (std::isnan(seconds)) return 0;
+    if (seconds >= 0 && std::isfinite(seconds)) return seconds;
+  }
+  raise<io_error>(403, name, ":", line, ": '", field.substr(0, 40), "' is no time");
+}
+
+inline std::vector<TaggedWord> tagged_words(std::string_view field) {
+  std::vector<TaggedWord> words;
+  for (field = trim(field); !field.empty();) {
+    const std::string_view token = field.substr(0, std::min(field.find(' '), field.size()));
+    const std::size_t slash = token.rfind('/');
+    words.push_back(
+        {std::string(token.substr(0, slash)), std::string(slash == token.npos ? "" : token.substr(slash + 1))});
+    field = trim(field.substr(token.size()));
+  }
+  return words;
+}
+
+/// As Python prints it: "0.0", "2.5".
+inline std::string time_text(double seconds) {
+  const std::string text = concat_text(seconds);
+  return text.find_first_of(".e") == text.npos ? text + ".0" : text;
+}
+
+}  // namespace detail
+
+/// Fields are split off from the right, so a caption may contain '#'. Lines with fewer than four fields are skipped, as
+/// published. Throws io_error 403, with the line, for a time that is none.
+inline std::vector<MotionCaption> parse_captions(std::string_view text, std::string_view name = "captions") {
+  std::vector<MotionCaption> captions;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    std::string_view fields[3];  // end, start, words
+    for (std::string_view& field : fields) {
+      const std::size_t mark = line.rfind('#');
+      if (mark == line.npos) return;
+      field = line.substr(mark + 1);
+      line = line.substr(0, mark);
+    }
+    captions.push_back({std::string(detail::trim(line)), detail::tagged_words(fields[2]),
+                        detail::caption_time(fields[1], name, number), detail::caption_time(fields[0], name, number)});
+  });
+  return captions;
+}
+/// Throws io_error 401, 403.
+inline std::vector<MotionCaption> read_captions(const FilePath& path) {
+  return parse_captions(detail::as_text(MappedFile::open(path)->bytes()), path.string());
+}
+
+/// Laws    parse_captions(format_captions(x)) equals x
+/// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
+///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is none
+inline std::string format_captions(std::span<const MotionCaption> captions) {
+  std::string out;
+  auto require = [](bool holds, const std::string& text) {
+    if (!holds) raise<timeline_error>(510, "'", text, "' cannot stand in a file of captions");
+  };
+  for (const MotionCaption& c : captions) {
+    require(c.text.find_first_of("#\r\n") == c.text.npos && detail::trim(c.text) == c.text, c.text);
+    out += c.text + '#';
+    for (std::size_t i = 0; i < c.words.size(); ++i) {
+      const auto& [word, tag] = c.words[i];
+      const bool plain = (word + tag).find_first_of("# \t\r\n\v\f") == word.npos;
+      require(
+          plain && !(word + tag).empty() && tag.find('/') == tag.npos && (!tag.empty() || word.find('/') == word.npos),
+          word + "/" + tag);
+      out += (i > 0 ? " " : "") + word + (tag.empty() ? "" : "/" + tag);
+    }
+    for (const double seconds : {c.start, c.end}) {
+      if (!(seconds >= 0 && std::isfinite(seconds))) raise<io_error>(403, "'", c.text, "': ", seconds, " is no time");
+      out += '#' + detail::time_text(seconds);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+/// The caption of the mirrored clip: other sides in the text and in its words.
+inline MotionCaption mirrored(MotionCaption caption) {
+  caption.text = mirror_caption(caption.text);
+  std::vector<TaggedWord> words;
+  for (TaggedWord& w : std::exchange(caption.words, {})) {
+    const bool in_parts =
+        !words.empty() && w.word == "clockwise" && (words.back().word == "counter" || words.back().word == "anti");
+    if (in_parts) {
+      words.back() = std::move(w);  // "counter clockwise" becomes "clockwise"
+    } else {
+      words.push_back({mirror_caption(w.word), std::move(w.tag)});
+    }
+  }
+  caption.words = std::move(words);
+  return caption;
+}
+
+/// index.csv: a head line, then source_path,start_frame,end_frame,new_name.
+/// Throws io_error 403, with the line, for another number of fields and for a frame that is no integer of -1 or more.
+inline std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv") {
+  constexpr std::string_view head = "source_path,start_frame,end_frame,new_name";
+  std::vector<HumanMl3dSource> rows;
+  bool has_head = false;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    line = detail::trim(line);
+    if (line.empty()) return;
+    if (!std::exchange(has_head, true)) {
+      if (line != head) raise<io_error>(403, name, ":", number, ": expected '", head, "'");
+      return;
+    }
+    std::vector<std::string_view> fields;
+    for (std::size_t at = 0; at <= line.size();) {
+      const std::size_t end = std::min(line.find(',', at), line.size());
+      fields.push_back(detail::trim(line.substr(at, end - at)));
+      at = end + 1;
+    }
+    if (fields.size() != 4) raise<io_error>(403, name, ":", number, ": ", fields.size(), " fields, 4 are expected");
+    auto frame = [&](std::string_view field) {
+      Index value = 0;
+      const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);
+      if (status != std::errc{} || end != field.data() + field.size() || value < -1)
+        raise<io_error>(403, name, ":", number, ": '", field.substr(0, 40), "' is no frame");
+      return value;
+    };
+    rows.push_back({std::string(fields[0]), frame(fields[1]), frame(fields[2]), std::string(fields[3])});
+  });
+  if (!has_head) raise<io_error>(403, name, ":1: expected '", head, "'");
+  return rows;
+}
+/// Throws io_error 401, 403.
+inline std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path) {
+  return parse_humanml3d_index(detail::as_text(MappedFile::open(path)->bytes()), path.string());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What tells the data sets apart. Captions are cut at 20 frames per second in both, as published.
+struct HumanMl3dForm {
+  Index joints = 22;
+  double fps = 20;
+  Index shortest = 40, longest = 199;  // frames of a clip that the published loaders keep
+
+  Index width() const { return Guoh3dSlots{joints}.size(); }
+};
+inline constexpr HumanMl3dForm humanml3d_form{}, kit_ml_form{21, 12.5, 24, 199};
+
+struct HumanMl3dClip {
+  std::string id;
+  Index frames = 0;
+  std::vector<float> features;  // (frames, 12 J - 1)
+  std::vector<float> joints;    // (frames, J, 3)
+  std::vector<MotionCaption> captions;
+  bool operator==(const HumanMl3dClip&) const = default;
+
+  /// The published set has clips with NaN (007975 and its mirror).
+  bool is_finite() const {
+    auto finite = [](float x) { return std::isfinite(x); };
+    return std::all_of(features.begin(), features.end(), finite) && std::all_of(joints.begin(), joints.end(), finite);
+  }
+};
+
+namespace detail {
+
+inline FilePath below(const FilePath& folder, std::string_view name) { return concat_text(folder.string(), "/", name); }
+
+inline std::string shape_text(std::span<const Index> shape) {
+  std::string out = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i) out += concat_text(i > 0 ? ", " : "", shape[i]);
+  return out + ")";
+}
+
+/// The values of an array of shape (rows..., sizes...). Throws io_error 407 for another shape.
+inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, Index* rows = nullptr) {
+  const NpyArray array = read_npy(path);
+  if (rows != nullptr && !array.shape.empty()) shape.insert(shape.begin(), *rows = array.shape[0]);
+  if (array.shape != shape) {
+    raise<io_error>(407, path.string(), ": an array ", shape_text(array.shape), ", expected ", shape_text(shape));
+  }
+  return array.to<float>();
+}
+
+}  // namespace detail
+
+/// A folder that is being read. Nothing is kept in memory: every call reads its files.
+class HumanMl3dFolder {
+ public:
+  explicit HumanMl3dFolder(FilePath folder, const HumanMl3dForm& form = {}) : folder_(std::move(folder)), form_(form) {}
+
+  const HumanMl3dForm& form() const { return form_; }
+  /// The ids of <split>.txt. Throws io_error 401, 403.
+  std::vector<std::string> ids(std::string_view split = "all") const {
+    return read_ids(detail::below(folder_, concat_text(split, ".txt")));
+  }
+  /// Features, joints and captions. Throws io_error 401 to 405 as read_npy, 403 as read_captions, 407 for arrays of
+  /// another shape and for features and joints of different lengths.
+  HumanMl3dClip load(const std::string& id) const {
+    HumanMl3dClip clip{id, 0, features(id), joints(id), captions(id)};
+    clip.frames = std::ssize(clip.features) / form_.width();
+    const Index frames = std::ssize(clip.joints) / (3 * form_.joints);
+    if (frames != clip.frames) {
+      raise<io_error>(407, folder_.string(), ": clip '", id, "' has ", clip.frames, " frames of features and ", frames,
+                      " of joints");
+    }
+    return clip;
+  }
+  /// (frames, 12 J - 1). Throws io_error 401 to 405, 407.
+  std::vector<float> features(const std::string& id) const {
+    Index rows = 0;
+    return detail::read_rows(file("new_joint_vecs", id, ".npy"), {form_.width()}, &rows);
+  }
+  /// (frames, J, 3). Throws io_error 401 to 405, 407.
+  std::vector<float> joints(const std::string& id) const {
+    Index rows = 0;
+    return detail::read_rows(file("new_joints", id, ".npy"), {form_.joints, 3}, &rows);
+  }
+  /// Throws io_error 401, 403.
+  std::vector<MotionCaption> captions(const std::string& id) const { return read_captions(file("texts", id, ".txt")); }
+
+  /// (12 J - 1). Throw io_error 401 to 405, 407.
+  std::vector<float> mean() const { return detail::read_rows(detail::below(folder_, "Mean.npy"), {form_.width()}); }
+  std::vector<float> deviation() const { return detail::read_rows(detail::below(folder_, "Std.npy"), {form_.width()}); }
+
+ private:
+  /// Throws io_error 403 for an id that leads out of the folder.
+  FilePath file(std::string_view kind, const std::string& id, std::string_view extension) const {
+    if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
+    return detail::below(folder_, concat_text(kind, "/", id, extension));
+  }
+
+  FilePath folder_;
+  HumanMl3dForm form_;
+};
+
+/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for each
+/// caption with times of its own.
+struct HumanMl3dItem {
+  FrameSlice frames;
+  std::vector<std::size_t> captions;  // numbers among those of the clip
+  bool operator==(const HumanMl3dItem&) const = default;
+};
+/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20 frames
+/// per second, for KIT-ML too, as published.
+inline std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captions, Index frames,
+                                                  const HumanMl3dForm& form = {}) {
+  auto kept = [&](Index length) { return length >= form.shortest && length <= form.longest; };
+  std::vector<HumanMl3dItem> items;
+  if (!kept(frames)) return items;
+  HumanMl3dItem whole{{0, frames}, {}};
+  for (std::size_t i = 0; i < captions.size(); ++i) {
+    const MotionCaption& c = captions[i];
+    const FrameSlice slice = c.of_whole_clip() ? FrameSlice{} : slice_of_seconds(c.start, c.end, 20, frames);
+    if (c.of_whole_clip())
+      whole.captions.push_back(i);
+    else if (kept(slice.length))
+      items.push_back({slice, {i}});
+  }
+  if (!whole.captions.empty()) items.push_back(std::move(whole));
+  return items;
+}
+
+/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids (write_ids)
+/// when all clips are there: a list then names no clip that is not whole.
+/// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
+/// timeline_error 510 as format_captions
+inline void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {}) {
+  if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
+    raise<io_error>(403, folder.string(), ": '", clip.id, "' is no name of a file");
+  const std::string captions = format_captions(clip.captions);
+  const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
+  const auto joints = NpyArray::of(std::span<const float>(clip.joints), {clip.frames, form.joints, 3});
+  auto file = [&](std::string_view kind, std::string_view extension) {
+    make_folder(folder);
+    make_folder(detail::below(folder, kind));
+    return detail::below(folder, concat_text(kind, "/", clip.id, extension));
+  };
+  write_npy(file("new_joint_vecs", ".npy"), features);
+  write_npy(file("new_joints", ".npy"), joints);
+  write_file(file("texts", ".txt"), captions);
+}
+/// Mean.npy and Std.npy, of FeatureStatistics for instance. Throws io_error 401, shape_error 205 for another width.
+inline void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean,
+                                       std::span<const float> deviation, const HumanMl3dForm& form = {}) {
+  const auto m = NpyArray::of(mean, {form.width()}), s = NpyArray::of(deviation, {form.width()});
+  make_folder(folder);
+  write_npy(detail::below(folder, "Mean.npy"), m);
+  write_npy(detail::below(folder, "Std.npy"), s);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_INSPECTION_PAGE_HPP  // <motionlang/io/inspection_page.hpp>
+#define MOTIONLANG_HAS_IO_INSPECTION_PAGE_HPP
+/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with its
+/// findings and, for some of each kind, a film strip. Nothing comes from outside the file.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A motion of the page, or a file that could not be read.
+struct InspectedMotion {
+  std::string name;                 // path, and animation if there are several
+  std::string about;                // length, frame rate, joints
+  std::string unreadable{};         // the error of the reader; "": it was read
+  std::vector<Finding> findings{};  // empty: nothing is wrong
+  std::string strip{};              // film_strip_svg, or "" for none
+
+  bool good() const { return unreadable.empty() && findings.empty(); }
+};
+
+/// How many motions have each fault, by Fault.
+inline std::array<Index, fault_info.size()> count_faults(std::span<const InspectedMotion> motions) {
+  std::array<Index, fault_info.size()> count{};
+  for (const InspectedMotion& m : motions) {
+    for (const Finding& f : m.findings) ++count[static_cast<std::size_t>(f.fault)];
+  }
+  return count;
+}
+
+/// title   of the page, the name of the folder
+inline std::string inspection_html(std::span<const InspectedMotion> motions, std::string_view title) {
+  using detail::escape_markup;
+  const auto total = std::ssize(motions);
+  const auto good = std::count_if(motions.begin(), motions.end(), [](const auto& m) { return m.good(); });
+  const auto unreadable =
+      std::count_if(motions.begin(), motions.end(), [](const auto& m) { return !m.unreadable.empty(); });
+  std::string out = concat_text(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+      "'unsafe-inline'\">\n<title>",
+      escape_markup(title), "</title>\n<style>body{font:15px/1.45 system-ui,-apple-system,'Segoe UI',sans-serif;",
+      "color:#20242c;max-width:1330px;margin:2em auto;padding:0 1em}table{border-collapse:collapse;margin:1em 0}",
+      "td,th{text-align:left;padding:.25em 1em .25em 0;border-bottom:1px solid #e1e5ea;vertical-align:top}",
+      "td.n,th.n{text-align:right}h1{font-size:1.5em}h2{font-size:1.05em;margin:1.6em 0 .2em}",
+      ".about{color:#5b6472;font-weight:400}ul{margin:.2em 0 .4em;padding-left:1.3em}b{font-weight:600;color:#a3380e}",
+      "svg{max-width:100%;height:auto;border:1px solid #e1e5ea;border-radius:6px}</style>\n</head>\n<body>\n<h1>",
+      escape_markup(title), "</h1>\n<p>", total, " motions: ", good, " without a finding, ", total - good - unreadable,
+      " with findings, ", unreadable, " unreadable.</p>\n");
+  if (good < total) {
+    out += "<table>\n<tr><th>finding</th><th class=\"n\">motions</th><th>meaning</th><th>mended</th></tr>\n";
+    const auto count = count_faults(motions);
+    for (std::size_t i = 0; i < count.size(); ++i) {
+      if (count[i] == 0) continue;
+      out += concat_text("<tr><td>", fault_info[i].name, "</td><td class=\"n\">", count[i], "</td><td>",
+                         fault_info[i].meaning, "</td><td>", fault_info[i].mendable ? "yes" : "no", "</td></tr>\n");
+    }
+    out += "</table>\n";
+  }
+  for (const InspectedMotion& m : motions) {
+    if (m.good()) continue;
+    out += concat_text("<h2>", escape_markup(m.name), " <span class=\"about\">", escape_markup(m.about),
+                       "</span></h2>\n<ul>\n");
+    if (!m.unreadable.empty()) out += concat_text("<li><b>unreadable</b>: ", escape_markup(m.unreadable), "</li>\n");
+    for (const Finding& f : m.findings) {
+      out += concat_text("<li><b>", info(f.fault).name, "</b>: ", escape_markup(f.text), "</li>\n");
+    }
+    out += concat_text("</ul>\n", m.strip);
+  }
+  return out + "</body>\n</html>\n";
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_KEY_REPORT_HPP  // <motionlang/io/key_report.hpp>
+#define MOTIONLANG_HAS_IO_KEY_REPORT_HPP
+/// Names of tensors that do not match between a file and a model, as one list that a person can act on.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Names that a file lacks, and names that nobody asked for.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that many.
+inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
+      diagonal = row[k + 1];
+      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+    }
+  }
+  return std::min(row.back(), limit);
+}
+
+/// The name that is most like `name`; empty if none has half of it.
+inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
+  constexpr std::size_t longest = 256;
+  std::string_view best;
+  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
+  for (const std::string& candidate : among) {
+    if (name.size() > longest || candidate.size() > longest) continue;
+    const std::size_t d = edit_distance(name, candidate, distance);
+    if (d < distance) distance = d, best = candidate;
+  }
+  return std::string(best);
+}
+
+/// A line for each name, and beside it the name of the other list that is most like it.
+inline std::string to_string(const KeyReport& report) {
+  constexpr std::size_t most = 20;  // lines of a list
+  std::string text;
+  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
+                        const char* has) {
+    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+      const std::string like = nearest_name(names[i], others);
+      text += concat_text("\n  ", what, " ", names[i]);
+      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
+    }
+    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+  };
+  list("missing   ", report.missing, report.unexpected, "the file has");
+  list("unexpected", report.unexpected, report.missing, "the model has");
+  return text;
+}
+
+namespace detail {
+
+[[noreturn]] inline void raise_key_mismatch(std::string_view file, const KeyReport& report) {
+  raise<io_error>(406, file, ": ", report.missing.size(), " tensors are missing, ", report.unexpected.size(),
+                  " are not expected:", report);
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_KIT_RECORDINGS_HPP  // <motionlang/io/kit_recordings.hpp>
+#define MOTIONLANG_HAS_IO_KIT_RECORDINGS_HPP
+/// Raw KIT Motion-Language, as TEMOS reads it: texts, and joint positions at 100 frames per second.
+///
+///     <id>_annotations.json   ["A person waves.", ...]
+///     <id>_meta.json          {"nb_annotations": 1, ...}
+///     <id>_fke.csv            a head line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
+///
+/// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al.; spec exchange-formats.md 5.3,
+///         temos.md 9
+
+#include <dirent.h>  // opendir
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct KitRecording {
+  static constexpr double fps = 100;
+  static constexpr std::size_t joint_count = 21;
+  std::string id;
+  std::vector<std::string> annotations;
+  std::vector<Vec3<double>> joints;  // (frames, 21), joint fastest; in the units and axes of the file
+
+  Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
+};
+
+/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the first
+/// is an index and only looked at).
+inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv") {
+  constexpr std::size_t columns = 1 + 3 * KitRecording::joint_count;
+  std::vector<Vec3<double>> joints;
+  Index lines = 0;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    line = detail::trim(line);
+    if (line.empty() || ++lines == 1) return;
+    double values[columns];
+    std::size_t n = 0;
+    for (std::size_t at = 0; at <= line.size(); ++n) {
+      const std::size_t end = std::min(line.find(',', at), line.size());
+      const std::string_view field = detail::trim(line.substr(at, end - at));
+      double value = 0;
+      const auto [last, status] = std::from_chars(field.data(), field.data() + field.size(), value);
+      if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
+        raise<io_error>(403, name, ":", number, ": '", field.substr(0, 40), "' is no number");
+      if (n < columns) values[n] = value;
+      at = end + 1;
+    }
+    if (n != columns) raise<io_error>(403, name, ":", number, ": ", n, " numbers, ", columns, " are expected");
+    for (std::size_t i = 1; i < columns; i += 3) joints.push_back({values[i], values[i + 1], values[i + 2]});
+  });
+  if (lines == 0) raise<io_error>(402, name, ": the file is empty");
+  return joints;
+}
+
+/// A folder that is being read. Nothing is kept in memory: every call reads its files.
+class KitRecordings {
+ public:
+  explicit KitRecordings(FilePath folder) : folder_(std::move(folder)) {}
+
+  /// All ids with a _meta.json, sorted. Throws io_error 401.
+  std::vector<std::string> ids() const {
+    constexpr std::string_view ending = "_meta.json";
+    DIR* const folder = ::opendir(folder_.c_str());
+    if (folder == nullptr) raise<io_error>(401, "cannot read the folder ", folder_.string());
+    std::vector<std::string> out;
+    while (const dirent* entry = ::readdir(folder)) {
+      const std::string_view name = entry->d_name;
+      if (name.size() > ending.size() && name.ends_with(ending))
+        out.emplace_back(name.substr(0, name.size() - ending.size()));
+    }
+    ::closedir(folder);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  /// The texts of a recording; none if its meta data say so: TEMOS skips such recordings.
+  /// Throws io_error 401, 403 (malformed; a number of texts other than announced), config_error 107.
+  std::vector<std::string> annotations(const std::string& id) const {
+    const FilePath meta_path = file(id, "_meta.json"), texts_path = file(id, "_annotations.json");
+    const nlohmann::json meta = read_json(meta_path);
+    const auto count = JsonView(meta, meta_path.string())["nb_annotations"].as<Index>();
+    if (count == 0) return {};
+    const nlohmann::json texts = read_json(texts_path);
+    auto out = JsonView(texts, texts_path.string()).as<std::vector<std::string>>();
+    if (std::ssize(out) != count) {
+      raise<io_error>(403, texts_path.string(), ": ", out.size(), " texts, ", meta_path.string(), " has ", count);
+    }
+    return out;
+  }
+  /// Throws as annotations and parse_kit_joints.
+  KitRecording load(const std::string& id) const {
+    const FilePath path = file(id, "_fke.csv");
+    return {id, annotations(id), parse_kit_joints(detail::as_text(MappedFile::open(path)->bytes()), path.string())};
+  }
+
+ private:
+  FilePath file(const std::string& id, std::string_view ending) const {
+    if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
+    return concat_text(folder_.string(), "/", id, ending);
+  }
+  FilePath folder_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_MODULE_FILE_HPP  // <motionlang/io/module_file.hpp>
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
-/// Parameters of modules in safetensors files: paths of fields are the names of tensors.
-
-#include <set>    // names
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
+/// WeightFile.
 
 #ifndef MOTIONLANG_HAS_IO_SAFETENSORS_HPP  // <motionlang/io/safetensors.hpp>
 #define MOTIONLANG_HAS_IO_SAFETENSORS_HPP
@@ -4196,6 +7085,7 @@ namespace motionlang::inline MOTIONLANG_ABI::detail {
 class JsonCursor {
  public:
   static constexpr int max_depth = 4;
+  static constexpr std::size_t max_members = 100'000;  // of an object: what one needs in memory is many times its text
 
   /// `offset` is where the text begins in the file; it only serves messages.
   JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
@@ -4235,6 +7125,7 @@ class JsonCursor {
       do {
         const std::size_t start = at_;
         const auto [key, is_new] = keys.insert(string());
+        if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
         if (!is_new) fail(403, start, "the name '" + *key + "' stands twice in one object");
         expect(':');
         on_value(*key);
@@ -4366,6 +7257,10 @@ class JsonCursor {
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 #endif
+
+#ifndef MOTIONLANG_HAS_IO_TENSOR_SET_HPP  // <motionlang/io/tensor_set.hpp>
+#define MOTIONLANG_HAS_IO_TENSOR_SET_HPP
+/// Named tensors of a file: what every reader of weights gives, and what modules are filled from.
 
 #ifndef MOTIONLANG_HAS_IO_TENSOR_VIEW_HPP  // <motionlang/io/tensor_view.hpp>
 #define MOTIONLANG_HAS_IO_TENSOR_VIEW_HPP
@@ -4522,26 +7417,10 @@ std::vector<T> values_of(const TensorView& view) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-class SafetensorsFile {
+class TensorSet {
  public:
-  /// Longest header that is read, as in the reference implementation.
-  static constexpr std::uint64_t max_header = 100'000'000;
-
-  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
-  /// axes), 405 (impossible sizes).
-  static SafetensorsFile open(const FilePath& path) {
-    const auto file = MappedFile::open(path);
-    return from_bytes(file->bytes(), path.string(), file);
-  }
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
-  static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
-                                    std::shared_ptr<const void> owner = {}) {
-    return SafetensorsFile(bytes, std::move(name), std::move(owner));
-  }
-
+  /// Of the file, for messages.
   const std::string& name() const { return name_; }
-  const std::map<std::string, std::string>& metadata() const { return metadata_; }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<const void>& owner() const { return owner_; }
 
@@ -4565,6 +7444,39 @@ class SafetensorsFile {
     return *t;
   }
 
+ protected:
+  TensorSet(std::string name, std::shared_ptr<const void> owner) : name_(std::move(name)), owner_(std::move(owner)) {}
+
+  std::string name_;
+  std::shared_ptr<const void> owner_;
+  std::vector<TensorView> tensors_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+class SafetensorsFile : public TensorSet {
+ public:
+  /// Longest header that is read, as in the reference implementation.
+  static constexpr std::uint64_t max_header = 100'000'000;
+
+  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
+  /// axes), 405 (impossible sizes).
+  static SafetensorsFile open(const FilePath& path) {
+    const auto file = MappedFile::open(path);
+    return from_bytes(file->bytes(), path.string(), file);
+  }
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// messages.
+  static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
+                                    std::shared_ptr<const void> owner = {}) {
+    return SafetensorsFile(bytes, std::move(name), std::move(owner));
+  }
+
+  const std::map<std::string, std::string>& metadata() const { return metadata_; }
+
  private:
   using Cursor = detail::JsonCursor;
   static constexpr std::size_t prefix = 8;  // bytes of the header length
@@ -4575,7 +7487,7 @@ class SafetensorsFile {
   };
 
   SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner)
-      : name_(std::move(name)), owner_(std::move(owner)) {
+      : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header) raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header);
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
@@ -4694,10 +7606,7 @@ class SafetensorsFile {
     if (end != size) json.fail(403, 0, concat_text(size - end, " bytes of data belong to no tensor"));
   }
 
-  std::string name_;
-  std::shared_ptr<const void> owner_;
   std::map<std::string, std::string> metadata_;
-  std::vector<TensorView> tensors_;
 };
 
 namespace detail {
@@ -4822,16 +7731,11 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// Names that a file lacks, and names that nobody asked for.
-struct KeyReport {
-  std::vector<std::string> missing, unexpected;
-};
-
 namespace detail {
 
 /// Fills tensors from a file by their names.
 struct TensorLoader {
-  const SafetensorsFile& file;
+  const TensorSet& file;
   const std::string& prefix;
   std::string (*key)(const std::string& prefix, const std::string& path);
   KeyReport& report;
@@ -4853,7 +7757,7 @@ struct TensorLoader {
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match; throws io_error 407 for a tensor of another shape.
 template <Module M>
-KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
   KeyReport report;
   std::set<std::string> known;
   visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
@@ -4862,18 +7766,12 @@ KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::
   }
   return report;
 }
-/// The same, where every name has to match. Throws io_error 406 with both lists.
+/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
 template <Module M>
-void load_module(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "") {
   const KeyReport report = load_module_partly(module, file, prefix);
   if (report.missing.empty() && report.unexpected.empty()) return;
-  auto list = [](const std::vector<std::string>& names) {
-    std::string text;
-    for (std::size_t i = 0; i < names.size() && i < 5; ++i) text += (i == 0 ? " " : ", ") + names[i];
-    return text + (names.size() > 5 ? ", ..." : "");
-  };
-  raise<io_error>(406, file.name(), ": ", report.missing.size(), " tensors are missing:", list(report.missing), "; ",
-                  report.unexpected.size(), " are not expected:", list(report.unexpected));
+  detail::raise_key_mismatch(file.name(), report);
 }
 
 /// Tensors on their way into a file, with their own memory.
@@ -4933,6 +7831,229 @@ class TensorStore {
   }
   std::vector<Entry> entries_;
 };
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_OBJ_HPP  // <motionlang/io/obj.hpp>
+#define MOTIONLANG_HAS_IO_OBJ_HPP
+/// Wavefront OBJ: a surface in one pose, for every program that shows meshes. Y up, metres.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// vertices (V, 3), one after the other; faces: three vertices each, counted from 0.
+/// Throws shape_error 205 if vertices are not triples or a face has a vertex that is none, numeric_error 301
+template <class S>
+std::string obj_text(std::span<const S> vertices, std::span<const std::array<Index, 3>> faces) {
+  if (vertices.size() % 3 != 0) raise<shape_error>(205, "OBJ: ", vertices.size(), " coordinates of vertices");
+  const auto count = static_cast<Index>(vertices.size()) / 3;
+  std::string out;
+  for (std::size_t i = 0; i < vertices.size(); i += 3) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(vertices[i + c] - vertices[i + c] == 0)) raise<numeric_error>(301, "OBJ: vertex ", i / 3, " is not finite");
+    }
+    out += concat_text("v ", vertices[i], " ", vertices[i + 1], " ", vertices[i + 2], "\n");
+  }
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    for (const Index v : faces[i]) {
+      if (v < 0 || v >= count) raise<shape_error>(205, "OBJ: face ", i, " has vertex ", v, " of ", count);
+    }
+    out += concat_text("f ", faces[i][0] + 1, " ", faces[i][1] + 1, " ", faces[i][2] + 1, "\n");
+  }
+  return out;
+}
+
+/// Throws io_error 401, and what obj_text throws.
+template <class S>
+void write_obj(const FilePath& path, std::span<const S> vertices, std::span<const std::array<Index, 3>> faces) {
+  write_file(path, obj_text(vertices, faces));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_OPTIONS_FILE_HPP  // <motionlang/io/options_file.hpp>
+#define MOTIONLANG_HAS_IO_OPTIONS_FILE_HPP
+/// Options of a training run, flat: config.json, args.json (JSON), opt.yaml, config.yaml (YAML).
+///
+///     const auto options = read_options("run/opt.yaml");
+///     const FileValue* width = find_value(options, "model/latent_dim");
+///
+/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists in
+/// brackets, tags (which are ignored). No texts of several lines, no references.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline std::string below(const std::string& path, std::string_view key) {
+  return path.empty() ? std::string(key) : concat_text(path, "/", key);
+}
+
+class YamlReader {
+ public:
+  YamlReader(std::string_view text, std::string_view file) : file_(file) {
+    levels_.push_back({0, "", false, 0});
+    while (!text.empty()) {
+      ++line_;
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      read_line(without_comment(text.substr(0, end)));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+  }
+  std::vector<FileValue> values;
+
+ private:
+  struct Level {
+    std::size_t indent;
+    std::string path;
+    bool list;
+    std::size_t items;
+  };
+  struct Pending {  // a key whose value follows on the next lines
+    std::size_t indent;
+    std::string path;
+  };
+
+  [[noreturn]] void fail(int id, std::string_view what) const { raise<io_error>(id, file_, ":", line_, ": ", what); }
+
+  static std::string_view trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \r"), last = text.find_last_not_of(" \r");
+    return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
+  }
+  static std::string_view without_comment(std::string_view line) {
+    char quote = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      if (quote != 0) {
+        if (line[i] == quote) quote = 0;
+      } else if ((line[i] == '"' || line[i] == '\'') && (i == 0 || line[i - 1] == ' ')) {
+        quote = line[i];
+      } else if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) {
+        return line.substr(0, i);
+      }
+    }
+    return line;
+  }
+
+  void read_line(std::string_view line) {
+    const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text == "---" || text == "...") return;
+    if (text[0] == '\t') fail(403, "a tab as indentation");
+    const bool item = is_item(text);
+    if (pending_) {
+      const bool inside = indent > pending_->indent || (item && indent == pending_->indent);
+      if (inside) levels_.push_back({indent, pending_->path, item, 0});
+      pending_.reset();
+      constexpr std::size_t deepest = 64;
+      if (levels_.size() > deepest) fail(405, "nested too deeply");
+    }
+    while (levels_.size() > 1 &&
+           (levels_.back().indent > indent || (levels_.back().indent == indent && levels_.back().list && !item))) {
+      levels_.pop_back();
+    }
+    if (levels_.size() == 1 && item && values.empty()) levels_.back().list = true;
+    if (levels_.back().indent != indent || levels_.back().list != item)
+      fail(403, "indentation that fits no line above");
+    item ? read_item(text, indent) : read_key(text, indent);
+  }
+  static bool is_item(std::string_view text) { return text == "-" || text.starts_with("- "); }
+
+  void read_item(std::string_view text, std::size_t indent) {
+    Level& list = levels_.back();
+    const std::string path = below(list.path, concat_text(list.items++));
+    const std::string_view rest = trimmed(text.substr(1));
+    const std::size_t inner = indent + static_cast<std::size_t>(rest.data() - text.data());
+    if (rest.empty()) {
+      pending_ = Pending{indent, path};
+    } else if (is_item(rest) || key_end(rest) != rest.npos) {
+      levels_.push_back({inner, path, is_item(rest), 0});
+      is_item(rest) ? read_item(rest, inner) : read_key(rest, inner);
+    } else {
+      read_value(path, rest, indent);
+    }
+  }
+  /// Position of the colon behind a key.
+  static std::size_t key_end(std::string_view text) {
+    std::size_t from = 0;
+    if (text[0] == '"' || text[0] == '\'') from = std::min(text.find(text[0], 1), text.size());
+    for (std::size_t at = text.find(':', from); at != text.npos; at = text.find(':', at + 1)) {
+      if (at + 1 == text.size() || text[at + 1] == ' ') return at;
+    }
+    return text.npos;
+  }
+  void read_key(std::string_view text, std::size_t indent) {
+    const std::size_t colon = key_end(text);
+    if (colon == text.npos) fail(403, "a key with a colon expected");
+    read_value(below(levels_.back().path, unquoted(trimmed(text.substr(0, colon)))), trimmed(text.substr(colon + 1)),
+               indent);
+  }
+
+  void read_value(const std::string& path, std::string_view text, std::size_t indent) {
+    if (text.starts_with('!') || text.starts_with('&'))
+      text = trimmed(text.substr(std::min(text.find(' '), text.size())));
+    if (text.empty()) {
+      pending_ = Pending{indent, path};
+    } else if (text[0] == '|' || text[0] == '>' || text[0] == '*') {
+      fail(404, "texts of several lines and references are not read");
+    } else if (text[0] == '[' && text.back() == ']') {
+      text = text.substr(1, text.size() - 2);
+      for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
+        const std::size_t comma = std::min(text.find(','), text.size());
+        add(below(path, concat_text(i)), trimmed(text.substr(0, comma)));
+        text.remove_prefix(std::min(comma + 1, text.size()));
+      }
+    } else {
+      add(path, text);
+    }
+  }
+  static std::string_view unquoted(std::string_view text) {
+    const bool quoted =
+        text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
+    return quoted ? text.substr(1, text.size() - 2) : text;
+  }
+  void add(const std::string& path, std::string_view text) {
+    if (text == "null" || text == "~" || text == "{}") return;
+    if (text == "true" || text == "false") return values.push_back({path, text == "true"});
+    const char* const end = text.data() + text.size();
+    std::int64_t integer = 0;
+    if (std::from_chars(text.data(), end, integer).ptr == end) return values.push_back({path, integer});
+    double real = 0;
+    const bool number = text.find_first_not_of("0123456789+-.eE") == text.npos;
+    if (number && std::from_chars(text.data(), end, real).ptr == end) return values.push_back({path, real});
+    values.push_back({path, std::string(unquoted(text))});
+  }
+
+  std::string_view file_;
+  std::size_t line_ = 0;
+  std::vector<Level> levels_;
+  std::optional<Pending> pending_;
+};
+
+inline void add_json_values(const nlohmann::json& value, const std::string& path, std::vector<FileValue>& out) {
+  if (value.is_boolean()) out.push_back({path, value.get<bool>()});
+  if (value.is_number_integer()) out.push_back({path, value.get<std::int64_t>()});
+  if (value.is_number_float()) out.push_back({path, value.get<double>()});
+  if (value.is_string()) out.push_back({path, value.get<std::string>()});
+  if (!value.is_structured()) return;
+  for (const auto& member : value.items()) add_json_values(member.value(), below(path, member.key()), out);
+}
+
+}  // namespace detail
+
+/// The values of a text, JSON if it begins with a brace. `name` stands in messages.
+/// Throws  io_error 403 with the line if it is malformed, 404 for YAML that is not read
+inline std::vector<FileValue> parse_options(std::string_view text, std::string_view name) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos || text[first] != '{') return detail::YamlReader(text, name).values;
+  std::vector<FileValue> out;
+  detail::add_json_values(parse_json(text, name), "", out);
+  return out;
+}
+/// Throws io_error 401, and as above.
+inline std::vector<FileValue> read_options(const FilePath& path) {
+  return parse_options(read_file(path), path.string());
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -5161,6 +8282,1173 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   }
   write_safetensors(path, store.views(), metadata);
 }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_TENSOR_MEMORY_HPP  // <motionlang/io/tensor_memory.hpp>
+#define MOTIONLANG_HAS_IO_TENSOR_MEMORY_HPP
+/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here before it
+/// allocates.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The file in which most tensors lie, and the bytes of those that had to be unpacked or put into another order.
+class TensorMemory {
+ public:
+  /// file_size   tensors may cost as many bytes besides the file itself, and 12 MiB
+  TensorMemory(std::shared_ptr<const void> file, std::uint64_t file_size, std::string name)
+      : file_(std::move(file)), name_(std::move(name)), left_(file_size + (std::uint64_t{12} << 20)) {}
+
+  /// Throws io_error 405 if the file has cost too much already.
+  void spend(std::uint64_t bytes) {
+    if (bytes > left_) {
+      raise<io_error>(405, name_, ": needs ", bytes, " bytes more than a file of its size justifies");
+    }
+    left_ -= bytes;
+  }
+  void allow(std::uint64_t more) { left_ += more; }
+  /// What may still be spent.
+  std::uint64_t left() const { return left_; }
+
+  /// A place for bytes that live as long as this. They have been paid for.
+  template <class T>
+  const T& keep(T value) {
+    auto kept = std::make_shared<const T>(std::move(value));
+    const T& result = *kept;
+    kept_.push_back(std::move(kept));
+    return result;
+  }
+
+ private:
+  std::shared_ptr<const void> file_;
+  std::string name_;
+  std::uint64_t left_;
+  std::deque<std::shared_ptr<const void>> kept_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_TEXT_NETWORK_FILE_HPP  // <motionlang/io/text_network_file.hpp>
+#define MOTIONLANG_HAS_IO_TEXT_NETWORK_FILE_HPP
+/// Text networks from the files of Hugging Face and OpenAI.
+///
+///     const auto document = read_json("distilbert/config.json");
+///     const auto network = load_text_network<DistilBert<B>>(JsonView(document, "config.json"), open_weights("model.safetensors"));
+///     const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
+///
+/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight", "token_embedding.weight") stands
+///          before all names of the network, and whatever has other names is none of its business: "distilbert.", "bert.",
+///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ...
+/// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
+/// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
+///          value are stacked and whose text_projection is transposed
+/// Memory   tensors of 32-bit numbers are views of the file
+/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes; io_error 406,
+///          407 if names or shapes do not match
+/// Source   spec text-encoders.md, sections 2 to 5
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// The tensors of a file under other names, some of them put together.
+class RenamedTensors : public TensorSet {
+ public:
+  explicit RenamedTensors(const TensorSet& file) : TensorSet(file.name(), nullptr) {
+    if (file.owner() == nullptr) return;  // bytes that nobody keeps: tensors will be copies
+    memory_->file = file.owner();
+    owner_ = memory_;
+  }
+  void add(TensorView view, std::string name) {
+    view.name = std::move(name);
+    tensors_.push_back(std::move(view));
+  }
+  void add(TensorView view, std::string name, std::vector<std::byte> bytes) {
+    view.bytes = memory_->made.emplace_back(std::move(bytes));
+    add(std::move(view), std::move(name));
+  }
+  void sort() {
+    detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
+  }
+
+ private:
+  struct Memory {
+    std::shared_ptr<const void> file;
+    std::deque<std::vector<std::byte>> made;
+  };
+  std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
+};
+
+/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error 406 if there
+/// are two.
+inline std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name) {
+  std::optional<std::string> prefix;
+  for (const TensorView& t : file.tensors()) {
+    const std::string_view whole = t.name;
+    if (!whole.ends_with(name)) continue;
+    const std::string_view before = whole.substr(0, whole.size() - name.size());
+    if (!before.empty() && before.back() != '.') continue;
+    if (prefix)
+      raise<io_error>(406, file.name(), ": two networks, '", *prefix, name, "' and '", whole, "': which one is meant?");
+    prefix = before;
+  }
+  return prefix;
+}
+
+inline bool begins_with_any(std::string_view name, std::initializer_list<std::string_view> beginnings) {
+  return std::any_of(beginnings.begin(), beginnings.end(), [&](std::string_view b) { return name.starts_with(b); });
+}
+
+inline RenamedTensors bert_tensors(const TensorSet& file) {
+  constexpr std::string_view words = "embeddings.word_embeddings.weight";
+  const auto prefix = prefix_of(file, words);
+  if (!prefix) raise<io_error>(406, file.name(), ": no tensor '", words, "', with or without a prefix");
+  RenamedTensors out(file);
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(*prefix)) continue;
+    std::string name = t.name.substr(prefix->size());
+    if (name.ends_with("position_ids") || begins_with_any(name, {"pooler.", "vocab_", "cls.", "lm_head."})) continue;
+    if (name.ends_with("LayerNorm.gamma")) name.replace(name.size() - 5, 5, "weight");
+    if (name.ends_with("LayerNorm.beta")) name.replace(name.size() - 4, 4, "bias");
+    out.add(t, std::move(name));
+  }
+  out.sort();
+  return out;
+}
+
+/// The rows of several tensors, one below the other.
+inline void add_stacked(RenamedTensors& out, const std::array<const TensorView*, 3>& parts, std::string name,
+                        std::string_view where) {
+  TensorView whole = *parts[0];
+  std::vector<std::byte> bytes;
+  for (const TensorView* p : parts) {
+    if (p->dtype != whole.dtype || p->shape != parts[0]->shape || p->shape.rank() == 0)
+      raise<io_error>(407, where, ": '", p->name, "' is ", p->dtype, " ", p->shape, ", '", parts[0]->name, "' ",
+                      whole.dtype, " ", parts[0]->shape);
+    bytes.insert(bytes.end(), p->bytes.begin(), p->bytes.end());
+  }
+  whole.shape[0] = 3 * parts[0]->shape[0];
+  out.add(std::move(whole), std::move(name), std::move(bytes));
+}
+
+inline void add_transposed(RenamedTensors& out, TensorView view, std::string name, std::string_view where) {
+  if (view.shape.rank() != 2) raise<io_error>(407, where, ": '", view.name, "' is ", view.shape, ", not a matrix");
+  const auto rows = static_cast<std::size_t>(view.shape[0]), columns = static_cast<std::size_t>(view.shape[1]);
+  const std::size_t size = static_cast<std::size_t>(info(view.dtype).bits) / 8;
+  std::vector<std::byte> bytes(view.bytes.size());
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t c = 0; c < columns; ++c)
+      std::memcpy(bytes.data() + (c * rows + r) * size, view.bytes.data() + (r * columns + c) * size, size);
+  }
+  std::swap(view.shape[0], view.shape[1]);
+  out.add(std::move(view), std::move(name), std::move(bytes));
+}
+
+/// From the names of Hugging Face to those of OpenAI. `prefix` stands before "text_model.".
+inline RenamedTensors clip_tensors_of_hugging_face(const TensorSet& file, const std::string& prefix) {
+  constexpr std::string_view layers = "encoder.layers.";
+  constexpr std::array<std::array<std::string_view, 2>, 3> whole{
+      {{"embeddings.token_embedding.", "token_embedding."},
+       {"embeddings.position_embedding.weight", "positional_embedding"},
+       {"final_layer_norm.", "ln_final."}}};
+  constexpr std::array<std::array<std::string_view, 2>, 5> parts{{{"layer_norm1.", "ln_1."},
+                                                                  {"layer_norm2.", "ln_2."},
+                                                                  {"self_attn.out_proj.", "attn.out_proj."},
+                                                                  {"mlp.fc1.", "mlp.c_fc."},
+                                                                  {"mlp.fc2.", "mlp.c_proj."}}};
+  const auto renamed = [](std::string_view name, const auto& table) {
+    for (const auto& [from, to] : table) {
+      if (name.starts_with(from)) return std::string(to).append(name.substr(from.size()));
+    }
+    return std::string(name);  // to be reported
+  };
+  RenamedTensors out(file);
+  const std::string model = prefix + "text_model.";
+  if (const TensorView* t = file.find(prefix + "text_projection.weight"))
+    add_transposed(out, *t, "text_projection", file.name());
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(model) || t.name.ends_with("position_ids")) continue;
+    const std::string_view name = std::string_view(t.name).substr(model.size());
+    if (!name.starts_with(layers)) {
+      out.add(t, renamed(name, whole));
+      continue;
+    }
+    const std::size_t dot = std::min(name.find('.', layers.size()), name.size() - 1);
+    const std::string block =
+        "transformer.resblocks." + std::string(name.substr(layers.size(), dot + 1 - layers.size()));
+    const std::string_view part = name.substr(dot + 1);
+    const std::string before = t.name.substr(0, t.name.size() - part.size());
+    bool stacked = false;
+    for (const char* kind : {"weight", "bias"}) {
+      const auto of = [&](const char* p) { return file.find(before + "self_attn." + p + "_proj." + kind); };
+      const std::array<const TensorView*, 3> qkv{of("q"), of("k"), of("v")};
+      if (qkv[0] == nullptr || qkv[1] == nullptr || qkv[2] == nullptr) continue;
+      if (&t == qkv[0]) add_stacked(out, qkv, block + "attn.in_proj_" + kind, file.name());
+      stacked = stacked || &t == qkv[0] || &t == qkv[1] || &t == qkv[2];
+    }
+    if (!stacked) out.add(t, block + renamed(part, parts));
+  }
+  out.sort();
+  return out;
+}
+
+/// The tensors of the text tower under OpenAI's names.
+inline RenamedTensors clip_tensors(const TensorSet& file) {
+  if (const auto prefix = prefix_of(file, "text_model.embeddings.token_embedding.weight"))
+    return clip_tensors_of_hugging_face(file, *prefix);
+  const auto prefix = prefix_of(file, "token_embedding.weight");
+  if (!prefix) raise<io_error>(406, file.name(), ": no tensor 'token_embedding.weight', with or without a prefix");
+  RenamedTensors out(file);
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(*prefix)) continue;
+    std::string name = t.name.substr(prefix->size());
+    if (begins_with_any(name, {"visual.", "logit_scale", "input_resolution", "context_length", "vocab_size"})) continue;
+    out.add(t, std::move(name));
+  }
+  out.sort();
+  return out;
+}
+
+/// A size in a configuration file, 1 ... largest.
+inline Index config_size(const JsonView& config, const std::string& key, Index largest) {
+  const Index n = config[key].as<Index>();
+  if (n < 1 || n > largest) raise<config_error>(101, config.path(), ": ", key, " is ", n, ", not 1 ... ", largest);
+  return n;
+}
+inline Activation config_activation(const JsonView& config, const std::string& key) {
+  const auto name = config[key].as<std::string>();
+  if (name != "relu" && name != "gelu" && name != "gelu_new" && name != "quick_gelu")
+    raise<config_error>(103, config.path(), ": ", key, " '", name, "' is none of relu, gelu, gelu_new, quick_gelu");
+  return parse_activation(name);
+}
+inline constexpr Index largest_width = 16384, largest_vocabulary = 10'000'000, largest_depth = 1024;
+
+}  // namespace detail
+
+/// The sizes in the config.json of a member of the BERT family; `model_type` says which one it has to be.
+inline BertConfig bert_config(const JsonView& config, std::string_view model_type) {
+  using detail::config_size;
+  if (const auto found = config["model_type"].as<std::string>(); found != model_type)
+    raise<config_error>(103, config.path(), ": model_type '", found, "', expected '", model_type, "'");
+  if (const auto kind = config.value_or("position_embedding_type", "absolute"); kind != "absolute")
+    raise<config_error>(103, config.path(), ": position_embedding_type '", kind, "' is not 'absolute'");
+  const bool distilled = model_type == "distilbert";
+  BertConfig c;
+  c.vocabulary = config_size(config, "vocab_size", detail::largest_vocabulary);
+  c.width = config_size(config, distilled ? "dim" : "hidden_size", detail::largest_width);
+  c.heads = config_size(config, distilled ? "n_heads" : "num_attention_heads", detail::largest_width);
+  c.layers = config_size(config, distilled ? "n_layers" : "num_hidden_layers", detail::largest_depth);
+  c.d_ff = config_size(config, distilled ? "hidden_dim" : "intermediate_size", 8 * detail::largest_width);
+  c.positions = config_size(config, "max_position_embeddings", detail::largest_vocabulary);
+  c.activation = detail::config_activation(config, distilled ? "activation" : "hidden_act");
+  c.padding = config.value_or("pad_token_id", Index{model_type == "mpnet" ? 1 : 0});
+  if (!distilled) c.eps = config.value_or("layer_norm_eps", 1e-12);
+  if (model_type == "bert") c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
+  if (config.contains("relative_attention_num_buckets"))
+    c.buckets = config_size(config, "relative_attention_num_buckets", detail::largest_vocabulary);
+  check_heads(c.width, c.heads);
+  return c;
+}
+
+/// Fills a network of the BERT family.
+template <class Network>
+Network load_text_network(const BertConfig& config, const TensorSet& weights) {
+  NoInit zeros;
+  Network network(config, zeros);
+  load_module(network, detail::bert_tensors(weights));
+  return network;
+}
+/// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
+template <class Network>
+Network load_text_network(const JsonView& config, const TensorSet& weights) {
+  return load_text_network<Network>(bert_config(config, Network::keys::model_type), weights);
+}
+
+/// The sizes in the config.json of a CLIP model, or of its text tower alone.
+inline ClipTextConfig clip_text_config(const JsonView& config) {
+  using detail::config_size;
+  const JsonView text =
+      config.contains("text_config") && config["text_config"].is_object() ? config["text_config"] : config;
+  const bool older = config.contains("text_config_dict") && config["text_config_dict"].is_object();
+  const auto at = [&](const std::string& key) {  // where older files say it twice, the dictionary wins
+    return older && config["text_config_dict"].contains(key) ? config["text_config_dict"] : text;
+  };
+  ClipTextConfig c;
+  c.vocabulary = config_size(at("vocab_size"), "vocab_size", detail::largest_vocabulary);
+  c.width = config_size(at("hidden_size"), "hidden_size", detail::largest_width);
+  c.heads = config_size(at("num_attention_heads"), "num_attention_heads", detail::largest_width);
+  c.layers = config_size(at("num_hidden_layers"), "num_hidden_layers", detail::largest_depth);
+  c.d_ff = config_size(at("intermediate_size"), "intermediate_size", 8 * detail::largest_width);
+  c.context = config_size(at("max_position_embeddings"), "max_position_embeddings", detail::largest_vocabulary);
+  c.out = config_size(config.contains("projection_dim") ? config : at("projection_dim"), "projection_dim",
+                      detail::largest_width);
+  c.activation = detail::config_activation(at("hidden_act"), "hidden_act");
+  c.eps = at("layer_norm_eps").value_or("layer_norm_eps", 1e-5);
+  check_heads(c.width, c.heads);
+  return c;
+}
+
+/// The sizes of a text tower from the shapes of its tensors, with 64 numbers a head. Throws io_error 406, 407.
+inline ClipTextConfig clip_text_config(const TensorSet& file) {
+  const auto tensors = detail::clip_tensors(file);
+  const auto matrix = [&](const std::string& name) {
+    const TensorView& t = tensors.tensor(name);
+    if (t.shape.rank() != 2) raise<io_error>(407, file.name(), ": '", name, "' is ", t.shape, ", not a matrix");
+    return t.shape;
+  };
+  const Shape words = matrix("token_embedding.weight");
+  ClipTextConfig c{.vocabulary = words[0],
+                   .width = words[1],
+                   .heads = std::max<Index>(1, words[1] / 64),
+                   .d_ff = matrix("transformer.resblocks.0.mlp.c_fc.weight")[0],
+                   .layers = 0,
+                   .context = matrix("positional_embedding")[0],
+                   .out = matrix("text_projection")[1]};
+  while (tensors.find(concat_text("transformer.resblocks.", c.layers, ".ln_1.weight")) != nullptr) ++c.layers;
+  check_heads(c.width, c.heads);
+  return c;
+}
+
+template <Backend B>
+ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weights) {
+  NoInit zeros;
+  ClipText<B> network(config, zeros);
+  load_module(network, detail::clip_tensors(weights));
+  return network;
+}
+template <Backend B>
+ClipText<B> load_clip_text(const JsonView& config, const TensorSet& weights) {
+  return load_clip_text<B>(clip_text_config(config), weights);
+}
+template <Backend B>
+ClipText<B> load_clip_text(const TensorSet& weights) {
+  return load_clip_text<B>(clip_text_config(weights), weights);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_TOKENIZER_FILES_HPP  // <motionlang/io/tokenizer_files.hpp>
+#define MOTIONLANG_HAS_IO_TOKENIZER_FILES_HPP
+/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The JSON files
+/// are another header, io/tokenizer_json.hpp.
+///
+/// Source  spec text-encoders.md 7, 9, 10
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// One piece on each line; its id is the number of the line, from 0.
+/// Throws io_error 403, with the line, for a piece that is empty, stands twice or is not UTF-8
+inline std::vector<std::string> parse_vocabulary(std::string_view text, std::string_view name = "vocab.txt") {
+  std::vector<std::string> pieces;
+  std::unordered_set<std::string_view> seen;
+  detail::for_each_line(text, [&](std::string_view piece, Index line) {
+    const char* wrong = piece.empty() ? "an empty line" : !is_utf8(piece) ? "not UTF-8" : nullptr;
+    if (wrong != nullptr) raise<io_error>(403, name, ":", line, ": ", std::string_view(wrong));
+    if (!seen.insert(piece).second) raise<io_error>(403, name, ":", line, ": piece '", piece, "' stands twice");
+    pieces.emplace_back(piece);
+  });
+  return pieces;
+}
+/// Throws io_error 401 and as parse_vocabulary.
+inline std::vector<std::string> read_vocabulary(const FilePath& path) {
+  return parse_vocabulary(read_text(path), path.string());
+}
+
+namespace detail {
+
+/// "a b". Throws io_error 403 with the place.
+inline std::pair<std::string, std::string> parse_merge(std::string_view line, std::string_view name, Index number) {
+  const std::size_t blank = line.find(' ');
+  const bool two = blank != line.npos && blank > 0 && blank + 1 < line.size() && line.find(' ', blank + 1) == line.npos;
+  if (!two || !is_utf8(line))
+    raise<io_error>(403, name, ":", number, ": '", line.substr(0, 40), "' is not two symbols with one blank between");
+  return {std::string(line.substr(0, blank)), std::string(line.substr(blank + 1))};
+}
+
+}  // namespace detail
+
+/// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that begins with
+/// "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
+/// most    further lines are not read
+/// Throws  io_error 403, with the line, for a line of another form or a pair that stands twice
+inline BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
+                                   std::size_t most = static_cast<std::size_t>(-1)) {
+  BytePairMerges merges;
+  std::unordered_set<std::string_view> seen;
+  bool ended = false;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    ended = ended || line.empty() || merges.size() == most;
+    if (ended || line.starts_with("#version") || (number == 1 && line.starts_with("\"bpe_simple_vocab"))) return;
+    merges.push_back(detail::parse_merge(line, name, number));
+    if (!seen.insert(line).second) raise<io_error>(403, name, ":", number, ": '", line, "' stands twice");
+  });
+  return merges;
+}
+/// Throws io_error 401 and as parse_merges and gunzip.
+inline BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<std::size_t>(-1)) {
+  return parse_merges(read_text(path), path.string(), most);
+}
+
+/// Merges of bpe_simple_vocab_16e6.txt that CLIP takes; the file has 262,144.
+inline constexpr std::size_t clip_merges = 48894;
+
+/// CLIP's tokenizer from OpenAI's file, packed or not. Throws as read_merges, and as the constructor of ClipTokenizer.
+inline ClipTokenizer read_clip_tokenizer(const FilePath& path, ClipTokenizerOptions options = {}) {
+  return ClipTokenizer(read_merges(path, clip_merges), std::move(options), path.string());
+}
+
+/// BERT's tokenizer from vocab.txt. Throws as read_vocabulary, and as the constructor of BertTokenizer.
+inline BertTokenizer read_bert_tokenizer(const FilePath& path, BertTokenizerOptions options = {}) {
+  return BertTokenizer(read_vocabulary(path), std::move(options), path.string());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_TOKENIZER_JSON_HPP  // <motionlang/io/tokenizer_json.hpp>
+#define MOTIONLANG_HAS_IO_TOKENIZER_JSON_HPP
+/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds that BERT,
+/// MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it ids would be wrong and
+/// look right.
+///
+///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
+///
+/// Source  spec text-encoders.md 9.2, 10
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// One of the tokenizers that files describe.
+class AnyTokenizer {
+ public:
+  AnyTokenizer(BertTokenizer t) : kind_(std::move(t)) {}
+  AnyTokenizer(ClipTokenizer t) : kind_(std::move(t)) {}
+
+  std::vector<Index> encode(std::string_view text) const {
+    return std::visit([&](const auto& t) { return t.encode(text); }, kind_);
+  }
+  std::string decode(std::span<const Index> ids) const {
+    return std::visit([&](const auto& t) { return t.decode(ids); }, kind_);
+  }
+  Index size() const {
+    return std::visit([](const auto& t) { return t.size(); }, kind_);
+  }
+  Index pad_id() const {
+    return std::visit([](const auto& t) { return t.pad_id(); }, kind_);
+  }
+  /// Null if it is the other kind.
+  const BertTokenizer* bert() const { return std::get_if<BertTokenizer>(&kind_); }
+  const ClipTokenizer* clip() const { return std::get_if<ClipTokenizer>(&kind_); }
+
+ private:
+  std::variant<BertTokenizer, ClipTokenizer> kind_;
+};
+static_assert(Tokenizer<AnyTokenizer>);
+
+/// What the caller decides; a tokenizer.json has it too, but the published systems do not apply that.
+struct TokenizerLimits {
+  std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
+  std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
+  bool stored = false;                // take both from the block "truncation" of the file, if it has one
+};
+
+namespace detail {
+
+/// Throws io_error 404: the file asks for a kind of thing that is not known here.
+[[noreturn]] inline void unknown_kind(const JsonView& view, std::string_view wanted) {
+  const std::string found = view.contains("type") && view["type"].is_string() ? view["type"].as<std::string>() : "none";
+  raise<io_error>(404, view.path(), ": type ", found.substr(0, 40), ", known are ", wanted);
+}
+inline bool has_type(const JsonView& view, std::string_view type) {
+  return view.contains("type") && view["type"].is_string() && view["type"].as<std::string>() == type;
+}
+/// Throws io_error 404 unless the member is missing or has the only value that is known here.
+template <class T>
+void require_value(const JsonView& view, const std::string& key, const T& value) {
+  if (view.value_or(key, value) != value)
+    raise<io_error>(404, view.path(), ": '", key, "' has a value that is not known here");
+}
+
+/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on has one.
+inline std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added = {}) {
+  if (!vocabulary.is_object()) raise<config_error>(107, vocabulary.path(), ": expected an object of pieces and ids");
+  std::size_t count = vocabulary.json().size();
+  for (const AddedToken& t : added) count += !vocabulary.contains(t.content);
+  std::vector<std::string> pieces(count);
+  std::vector<bool> taken(count);
+  const auto put = [&](const std::string& piece, Index id) {
+    const auto at = static_cast<std::size_t>(id);
+    if (id < 0 || at >= count)
+      raise<io_error>(403, vocabulary.path(), ": '", piece, "' has id ", id, " among ", count, " pieces");
+    if (taken[at] && pieces[at] != piece)
+      raise<io_error>(403, vocabulary.path(), ": '", pieces[at], "' and '", piece, "' have the same id ", id);
+    taken[at] = true;
+    pieces[at] = piece;
+  };
+  for (const auto& [piece, id] : vocabulary.json().items()) {
+    if (!id.is_number_integer() || !std::in_range<Index>(id.get<std::int64_t>()))
+      raise<config_error>(107, vocabulary.path(), ": the id of '", piece, "' is no integer");
+    put(piece, static_cast<Index>(id.get<std::int64_t>()));
+  }
+  for (const AddedToken& t : added) put(t.content, t.id);
+  if (const auto hole = std::find(taken.begin(), taken.end(), false); hole != taken.end())
+    raise<io_error>(403, vocabulary.path(), ": no piece has id ", hole - taken.begin(), ", others stand twice");
+  return pieces;
+}
+
+inline std::vector<AddedToken> added_tokens(const JsonView& document) {
+  std::vector<AddedToken> out;
+  if (!document.contains("added_tokens")) return out;
+  const JsonView list = document["added_tokens"];
+  for (Index i = 0; i < list.size(); ++i) {
+    const JsonView t = list[i];
+    require_value(t, "single_word", false);
+    out.push_back({t["content"].as<std::string>(), t["id"].as<Index>(), t.value_or("normalized", false)});
+  }
+  return out;
+}
+
+struct Frames {
+  std::vector<FramePart> single, pair;
+};
+
+inline std::vector<FramePart> template_frame(const JsonView& parts, const JsonView& specials) {
+  std::vector<FramePart> out;
+  for (Index i = 0; i < parts.size(); ++i) {
+    if (parts[i].contains("Sequence")) {
+      const JsonView text = parts[i]["Sequence"];
+      const auto name = text["id"].as<std::string>();
+      if (name != "A" && name != "B") raise<io_error>(404, text.path(), ": text '", name, "', known are A and B");
+      out.push_back({name == "A" ? FramePart::text_a : FramePart::text_b, 0, text["type_id"].as<Index>()});
+      continue;
+    }
+    const JsonView token = parts[i]["SpecialToken"];
+    for (const Index id : specials[token["id"].as<std::string>()]["ids"].as<std::vector<Index>>())
+      out.push_back({FramePart::token, id, token["type_id"].as<Index>()});
+  }
+  return out;
+}
+
+inline Frames read_frames(const JsonView& view) {
+  using enum FramePart::Kind;
+  if (has_type(view, "TemplateProcessing"))
+    return {template_frame(view["single"], view["special_tokens"]),
+            template_frame(view["pair"], view["special_tokens"])};
+  const bool bert = has_type(view, "BertProcessing");
+  if (!bert && !has_type(view, "RobertaProcessing"))
+    unknown_kind(view, "TemplateProcessing, BertProcessing, RobertaProcessing");
+  const Index begin = view["cls"][1].as<Index>(), end = view["sep"][1].as<Index>(), second = bert ? 1 : 0;
+  Frames out{{{token, begin}, {text_a}, {token, end}}, {{token, begin}, {text_a}, {token, end}}};
+  if (!bert) out.pair.push_back({token, end});
+  out.pair.insert(out.pair.end(), {{text_b, 0, second}, {token, end, second}});
+  return out;
+}
+
+/// The pieces of the first and the last id of a frame. Throws io_error 404 if it does not begin and end with one.
+inline std::pair<std::string, std::string> frame_ends(const Frames& frames, const std::vector<std::string>& pieces,
+                                                      const JsonView& view) {
+  const auto& f = frames.single;
+  const auto piece = [&](const FramePart& part) -> std::string {
+    if (part.id < 0 || part.id >= std::ssize(pieces))
+      raise<config_error>(107, view.path(), ": id ", part.id, " among ", pieces.size(), " pieces");
+    return pieces[static_cast<std::size_t>(part.id)];
+  };
+  if (f.size() < 3 || f.front().kind != FramePart::token || f.back().kind != FramePart::token)
+    raise<io_error>(404, view.path(), ": a frame that does not begin and end with a token");
+  return {piece(f.front()), piece(f.back())};
+}
+
+template <class Options>
+void set_limits(Options& options, const JsonView& document, const TokenizerLimits& limits) {
+  if (limits.stored && document.contains("truncation") && document["truncation"].is_object()) {
+    options.longest = document["truncation"]["max_length"].as<Index>();
+    options.truncate = true;
+  }
+  options.longest = limits.longest.value_or(options.longest);
+  options.truncate = limits.truncate.value_or(options.truncate);
+}
+
+inline BertTokenizer bert_from_json(const JsonView& document, const TokenizerLimits& limits) {
+  const JsonView model = document["model"], normalizer = document["normalizer"], post = document["post_processor"];
+  if (!has_type(normalizer, "BertNormalizer")) unknown_kind(normalizer, "BertNormalizer");
+  if (!has_type(document["pre_tokenizer"], "BertPreTokenizer"))
+    unknown_kind(document["pre_tokenizer"], "BertPreTokenizer");
+  BertTokenizerOptions o;
+  o.clean_text = normalizer.value_or("clean_text", true);
+  o.split_cjk = normalizer.value_or("handle_chinese_chars", true);
+  o.lower_case = normalizer.value_or("lowercase", true);
+  if (normalizer.contains("strip_accents") && !normalizer["strip_accents"].is_null())
+    o.strip_accents = normalizer["strip_accents"].as<bool>();
+  o.unknown = model.value_or("unk_token", "[UNK]");
+  o.continuation = model.value_or("continuing_subword_prefix", "##");
+  o.longest_word = model.value_or("max_input_chars_per_word", Index{100});
+  set_limits(o, document, limits);
+  const auto added = added_tokens(document);
+  auto pieces = pieces_by_id(model["vocab"], added);
+  Frames frames = read_frames(post);
+  std::tie(o.begin, o.end) = frame_ends(frames, pieces, post);
+  if (std::find(pieces.begin(), pieces.end(), "<pad>") != pieces.end()) o.pad = "<pad>";
+  BertTokenizer out(std::move(pieces), std::move(o), document.path(), added);
+  out.set_frames(std::move(frames.single), std::move(frames.pair), document.path());
+  return out;
+}
+
+/// The patterns by which CLIP's words are found.
+inline bool is_clip_pattern(std::string_view pattern) {
+  constexpr std::string_view marks = R"(<\|startoftext\|>|<\|endoftext\|>|)";
+  if (pattern.starts_with(marks)) pattern.remove_prefix(marks.size());
+  return pattern == R"('s|'t|'re|'ve|'m|'ll|'d|[\p{L}]+|[\p{N}]|[^\s\p{L}\p{N}]+)";
+}
+
+inline void require_clip_steps(const JsonView& document) {
+  const JsonView normalizer = document["normalizer"], splitter = document["pre_tokenizer"];
+  if (!has_type(normalizer, "Sequence")) unknown_kind(normalizer, "Sequence of NFC, Replace, Lowercase");
+  const JsonView steps = normalizer["normalizers"];
+  const std::vector<std::string> known{"NFC", "Replace", "Lowercase"};
+  for (Index i = 0; i < std::max<Index>(steps.size(), 3); ++i) {
+    if (i >= 3 || !has_type(steps[i], known[static_cast<std::size_t>(i)]))
+      unknown_kind(steps[i], i < 3 ? known[static_cast<std::size_t>(i)] : "NFC, Replace, Lowercase and no more");
+  }
+  require_value(steps[1]["pattern"], "Regex", std::string("\\s+"));
+  require_value(steps[1], "content", std::string(" "));
+
+  if (!has_type(splitter, "Sequence")) unknown_kind(splitter, "Sequence of Split, ByteLevel");
+  const JsonView parts = splitter["pretokenizers"];
+  if (!has_type(parts[0], "Split")) unknown_kind(parts[0], "Split");
+  if (!has_type(parts[1], "ByteLevel")) unknown_kind(parts[1], "ByteLevel");
+  if (parts.size() > 2) unknown_kind(parts[2], "Split, ByteLevel and no more");
+  if (!is_clip_pattern(parts[0]["pattern"]["Regex"].as<std::string>()))
+    raise<io_error>(404, parts[0].path(), ": another pattern than that of CLIP");
+  require_value(parts[0], "behavior", std::string("Removed"));
+  require_value(parts[0], "invert", true);
+  require_value(parts[1], "add_prefix_space", false);
+}
+
+/// An array of "a b" in older files, of ["a", "b"] in newer ones.
+inline BytePairMerges merges_from_json(const JsonView& list) {
+  BytePairMerges merges;
+  for (Index i = 0; i < list.size(); ++i) {
+    const JsonView merge = list[i];
+    if (merge.is_string())
+      merges.push_back(parse_merge(merge.as<std::string>(), list.path(), i));
+    else if (merge.size() == 2)
+      merges.emplace_back(merge[0].as<std::string>(), merge[1].as<std::string>());
+    else
+      raise<io_error>(403, merge.path(), ": ", merge.size(), " symbols, a merge has 2");
+  }
+  return merges;
+}
+
+inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLimits& limits) {
+  const JsonView model = document["model"], post = document["post_processor"];
+  require_clip_steps(document);
+  require_value(model, "byte_fallback", false);
+  require_value(model, "ignore_merges", false);
+  require_value(model, "continuing_subword_prefix", std::string());
+  if (model.contains("dropout") && !model["dropout"].is_null())
+    raise<io_error>(404, model.path(), ": dropout of merges");
+  ClipTokenizerOptions o;
+  o.cleaning = ClipCleaning::hugging_face;
+  o.word_end = model.value_or("end_of_word_suffix", "");
+  o.unknown = model.value_or("unk_token", "");
+  set_limits(o, document, limits);
+  const auto added = added_tokens(document);
+  auto pieces = pieces_by_id(model["vocab"], added);
+  Frames frames = read_frames(post);
+  std::tie(o.begin, o.end) = frame_ends(frames, pieces, post);
+  ClipTokenizer out(std::move(pieces), merges_from_json(model["merges"]), std::move(o), document.path(), added);
+  out.set_frames(std::move(frames.single), std::move(frames.pair), document.path());
+  return out;
+}
+
+}  // namespace detail
+
+/// The tokenizer that a tokenizer.json describes.
+/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here; config_error 107 for
+///         values of the wrong kind, missing pieces, merges of unknown ones
+inline AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits = {}) {
+  const JsonView model = document["model"];
+  if (detail::has_type(model, "WordPiece")) return detail::bert_from_json(document, limits);
+  if (detail::has_type(model, "BPE")) return detail::clip_from_json(document, limits);
+  detail::unknown_kind(model, "WordPiece, BPE");
+}
+/// Throws io_error 401 and as tokenizer_from_json.
+inline AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& limits = {}) {
+  const auto document = read_json(path);
+  return tokenizer_from_json(JsonView(document, path.string()), limits);
+}
+
+/// vocab.json: the id of every piece. Throws io_error 401, 403 unless the ids are 0, 1, ...; config_error 107.
+inline std::vector<std::string> read_vocabulary_json(const FilePath& path) {
+  const auto document = read_json(path);
+  return detail::pieces_by_id(JsonView(document, path.string()));
+}
+
+/// What a tokenizer_config.json says about a tokenizer whose vocabulary stands in another file.
+struct TokenizerConfig {
+  std::string tokenizer_class;
+  std::optional<bool> lower_case = {}, strip_accents = {}, split_cjk = {};
+  std::optional<Index> longest = {};          // model_max_length; none if it is beyond every length
+  std::map<std::string, std::string> tokens;  // "cls_token" -> "[CLS]", ...
+};
+
+/// Throws config_error 107.
+inline TokenizerConfig tokenizer_config_from_json(const JsonView& view) {
+  TokenizerConfig out;
+  const auto flag = [&](const std::string& key) -> std::optional<bool> {
+    return view.contains(key) && !view[key].is_null() ? std::optional(view[key].as<bool>()) : std::nullopt;
+  };
+  out.tokenizer_class = view.value_or("tokenizer_class", "");
+  out.lower_case = flag("do_lower_case");
+  out.strip_accents = flag("strip_accents");
+  out.split_cjk = flag("tokenize_chinese_chars");
+  if (view.value_or("model_max_length", 1e30) < 1e9) out.longest = view["model_max_length"].as<Index>();
+  for (const std::string& key : view.keys()) {
+    if (!key.ends_with("_token")) continue;
+    if (view[key].is_string()) out.tokens[key] = view[key].as<std::string>();
+    if (view[key].is_object()) out.tokens[key] = view[key]["content"].as<std::string>();
+  }
+  return out;
+}
+
+namespace detail {
+
+inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
+
+inline BertTokenizer bert_from_folder(const std::string& folder, const TokenizerConfig& config,
+                                      const TokenizerLimits& limits) {
+  const bool mpnet = config.tokenizer_class.starts_with("MPNet");
+  BertTokenizerOptions o = mpnet ? BertTokenizerOptions::mpnet() : BertTokenizerOptions();
+  o.lower_case = config.lower_case.value_or(o.lower_case);
+  o.strip_accents = config.strip_accents;
+  o.split_cjk = config.split_cjk.value_or(o.split_cjk);
+  const std::pair<const char*, std::string*> names[] = {
+      {"cls_token", &o.begin}, {"sep_token", &o.end}, {"pad_token", &o.pad}};
+  for (const auto& [key, name] : names) {
+    if (const auto found = config.tokens.find(key); found != config.tokens.end()) *name = found->second;
+  }
+  // MPNet's own unknown token is not that of its words.
+  if (const auto found = config.tokens.find("unk_token"); !mpnet && found != config.tokens.end())
+    o.unknown = found->second;
+  for (const auto& [key, token] : config.tokens) {
+    if (std::find(o.special.begin(), o.special.end(), token) == o.special.end()) o.special.push_back(token);
+  }
+  o.longest = limits.longest.value_or(o.longest);
+  o.truncate = limits.truncate.value_or(o.truncate);
+  return read_bert_tokenizer(folder + "/vocab.txt", std::move(o));
+}
+
+inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {
+  ClipTokenizerOptions o;
+  o.cleaning = ClipCleaning::hugging_face;
+  o.longest = limits.longest.value_or(o.longest);
+  o.truncate = limits.truncate.value_or(o.truncate);
+  return ClipTokenizer(read_vocabulary_json(folder + "/vocab.json"), read_merges(folder + "/merges.txt"), std::move(o),
+                       folder);
+}
+
+}  // namespace detail
+
+/// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and merges.txt (CLIP), as
+/// its tokenizer_config.json says. model_max_length is not applied, as the published systems do not.
+/// Throws io_error 401 if there is none of these files, and as their readers
+inline AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {}) {
+  const std::string name = folder.string();
+  if (detail::file_exists(name + "/tokenizer.json")) return read_tokenizer_json(name + "/tokenizer.json", limits);
+  TokenizerConfig config;
+  if (const std::string file = name + "/tokenizer_config.json"; detail::file_exists(file)) {
+    const auto document = read_json(file);
+    config = tokenizer_config_from_json(JsonView(document, file));
+  }
+  if (detail::file_exists(name + "/vocab.txt")) return detail::bert_from_folder(name, config, limits);
+  if (detail::file_exists(name + "/vocab.json")) return detail::clip_from_folder(name, limits);
+  raise<io_error>(401, name, ": neither tokenizer.json nor vocab.txt nor vocab.json");
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_TORCH_FILE_HPP  // <motionlang/io/torch_file.hpp>
+#define MOTIONLANG_HAS_IO_TORCH_FILE_HPP
+/// PyTorch's files: zip archives (torch >= 1.6), TorchScript archives, and the older form of five pickles and raw storages.
+///
+///     const TorchFile file = TorchFile::open("model.ckpt");
+///     const TensorView bias = file.tensor(file.root()["state_dict"]["head.bias"]);
+///
+/// The objects in the file are a pickle, which is read without executing anything (io/pickle.hpp); this class gives its tensors.
+/// Those that lie in order in the file are views of it, without a copy; others (transposed, expanded, big-endian) are gathered.
+/// io/weight_file.hpp finds all tensors of a file by their names.
+///
+/// Checked  sizes, strides and offsets against the storage, storages against the archive, the checksum of the pickle
+/// Source   spec weights.md, sections 3 and 4
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Bytes with which an older file begins: the pickle of its magic number.
+inline constexpr std::string_view torch_legacy_magic{"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e",
+                                                     15};
+
+struct NamedDType {
+  std::string_view name;
+  DType dtype;
+};
+/// "torch.FloatStorage" and the like.
+inline std::optional<DType> storage_dtype(std::string_view name) {
+  constexpr NamedDType classes[] = {{"Float", DType::F32},     {"Double", DType::F64},      {"Half", DType::F16},
+                                    {"BFloat16", DType::BF16}, {"Long", DType::I64},        {"Int", DType::I32},
+                                    {"Short", DType::I16},     {"Char", DType::I8},         {"Byte", DType::U8},
+                                    {"Bool", DType::BOOL},     {"ComplexFloat", DType::C64}};
+  if (!name.starts_with("torch.") || !name.ends_with("Storage")) return std::nullopt;
+  name = name.substr(name.rfind('.') + 1);
+  name.remove_suffix(std::string_view("Storage").size());
+  for (const NamedDType& c : classes) {
+    if (c.name == name) return c.dtype;
+  }
+  return std::nullopt;
+}
+/// "torch.float32" and the like.
+inline std::optional<DType> torch_dtype(std::string_view name) {
+  constexpr NamedDType types[] = {{"float32", DType::F32},
+                                  {"float64", DType::F64},
+                                  {"float16", DType::F16},
+                                  {"bfloat16", DType::BF16},
+                                  {"int64", DType::I64},
+                                  {"int32", DType::I32},
+                                  {"int16", DType::I16},
+                                  {"int8", DType::I8},
+                                  {"uint8", DType::U8},
+                                  {"uint16", DType::U16},
+                                  {"uint32", DType::U32},
+                                  {"uint64", DType::U64},
+                                  {"bool", DType::BOOL},
+                                  {"float8_e4m3fn", DType::F8_E4M3},
+                                  {"float8_e5m2", DType::F8_E5M2},
+                                  {"complex64", DType::C64}};
+  if (!name.starts_with("torch.")) return std::nullopt;
+  for (const NamedDType& t : types) {
+    if (t.name == name.substr(6)) return t.dtype;
+  }
+  return std::nullopt;
+}
+inline std::uint64_t bytes_of(DType t) { return static_cast<std::uint64_t>(info(t).bits) / 8; }
+
+/// A tensor as the pickle describes it: elements of a storage, in any order. Offset and strides count elements.
+struct StridedTensor {
+  DType dtype = DType::F32;
+  std::span<const std::byte> storage;
+  std::uint64_t offset = 0;
+  Shape shape, strides;
+  bool swapped = false;  // big-endian
+
+  bool contiguous() const {
+    Index expected = 1;
+    for (int axis = shape.rank(); axis-- > 0;) {
+      if (shape[axis] != 1 && strides[axis] != expected) return false;
+      expected *= shape[axis];
+    }
+    return true;
+  }
+};
+
+/// The elements in row-major order. Visits them with an odometer of indices.
+inline std::vector<std::byte> gathered(const StridedTensor& t) {
+  const std::uint64_t size = bytes_of(t.dtype);
+  std::vector<std::byte> out(static_cast<std::size_t>(t.shape.count()) * size);
+  Shape index = t.shape;
+  for (int axis = 0; axis < index.rank(); ++axis) index[axis] = 0;
+  std::uint64_t at = t.offset;
+  for (std::size_t to = 0; to < out.size(); to += size) {
+    std::memcpy(out.data() + to, t.storage.data() + at * size, size);
+    if (t.swapped) std::reverse(out.data() + to, out.data() + to + size);
+    for (int axis = t.shape.rank(); axis-- > 0;) {
+      at += static_cast<std::uint64_t>(t.strides[axis]);
+      if (++index[axis] < t.shape[axis]) break;
+      at -= static_cast<std::uint64_t>(t.strides[axis] * index[axis]);
+      index[axis] = 0;
+    }
+  }
+  return out;
+}
+
+/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the reason if not.
+inline const char* out_of_range(const StridedTensor& t, std::uint64_t count) {
+  constexpr std::uint64_t most_repeated = std::uint64_t{1}
+                                          << 20;  // elements of a tensor that repeats those of its storage
+  const std::uint64_t most = std::max(count, most_repeated);
+  std::uint64_t product = 1;
+  bool empty = false;
+  for (int axis = 0; axis < t.shape.rank(); ++axis) {
+    const auto n = static_cast<std::uint64_t>(t.shape[axis]);
+    empty = empty || n == 0;
+    if (n > 1 && product > most / n) return "has more elements than its storage allows";
+    product *= std::max<std::uint64_t>(n, 1);
+  }
+  if (empty) return nullptr;
+  if (t.offset >= count) return "begins behind the end of its storage";
+  std::uint64_t room = count - 1 - t.offset;
+  for (int axis = 0; axis < t.shape.rank(); ++axis) {
+    const auto steps = static_cast<std::uint64_t>(t.shape[axis]) - 1,
+               stride = static_cast<std::uint64_t>(t.strides[axis]);
+    if (steps > 0 && stride > room / steps) return "reaches behind the end of its storage";
+    if (steps > 0) room -= steps * stride;
+  }
+  return nullptr;
+}
+
+/// The tensors of one pickle, given the storages that it refers to.
+class TorchTensors {
+ public:
+  using Storages = std::map<std::string, std::span<const std::byte>, std::less<>>;
+
+  explicit TorchTensors(std::shared_ptr<TensorMemory> memory) : memory_(std::move(memory)) {}
+
+  void add_storage(std::string key, std::span<const std::byte> bytes) {
+    memory_->spend(sizeof(Storages::value_type) + 4 * sizeof(void*) + key.size());
+    storages_.emplace(std::move(key), bytes);
+  }
+  void set_swapped(bool swapped) { swapped_ = swapped; }
+
+  static bool is_tensor(const PickleValue& v) {
+    constexpr std::string_view functions[] = {"torch._utils._rebuild_tensor_v2", "torch._utils._rebuild_tensor_v3",
+                                              "torch._utils._rebuild_tensor", "torch._utils._rebuild_parameter",
+                                              "torch._utils._rebuild_parameter_with_state"};
+    return v.is(PickleKind::object) &&
+           std::find(std::begin(functions), std::end(functions), v.name()) != std::end(functions);
+  }
+
+  TensorView tensor(PickleValue v) const {
+    while (is_tensor(v) && v.name().find("_rebuild_parameter") != std::string::npos) v = v.arguments()[0];
+    if (!is_tensor(v)) v.fail(407, "a tensor expected, found ", v.name().empty() ? to_string(v.kind()) : v.name());
+    const StridedTensor t = described(v);
+    const std::uint64_t size = bytes_of(t.dtype), bytes = static_cast<std::uint64_t>(t.shape.count()) * size;
+    TensorView view{.name = {}, .dtype = t.dtype, .shape = t.shape, .bytes = {}};
+    if (bytes == 0) return view;
+    if (t.contiguous() && !t.swapped) {
+      view.bytes = t.storage.subspan(static_cast<std::size_t>(t.offset * size), static_cast<std::size_t>(bytes));
+    } else {
+      memory_->spend(bytes);
+      view.bytes = memory_->keep(gathered(t));
+    }
+    return view;
+  }
+
+ private:
+  struct Storage {
+    std::span<const std::byte> bytes;
+    std::optional<DType> dtype;  // none: the tensor knows
+  };
+
+  /// ("storage", class, key, location, number of elements) and, in older files, (key, offset, number) of a part of it.
+  Storage storage(const PickleValue& v) const {
+    if (v.name() == "torch.storage._load_from_bytes") return nested_storage(v);
+    if (!v.is(PickleKind::persistent)) v.fail(403, "a tensor without a storage");
+    const PickleValue id = v.arguments();
+    if (id.size() < 5 || id[0].text() != "storage") v.fail(403, "not the id of a storage");
+    const std::string type = id[1].name();
+    const bool untyped = type.ends_with("UntypedStorage");
+    const auto dtype = storage_dtype(type);
+    if (!untyped && !dtype) v.fail(404, "a storage of class ", type.empty() ? "?" : type);
+    const std::uint64_t size = untyped ? 1 : bytes_of(*dtype);
+    const auto found = storages_.find(id[2].text());
+    if (found == storages_.end()) v.fail(403, "storage '", id[2].text(), "' is not in the file");
+    std::span<const std::byte> bytes = found->second;
+    const std::int64_t count = id[4].integer();
+    if (count < 0 || static_cast<std::uint64_t>(count) != bytes.size() / size || bytes.size() % size != 0) {
+      v.fail(405, "storage '", id[2].text(), "' has ", bytes.size(), " bytes, not ", count, " times ", size);
+    }
+    if (id.size() > 5 && !id[5].is(PickleKind::none)) {
+      const std::int64_t first = id[5][1].integer(), part = id[5][2].integer();
+      if (first < 0 || part < 0 || first > count || part > count - first) v.fail(405, "a part outside of its storage");
+      bytes = bytes.subspan(static_cast<std::size_t>(first) * size, static_cast<std::size_t>(part) * size);
+    }
+    return {bytes, dtype};
+  }
+  Storage nested_storage(const PickleValue& v) const;
+
+  StridedTensor described(const PickleValue& v) const {
+    const PickleValue given = v.arguments();
+    const std::string function = v.name();
+    const Storage from = storage(given[0]);
+    StridedTensor t;
+    std::optional<DType> dtype = from.dtype;
+    if (function.ends_with("_v3")) dtype = torch_dtype(given[6].name());
+    if (!dtype) v.fail(404, "a tensor of unknown element type");
+    t.dtype = *dtype;
+    t.storage = from.bytes;
+    const std::int64_t offset = given[1].integer();
+    if (offset < 0) v.fail(405, "a tensor with a negative offset");
+    t.offset = static_cast<std::uint64_t>(offset);
+    t.shape = sizes(given[2]);
+    t.strides = sizes(given[3]);
+    t.swapped = swapped_ && bytes_of(t.dtype) > 1;
+    if (t.shape.rank() != t.strides.rank())
+      v.fail(403, "a tensor with ", t.shape.rank(), " sizes and ", t.strides.rank(), " strides");
+    if (const char* problem = out_of_range(t, t.storage.size() / bytes_of(t.dtype))) {
+      v.fail(405, "a tensor of shape ", t.shape, " ", problem);
+    }
+    return t;
+  }
+  /// A tuple, or torch.Size.
+  static Shape sizes(const PickleValue& v) {
+    const PickleValue list = v.name() == "torch.Size" ? v.arguments()[0] : v;
+    Shape shape;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::int64_t n = list[i].integer();
+      if (n < 0) v.fail(405, "a tensor with a negative size or stride");
+      if (shape.rank() == Shape::max_rank) v.fail(404, "a tensor with more than ", Shape::max_rank, " axes");
+      shape.push_back(static_cast<Index>(n));
+    }
+    return shape;
+  }
+
+  std::shared_ptr<TensorMemory> memory_;
+  Storages storages_;
+  bool swapped_ = false;
+};
+
+/// Five pickles in a row and the storages behind them. `Storages` are filled; the pickle of the object is given back.
+inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::string& name, TorchTensors& tensors,
+                                const std::shared_ptr<TensorMemory>& memory) {
+  const auto part = [&](std::uint64_t start, bool persistent = false) {
+    return Pickle(bytes, name, {.persistent_ids = persistent}, memory, start);
+  };
+  const Pickle version = part(torch_legacy_magic.size());
+  if (version.root().integer() != 1001) version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
+  const Pickle system = part(version.end());
+  tensors.set_swapped(!system.root()["little_endian"].boolean());
+  Pickle object = part(system.end(), true);
+
+  std::map<std::string, std::uint64_t, std::less<>> element_size;
+  for (const PickleValue& v : object.persistent()) {
+    const PickleValue id = v.arguments();
+    if (id.size() < 5) v.fail(403, "not the id of a storage");
+    const auto dtype = storage_dtype(id[1].name());
+    memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
+    element_size.emplace(id[2].text(), dtype ? bytes_of(*dtype) : 1);
+  }
+  const Pickle keys = part(object.end());
+  std::uint64_t at = keys.end();
+  for (std::size_t i = 0; i < keys.root().size(); ++i) {
+    const PickleValue key = keys.root()[i];
+    const auto size = element_size.find(key.text());
+    if (size == element_size.end()) key.fail(403, "storage '", key.text(), "' belongs to no tensor");
+    const auto count = load<std::uint64_t>(bytes, at, name, "the size of a storage");
+    at += sizeof count;
+    if (count > bytes.size() / size->second) {
+      raise<io_error>(405, name, ": storage '", key.text(), "' of ", count, " elements at byte ", at, " of ",
+                      bytes.size());
+    }
+    tensors.add_storage(std::string(key.text()), slice(bytes, at, count * size->second, name, "a storage"));
+    at += count * size->second;
+  }
+  return object;
+}
+
+/// A storage that was pickled with the object: an older file of its own, in bytes.
+inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
+  const auto bytes = v.arguments()[0].bytes();
+  if (!as_text(bytes).starts_with(torch_legacy_magic)) v.fail(403, "bytes that are no storage of PyTorch");
+  memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
+  TorchTensors inner(memory_);
+  const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
+  if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are no storage of PyTorch");
+  if (inner.swapped_) v.fail(404, "a big-endian storage in a little-endian file");
+  return inner.storage(object.root());
+}
+
+}  // namespace detail
+
+class TorchFile {
+ public:
+  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only code
+  ///         that attacks its reader needs
+  static TorchFile open(const FilePath& path) {
+    const auto file = MappedFile::open(path);
+    return from_bytes(file->bytes(), path.string(), file);
+  }
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
+  static TorchFile from_bytes(std::span<const std::byte> bytes, std::string name,
+                              std::shared_ptr<const void> owner = {}) {
+    const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
+    return is_legacy(bytes) ? from_legacy(bytes, name, memory) : from_archive(ZipArchive(bytes, name), memory);
+  }
+  /// A file of the older form.
+  static TorchFile from_legacy(std::span<const std::byte> bytes, const std::string& name,
+                               std::shared_ptr<TensorMemory> memory) {
+    detail::TorchTensors tensors(memory);
+    Pickle object = detail::read_torch_legacy(bytes, name, tensors, memory);
+    return TorchFile(std::move(object), std::move(tensors), memory, "torch legacy");
+  }
+  /// An archive that is open already.
+  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory) {
+    const std::string folder = root_folder(zip);
+    if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
+    detail::TorchTensors tensors(memory);
+    const std::string data = folder + "data/";
+    bool script = false;
+    for (const ZipEntry& e : zip.entries()) {
+      script = script || e.name == folder + "constants.pkl" || e.name.starts_with(folder + "code/");
+      if (!e.name.starts_with(data)) continue;
+      if (e.deflated) memory->spend(e.size);
+      tensors.add_storage(e.name.substr(data.size()),
+                          e.deflated ? std::span<const std::byte>(memory->keep(zip.read(e))) : zip.stored(e));
+    }
+    if (const ZipEntry* order = zip.find(folder + "byteorder")) {
+      const std::string_view text = detail::as_text(zip.checked(*order));
+      if (text != "little" && text != "big")
+        raise<io_error>(403, zip.name(), ": byte order '", text.substr(0, 16), "'");
+      tensors.set_swapped(text == "big");
+    }
+    Pickle object(zip.checked(*zip.find(folder + "data.pkl")), concat_text(zip.name(), "/", folder, "data.pkl"),
+                  {.persistent_ids = true}, memory);
+    return TorchFile(std::move(object), std::move(tensors), memory, script ? "TorchScript" : "torch zip");
+  }
+
+  /// A plain pickle, in which tensors bring their storages.
+  static TorchFile from_pickle(Pickle pickle, std::shared_ptr<TensorMemory> memory) {
+    return TorchFile(std::move(pickle), detail::TorchTensors(memory), memory, "pickle");
+  }
+
+  static bool is_legacy(std::span<const std::byte> bytes) {
+    return detail::as_text(bytes).starts_with(detail::torch_legacy_magic);
+  }
+  /// The only folder of an archive that has a data.pkl, with a slash; empty if there is none.
+  static std::string root_folder(const ZipArchive& zip) {
+    constexpr std::string_view pickle = "data.pkl";
+    for (const ZipEntry& e : zip.entries()) {
+      const std::size_t slash = e.name.find('/');
+      if (slash != std::string::npos && std::string_view(e.name).substr(slash + 1) == pickle)
+        return e.name.substr(0, slash + 1);
+    }
+    return "";
+  }
+
+  /// "torch zip", "TorchScript", "torch legacy" or "pickle".
+  const std::string& format() const { return format_; }
+  PickleValue root() const { return object_.root(); }
+  static bool is_tensor(const PickleValue& v) { return detail::TorchTensors::is_tensor(v); }
+  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is known, 407 if
+  ///         the value is no tensor
+  TensorView tensor(const PickleValue& v) const { return tensors_.tensor(v); }
+  /// Keeps the bytes of all tensors alive.
+  const std::shared_ptr<TensorMemory>& owner() const { return memory_; }
+
+ private:
+  TorchFile(Pickle object, detail::TorchTensors tensors, std::shared_ptr<TensorMemory> memory, std::string format)
+      : object_(std::move(object)),
+        tensors_(std::move(tensors)),
+        memory_(std::move(memory)),
+        format_(std::move(format)) {}
+
+  Pickle object_;
+  detail::TorchTensors tensors_;
+  std::shared_ptr<TensorMemory> memory_;
+  std::string format_;
+};
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -5925,7 +10213,7 @@ inline nlohmann::ordered_json viewer_json(const Motion& motion, std::span<const 
           {"note", note},
           {"fps", motion.fps},
           {"frames", motion.frames()},
-          {"floor", rounded(heights(motion, figure).low)},
+          {"floor", rounded(heights(motion, figure).floor)},
           {"size", rounded(figure.size)},
           {"parents", motion.skeleton.parents},
           {"offsets", std::move(offsets)},
@@ -5997,6 +10285,542 @@ inline void write_viewer(const FilePath& path, const Motion& motion, std::span<c
 inline void write_viewer(const FilePath& path, std::span<const ViewerMotion> motions,
                          const ViewerOptions& options = {}) {
   write_file(path, viewer_html(motions, options));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_WEIGHT_FILE_HPP  // <motionlang/io/weight_file.hpp>
+#define MOTIONLANG_HAS_IO_WEIGHT_FILE_HPP
+/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy (npy, npz),
+/// pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content, never by name.
+///
+///     const WeightFile file = open_weights("logs/last.ckpt");
+///     load_module(model, file, "denoiser.");
+///     if (const FileValue* epoch = file.value("epoch")) ...
+///
+/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in order in the
+/// file are views of it, without a copy.
+///
+/// Memory   besides the mapped file at most twice its size and 64 MiB
+/// Source   spec weights.md
+
+#include <filesystem>  // folders
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct WeightOptions {
+  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless given: the
+  /// root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  std::optional<std::string> path{};
+  bool strict = false;  // refuse what is skipped otherwise
+};
+
+class WeightFile;
+WeightFile open_weights(const FilePath& path, const WeightOptions& options = {});
+
+namespace detail {
+class WeightReader;
+}
+
+/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined with '.' in
+/// PyTorch's files and with '/' in others; a tensor on its own is called "array".
+class WeightFile : public TensorSet {
+ public:
+  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "TMR run folder", "ACTOR run
+  /// folder" or "folder".
+  const std::string& format() const { return format_; }
+  /// The first 10,000 of them, in the order of the file.
+  const std::vector<FileValue>& values() const { return values_; }
+  /// Null if there is none at these keys.
+  const FileValue* value(std::string_view path) const { return find_value(values_, path); }
+  /// Classes and element types of what was passed over.
+  const std::set<std::string>& skipped() const { return skipped_; }
+
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
+  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it tries to
+  ///         execute code, 406 if it holds no tensors or `options.path` leads nowhere
+  static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
+                               std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
+
+ private:
+  friend class detail::WeightReader;
+  friend WeightFile open_weights(const FilePath& path, const WeightOptions& options);
+  WeightFile(std::string name, std::shared_ptr<const void> owner, std::string format)
+      : TensorSet(std::move(name), std::move(owner)), format_(std::move(format)) {}
+
+  static WeightFile from_safetensors(SafetensorsFile file);
+  static WeightFile from_folder(const std::filesystem::path& folder, const WeightOptions& options);
+  void sort_tensors() {
+    detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
+    for (std::size_t i = 1; i < tensors_.size(); ++i) {
+      if (tensors_[i - 1].name == tensors_[i].name)
+        raise<io_error>(403, name_, ": two tensors are called '", tensors_[i].name, "'");
+    }
+  }
+
+  std::string format_;
+  std::vector<FileValue> values_;
+  std::set<std::string> skipped_;
+};
+
+namespace detail {
+
+/// Fills a WeightFile.
+class WeightReader {
+ public:
+  /// file_size   an honest file has no more values to look at than bytes
+  WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options, std::uint64_t file_size)
+      : out_(out), memory_(memory), options_(options), visits_left_(std::min(10'000 + file_size, most_visits)) {}
+
+  void read(const TorchFile& file) {
+    torch_ = &file;
+    separator_ = file.format() == "pickle" ? '/' : '.';
+    const std::string selection = options_.path ? *options_.path : default_path(file.root());
+    find_selection(file.root(), selection);
+    visit(file.root());
+    if (separator_ == '/' && joblib_) out_.format_ = "joblib";
+  }
+  void read(const NpzArchive& file, const ZipArchive& zip) {
+    constexpr std::string_view suffix = ".npy";
+    for (const ZipEntry& e : zip.entries()) {
+      if (!e.name.ends_with(suffix)) continue;
+      path_.assign(1, std::string_view(e.name).substr(0, e.name.size() - suffix.size()));
+      attempt(e.name, [&] {
+        if (e.deflated) memory_.spend(e.size);
+        const auto bytes = e.deflated ? std::span<const std::byte>(memory_.keep(zip.read(e))) : zip.checked(e);
+        add_npy(bytes, concat_text(file.file(), "/", e.name));
+      });
+    }
+  }
+  void read_npy(std::span<const std::byte> bytes) { add_npy(bytes, out_.name()); }
+
+ private:
+  static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000;
+  static constexpr std::uint64_t most_visits = 2'000'000;
+
+  // What to look for.
+
+  bool holds_tensors(const PickleValue& v) const {
+    for (std::size_t i = 0; v.is(PickleKind::dict) && i < v.size(); ++i) {
+      if (TorchFile::is_tensor(v.value(i))) return true;
+    }
+    return false;
+  }
+  std::string default_path(const PickleValue& root) const {
+    if (!root.is(PickleKind::dict) || holds_tensors(root)) return "";
+    for (const char* key : {"state_dict", "model_state_dict", "model"}) {
+      if (const auto found = root.find(key); found && holds_tensors(*found)) return key;
+    }
+    return "";
+  }
+  void find_selection(PickleValue v, std::string_view keys) {
+    while (!keys.empty()) {
+      const std::size_t slash = std::min(keys.find('/'), keys.size());
+      selection_.emplace_back(keys.substr(0, slash));
+      const auto found = entry(v, selection_.back());
+      if (!found)
+        raise<io_error>(406, out_.name(), ": no entry '", selection_.back(), "' in the value at byte ", v.at());
+      v = *found;
+      keys.remove_prefix(std::min(slash + 1, keys.size()));
+    }
+  }
+  /// What a key leads to: a text, a number, or the place in a list.
+  static std::optional<PickleValue> entry(const PickleValue& v, std::string_view key) {
+    if (const auto found = v.find(key)) return found;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (!v.keyed() && concat_text(i) == key) return v[i];
+      if (v.keyed() && v.key(i).is(PickleKind::integer) && concat_text(v.key(i).integer()) == key) return v.value(i);
+    }
+    return std::nullopt;
+  }
+  bool selected() const {
+    return path_.size() >= selection_.size() && std::equal(selection_.begin(), selection_.end(), path_.begin());
+  }
+
+  // Walking through a pickle.
+
+  void visit(const PickleValue& v) {
+    if (visits_left_-- == 0) v.fail(405, "more values to look at than the file justifies");
+    if (path_.size() > deepest) return;
+    switch (v.kind()) {
+      case PickleKind::boolean:
+        return torch_->format() == "TorchScript" ? void() : add_value(v.boolean());
+      case PickleKind::integer:
+        return add_value(v.integer());
+      case PickleKind::real:
+        return add_value(v.real());
+      case PickleKind::text:
+      case PickleKind::bytes:
+        return add_text(v.text());
+      case PickleKind::list:
+      case PickleKind::tuple:
+        return visit_list(v);
+      case PickleKind::dict:
+        return visit_entries(v);
+      case PickleKind::object:
+        return visit_object(v);
+      default:
+        return;
+    }
+  }
+  void visit_at(std::string_view key, const PickleValue& v) {
+    path_.push_back(key);
+    visit(v);
+    path_.pop_back();
+  }
+  void visit_entries(const PickleValue& v) {
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const PickleValue key = v.key(i);
+      if (key.is(PickleKind::text) || key.is(PickleKind::bytes)) visit_at(key.text(), v.value(i));
+      if (key.is(PickleKind::integer)) visit_at(concat_text(key.integer()), v.value(i));
+    }
+  }
+  void visit_list(const PickleValue& v) {
+    if (separator_ == '/' && add_numbers(v)) return;
+    for (std::size_t i = 0; i < v.size(); ++i) visit_at(concat_text(i), v[i]);
+  }
+
+  void visit_object(const PickleValue& v) {
+    const std::string name = v.name();
+    const auto state = v.has_state() && v.state().is(PickleKind::dict) ? std::optional(v.state()) : std::nullopt;
+    if (TorchFile::is_tensor(v)) {
+      if (selected()) attempt(name, [&] { add_tensor(torch_->tensor(v)); });
+    } else if (is_numpy_scalar(v)) {
+      attempt(name, [&] { add_number(to_array(v)); });
+    } else if (is_numpy_array(v)) {
+      joblib_ = joblib_ || is_joblib_array(v);
+      attempt(name, [&] { add_array(pickled_array(v), is_joblib_array(v)); });
+    } else if (name.starts_with("chumpy.") || name.starts_with("scipy.sparse.")) {
+      if (selected()) attempt(name, [&] { add_copy(to_array(v)); });
+    } else if (name.starts_with("omegaconf.") && state && (state->find("_content") || state->find("_val"))) {
+      visit(state->find("_content") ? (*state)["_content"] : (*state)["_val"]);
+    } else if (name.starts_with("pathlib.")) {
+      add_path(v.arguments());
+    } else if (name == "torch.Size" || name == "torch.device") {
+      if (v.arguments().size() > 0) visit(v.arguments()[0]);
+    } else if (state && (name.starts_with("__torch__.") || name == "argparse.Namespace")) {
+      visit_entries(*state);
+    } else if (v.size() > 0) {  // of a class that behaves like a list or a dictionary
+      v.keyed() ? visit_entries(v) : visit_list(v);
+    } else {
+      skip(name, "an object of class ");
+    }
+  }
+
+  // What was found.
+
+  /// Runs `read`; what is not supported is passed over, and so is whatever is wrong where no tensors are wanted.
+  template <class F>
+  void attempt(const std::string& name, F read) {
+    try {
+      read();
+    } catch (const io_error& e) {
+      if (selected() && e.id() != 404) throw;
+      if (selected() && options_.strict) throw;
+      skip(name, "");
+    }
+  }
+  void skip(const std::string& name, const char* what) {
+    if (options_.strict && selected())
+      raise<io_error>(404, out_.name(), ": ", what, name, " at '", joined(0, '/'), "'");
+    if (out_.skipped_.insert(name).second) memory_.spend(2 * sizeof(std::string) + 4 * sizeof(void*) + name.size());
+  }
+
+  std::string joined(std::size_t first, char separator) const {
+    std::size_t size = 0;
+    for (std::size_t i = first; i < path_.size(); ++i) size += path_[i].size() + 1;
+    memory_.spend(size);
+    std::string out;
+    out.reserve(size);
+    for (std::size_t i = first; i < path_.size(); ++i) {
+      if (i > first) out += separator;
+      out += path_[i];
+    }
+    return out;
+  }
+
+  template <class T>
+  void add_value(T value) {
+    if (out_.values_.size() >= most_values) return;
+    memory_.spend(3 * sizeof(FileValue));
+    out_.values_.push_back({joined(0, '/'), std::move(value)});
+  }
+  void add_text(std::string_view text) {
+    if (out_.values_.size() >= most_values || !is_utf8(text) || text.find('\0') != std::string_view::npos) return;
+    memory_.spend(text.size());
+    add_value(std::string(text));
+  }
+  void add_path(const PickleValue& parts) {
+    std::string out;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const std::string_view part = parts[i].text();
+      memory_.spend(2 * part.size());
+      out += concat_text(i > 0 && out != "/" ? "/" : "", part);
+    }
+    add_text(out);
+  }
+  void add_number(const NpyArray& a) {
+    if (a.is_text()) return add_text(a.text());
+    if (a.kind == 'f') return add_value(a.value<double>());
+    if (a.kind == 'b') return add_value(a.value<int>() != 0);
+    add_value(a.value<std::int64_t>());
+  }
+
+  void add_tensor(TensorView view) {
+    memory_.spend(3 * sizeof(TensorView));
+    view.name = joined(selection_.size(), separator_);
+    if (view.name.empty()) view.name = "array";
+    out_.tensors_.push_back(std::move(view));
+  }
+  /// Elements of an array as a tensor.
+  void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
+    if (shape.size() > Shape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+    DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
+    if (kind != 'b' && !(kind == 'f' && size == 2)) {
+      with_npy_number(kind, size, [&](auto number) {
+        if constexpr (std::is_arithmetic_v<decltype(number)>) dtype = motionlang::dtype_of<decltype(number)>();
+      });
+    }
+    add_tensor({.name = {}, .dtype = dtype, .shape = Shape(std::span<const Index>(shape)), .bytes = bytes});
+  }
+  void add_copy(NpyArray array) {
+    memory_.spend(array.data.size());
+    const NpyArray& kept = memory_.keep(std::move(array));
+    add_elements(kept.kind, kept.item_size, kept.shape, kept.data);
+  }
+  /// lasting   the bytes live as long as the file
+  void add_array(const PickledArray& a, bool lasting) {
+    const NpyArray described = described_array(a.type, a.shape, a.where);
+    check_raw_size(described, a.raw, a.where);
+    if (described.is_text()) return add_texts(described, a);
+    if (!selected()) return;
+    const bool in_order = !a.fortran_order || a.shape.size() < 2;
+    if (lasting && in_order && (a.type[0] != '>' || described.item_size == 1)) {
+      return add_elements(described.kind, described.item_size, a.shape, a.raw);
+    }
+    if (a.raw.size() > memory_.left()) memory_.spend(a.raw.size());
+    add_copy(stored_array(a.type, a.fortran_order, a.shape, a.raw, a.where));
+  }
+  void add_texts(const NpyArray& described, const PickledArray& a) {
+    const auto count = static_cast<std::size_t>(described.count());
+    if (count > most_texts) return skip(described.type(), "texts of type ");
+    memory_.spend(2 * a.raw.size());
+    const auto texts = stored_array(a.type, a.fortran_order, a.shape, a.raw, a.where).texts();
+    if (a.shape.empty()) return add_text(texts.front());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string index = concat_text(i);
+      path_.push_back(index);
+      add_text(texts[i]);
+      path_.pop_back();
+    }
+  }
+  void add_npy(std::span<const std::byte> bytes, const std::string& file) {
+    const NpyParts npy = npy_parts(bytes, file);
+    add_array({npy.header.descr, npy.header.fortran_order, npy.header.shape, npy.raw, npy.where}, true);
+  }
+  /// A list of nothing but numbers, as a tensor; false if it is none.
+  bool add_numbers(const PickleValue& list) {
+    bool real = false;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (!list[i].is(PickleKind::integer) && !list[i].is(PickleKind::real)) return false;
+      real = real || list[i].is(PickleKind::real);
+    }
+    if (list.size() == 0 || !selected()) return false;
+    memory_.spend(2 * sizeof(double) * list.size());
+    const auto copy = [&]<class T>(std::vector<T> numbers) {
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        if constexpr (std::integral<T>)
+          numbers.push_back(list[i].integer());
+        else
+          numbers.push_back(list[i].real());
+      }
+      add_copy(NpyArray::of(std::span<const T>(numbers), {std::ssize(numbers)}));
+    };
+    real ? copy(std::vector<double>()) : copy(std::vector<std::int64_t>());
+    return true;
+  }
+
+  WeightFile& out_;
+  TensorMemory& memory_;
+  const WeightOptions& options_;
+  const TorchFile* torch_ = nullptr;
+  char separator_ = '/';
+  std::vector<std::string> selection_;
+  std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
+  std::uint64_t visits_left_;
+  bool joblib_ = false;
+};
+
+/// joblib writes compressed dumps as one zlib stream (RFC 1950).
+inline bool is_zlib(std::span<const std::byte> bytes) {
+  if (bytes.size() < 6) return false;
+  const auto first = std::to_integer<unsigned>(bytes[0]), second = std::to_integer<unsigned>(bytes[1]);
+  return first == 0x78 && (first * 256 + second) % 31 == 0;
+}
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`.
+inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
+  Inflated unpacked = inflate(bytes.subspan(2), limit, name);
+  std::uint32_t a = 1, b = 0;  // Adler-32
+  for (const std::byte byte : unpacked.data) {
+    a = (a + std::to_integer<std::uint32_t>(byte)) % 65521;
+    b = (b + a) % 65521;
+  }
+  const auto sum = __builtin_bswap32(load<std::uint32_t>(bytes, 2 + unpacked.consumed, name, "a checksum"));
+  if (sum != (b << 16 | a)) raise<io_error>(403, name, ": checksum ", b << 16 | a, ", the file says ", sum);
+  return std::move(unpacked.data);
+}
+
+/// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
+inline bool begins_weights(std::span<const std::byte> bytes) {
+  const std::string_view text = as_text(bytes);
+  if (text.size() > 8 && text[8] == '{') return load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
+  return text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") || text.starts_with('\x80') ||
+         is_zlib(bytes) || is_gzip(bytes);
+}
+
+/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
+inline bool begins_pickle(std::string_view text) {
+  if (text.empty()) return false;
+  if (text[0] == '\x80') return text.size() > 1 && text[1] >= 1 && text[1] <= 5;
+  return std::string_view("(c]}").find(text[0]) != std::string_view::npos;
+}
+
+}  // namespace detail
+
+inline WeightFile WeightFile::from_safetensors(SafetensorsFile file) {
+  WeightFile out(file.name(), file.owner(), "safetensors");
+  out.tensors_.assign(file.tensors().begin(), file.tensors().end());
+  for (const auto& [key, text] : file.metadata()) out.values_.push_back({key, text});
+  return out;
+}
+
+inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+                                         std::shared_ptr<const void> owner, const WeightOptions& options) {
+  const std::string_view text = detail::as_text(bytes);
+  constexpr std::size_t safetensors_start = 8;
+  if (text.size() > safetensors_start && text[safetensors_start] == '{') {
+    return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
+  }
+  const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
+  WeightFile out(name, memory, "");
+  detail::WeightReader reader(out, *memory, options, bytes.size());
+  const auto read_torch = [&](const TorchFile& file) {
+    out.format_ = file.format();
+    reader.read(file);
+    if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
+  };
+  if (text.starts_with("PK\x03\x04")) {
+    const ZipArchive zip(bytes, name);
+    if (!TorchFile::root_folder(zip).empty()) {
+      read_torch(TorchFile::from_archive(zip, memory));
+    } else {
+      const NpzArchive npz(zip);
+      if (npz.names().empty())
+        raise<io_error>(403, name, ": a zip archive without data.pkl (PyTorch) and .npy (NumPy)");
+      out.format_ = "npz";
+      memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // what a pickle would need
+      reader.read(npz, zip);
+    }
+  } else if (TorchFile::is_legacy(bytes)) {
+    read_torch(TorchFile::from_legacy(bytes, name, memory));
+  } else if (text.starts_with("\x93NUMPY")) {
+    out.format_ = "npy";
+    reader.read_npy(bytes);
+  } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
+    raise<io_error>(404, name, ": a tar archive, as PyTorch wrote them before 0.1.10");
+  } else if (detail::is_zlib(bytes)) {
+    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
+    memory->spend(unpacked.size());
+    read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
+  } else if (is_gzip(bytes)) {
+    const auto declared =
+        detail::load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
+    memory->spend(2 * std::uint64_t{declared});
+    const std::string& unpacked = memory->keep(gunzip(bytes, name));
+    read_torch(TorchFile::from_pickle(
+        Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
+  } else if (detail::begins_pickle(text)) {
+    read_torch(TorchFile::from_pickle(Pickle(bytes, name, {.inline_bytes = joblib_array_bytes}), memory));
+  } else {
+    raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
+  }
+  out.sort_tensors();
+  return out;
+}
+
+/// The files of a training run, each under the name of its part: TMR's (last_weights/motion_encoder.pt as "motion_encoder.",
+/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar), or any folder of .pt files.
+inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, const WeightOptions& options) {
+  namespace fs = std::filesystem;
+  const auto ends_with = [](const fs::path& p, std::string_view end) { return p.filename().string().ends_with(end); };
+  const auto listed = [&](const fs::path& where) {
+    std::vector<fs::path> out;
+    std::error_code problem;
+    for (const auto& entry : fs::directory_iterator(where, problem)) out.push_back(entry.path());
+    if (problem) raise<io_error>(401, "cannot list ", where.string(), ": ", problem.message());
+    detail::sort(out, [](const fs::path& a, const fs::path& b) { return a < b; });
+    return out;
+  };
+  std::map<std::string, fs::path> parts;  // by the beginning of the names of their tensors
+  fs::path weights, checkpoint, whole;
+  for (const fs::path& p : listed(folder)) {
+    const std::string name = p.filename().string();
+    if (fs::is_directory(p)) {
+      if (name.ends_with("_weights") && weights.filename() != "last_weights") weights = p;
+      if (name != "stats" && !name.ends_with("_stats")) continue;
+      for (const fs::path& file : listed(p)) {
+        if (ends_with(file, ".pt")) parts[name + "." + file.stem().string()] = file;
+      }
+    } else if (name.ends_with(".pt")) {
+      parts[p.stem().string()] = p;
+    } else if (name.starts_with("checkpoint_") && name.ends_with(".pth.tar")) {
+      checkpoint = p;
+    } else if (name == "weights.safetensors" || name == "model.safetensors") {
+      whole = p;
+    }
+  }
+  if (!weights.empty()) {
+    for (const fs::path& file : listed(weights)) {
+      if (ends_with(file, ".pt")) parts[file.stem().string()] = file;
+    }
+  }
+  if (!whole.empty() || (!checkpoint.empty() && parts.empty())) {
+    WeightFile file = open_weights(whole.empty() ? checkpoint : whole, options);
+    if (whole.empty()) file.format_ = "ACTOR run folder";
+    return file;
+  }
+  if (parts.empty()) raise<io_error>(404, folder.string(), ": no weights in this folder (.pt, .pth.tar, .safetensors)");
+  const auto owners = std::make_shared<std::vector<std::shared_ptr<const void>>>();
+  WeightFile out(folder.string(), owners, weights.empty() ? "folder" : "TMR run folder");
+  for (const auto& [part, path] : parts) {
+    const WeightFile file = open_weights(path, options);
+    owners->push_back(file.owner());
+    for (TensorView t : file.tensors()) {
+      t.name = t.name == "array" ? part : part + "." + t.name;
+      out.tensors_.push_back(std::move(t));
+    }
+    for (const FileValue& v : file.values()) out.values_.push_back({part + "/" + v.path, v.value});
+    out.skipped_.insert(file.skipped().begin(), file.skipped().end());
+  }
+  out.sort_tensors();
+  return out;
+}
+
+/// Whether this is a folder, or a file that begins as open_weights expects it; text is not looked at, so older pickles are not seen.
+inline bool may_be_weights(const FilePath& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path.string(), ignored) ||
+         detail::begins_weights(MappedFile::open(path)->bytes());
+}
+
+/// Opens a file, or the folder of a training run.
+/// Throws  io_error 401 if it cannot be opened, and what WeightFile::from_bytes throws
+inline WeightFile open_weights(const FilePath& path, const WeightOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_folder(path.string(), options);
+  const auto file = MappedFile::open(path);
+  return WeightFile::from_bytes(file->bytes(), path.string(), file, options);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -225,25 +225,29 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of plain values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
-/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
+/// std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
-  static_assert(std::is_trivially_copyable_v<T>, "motionlang::PoolVector: plain values only");
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64);
 
  public:
   using value_type = T;
 
   PoolVector() = default;
-  explicit PoolVector(std::size_t size, T value = T{}) {
+  explicit PoolVector(std::size_t size, const T& value = T{}) {
     reserve(size);
-    for (; size_ < size; ++size_) data_[size_] = value;
+    while (size_ < size) push_back(value);
   }
   PoolVector(PoolVector&& o) noexcept
       : memory_(std::move(o.memory_)),
         data_(std::exchange(o.data_, nullptr)),
         size_(std::exchange(o.size_, 0)),
         capacity_(std::exchange(o.capacity_, 0)) {}
+  PoolVector& operator=(PoolVector&&) = delete;
+  ~PoolVector() {
+    for (std::size_t i = 0; i < size_; ++i) data_[i].~T();
+  }
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -259,14 +263,18 @@ class PoolVector {
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
     detail::BufferHandle larger(capacity * sizeof(T));
-    if (size_ > 0) std::memcpy(larger.data(), data_, size_ * sizeof(T));
+    T* to = static_cast<T*>(larger.data());
+    for (std::size_t i = 0; i < size_; ++i) {
+      ::new (static_cast<void*>(to + i)) T(std::move(data_[i]));
+      data_[i].~T();
+    }
     memory_ = std::move(larger);
-    data_ = static_cast<T*>(memory_.data());
+    data_ = to;
     capacity_ = capacity;
   }
   void push_back(T value) {
     if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
-    data_[size_++] = value;
+    ::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
   }
 
  private:
@@ -933,8 +941,8 @@ struct DenseOps {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x)
-enum class Activation { none, relu, gelu, silu, tanh };
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2
+enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new };
 
 /// Throws config_error 103.
 inline Activation parse_activation(std::string_view name) {
@@ -943,11 +951,13 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "gelu") return Activation::gelu;
   if (name == "silu") return Activation::silu;
   if (name == "tanh") return Activation::tanh;
-  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh");
+  if (name == "quick_gelu") return Activation::quick_gelu;
+  if (name == "gelu_new") return Activation::gelu_new;
+  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new");
 }
 
 constexpr std::string_view to_string(Activation a) {
-  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh"};
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new"};
   return names[static_cast<int>(a)];
 }
 
@@ -1482,7 +1492,7 @@ template <Backend B, int R>
 Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
   if (list.empty()) raise<shape_error>(205, "concat: nothing to join");
   axis = normalize_axis(axis, R, "concat");
-  std::vector<typename B::tensor> data;
+  PoolVector<typename B::tensor> data;
   data.reserve(list.size());
   for (const auto& t : list) {
     if (t.shape().without(axis) != list.front().shape().without(axis)) {
@@ -1490,7 +1500,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     }
     data.push_back(t.data());
   }
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
 }
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
@@ -1503,7 +1513,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
 }
 
 namespace detail {
@@ -1708,6 +1718,10 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
         return x / (exp(-x) + 1.0);
       case Activation::tanh:
         return tanh(x);
+      case Activation::quick_gelu:
+        return x / (exp(x * -1.702) + 1.0);
+      case Activation::gelu_new:
+        return x * 0.5 * (tanh((x + x * x * x * 0.044715) * 0.79788456080286536) + 1.0);
     }
     return x;
   }
@@ -1818,7 +1832,8 @@ namespace detail {
 
 template <Backend B>
 void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                     const Offsets& k_offsets, const AttentionOptions& options) {
+                     const Offsets& k_offsets, const AttentionOptions& options,
+                     const Tensor<B, 2>* relative_scores = nullptr) {
   if (q.size(1) != k.size(1) || k.shape() != v.shape()) {
     raise<shape_error>(204, "attention: q ", q.shape(), ", k ", k.shape(), ", v ", v.shape());
   }
@@ -1834,14 +1849,33 @@ void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<
       raise<shape_error>(207, "attention: sequence ", s, " has no keys");
     if (k_offsets.length(s) > 65536) raise<shape_error>(207, "attention: sequence ", s, " has more than 65536 keys");
   }
+  if (relative_scores == nullptr) return;
+  const Index farthest = std::max(q_offsets.longest(), k_offsets.longest()) - 1;
+  if (relative_scores->size(0) != options.heads || relative_scores->size(1) % 2 != 1 ||
+      relative_scores->size(1) / 2 < farthest) {
+    raise<shape_error>(204, "attention: relative scores ", relative_scores->shape(), " for ", options.heads,
+                       " heads and distances up to ", farthest);
+  }
 }
 
-/// softmax(q k^T / sqrt(width)) v for one head of one sequence; q (tq, width), k and v (tk, width).
+/// (queries, keys) of one head: element (i, j) is that of distance j - i.
+template <Backend B>
+Tensor<B, 2> scores_of_distances(const Tensor<B, 2>& relative_scores, Index head, Index tq, Index tk) {
+  const Index zero = relative_scores.size(1) / 2;  // the column of distance 0
+  PoolVector<Index> columns;
+  for (Index i = 0; i < tq; ++i) {
+    for (Index j = 0; j < tk; ++j) columns.push_back(zero + j - i);
+  }
+  return reshape<2>(gather(reshape<1>(slice(relative_scores, 0, head, head + 1), {-1}), columns), {tq, tk});
+}
+
+/// softmax(q k^T / sqrt(width) + relative scores) v for one head of one sequence; q (tq, width), k and v (tk, width).
 template <Backend B>
 Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, Index first_row, Index head,
-                    const AttentionOptions& o) {
+                    const AttentionOptions& o, const Tensor<B, 2>* relative_scores) {
   const Index tq = q.size(0), tk = k.size(0);
   auto scores = matmul(q, k, {.transpose_b = true}) * (1.0 / std::sqrt(static_cast<double>(q.size(1))));
+  if (relative_scores != nullptr) scores = scores + scores_of_distances(*relative_scores, head, tq, tk);
   using S = typename B::scalar;
   std::vector<S> values(static_cast<std::size_t>(tq * tk));
   if (o.causal) {
@@ -1866,16 +1900,24 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 }  // namespace detail
 
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
-///     O_h = softmax(Q_h K_h^T / sqrt(width / heads)) V_h     within each sequence
+///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
 /// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). Throws config_error 101, shape_error 204, 207.
+/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the distance
+/// j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
-                       const Offsets& k_offsets, const AttentionOptions& options) {
-  detail::check_attention(q, k, v, q_offsets, k_offsets, options);
-  if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options); }) {
-    return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options));
+                       const Offsets& k_offsets, const AttentionOptions& options,
+                       const Tensor<B, 2>* relative_scores = nullptr) {
+  detail::check_attention(q, k, v, q_offsets, k_offsets, options, relative_scores);
+  using T = const typename B::tensor*;
+  if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options, T{}); }) {
+    return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options,
+                                     relative_scores == nullptr ? nullptr : &relative_scores->data()));
   } else {
+    if constexpr (requires { B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options); }) {
+      if (relative_scores == nullptr)
+        return Tensor<B, 2>(B::attention(q.data(), k.data(), v.data(), q_offsets, k_offsets, options));
+    }
     const Index width = q.size(1) / options.heads;
     std::vector<Tensor<B, 2>> sequences, heads;
     for (Index s = 0; s < q_offsets.count(); ++s) {
@@ -1885,7 +1927,8 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
       heads.clear();
       for (Index h = 0; h < options.heads; ++h) {
         auto columns = [&](const Tensor<B, 2>& t) { return slice(t, 1, h * width, (h + 1) * width); };
-        heads.push_back(detail::attend(columns(qs), columns(ks), columns(vs), q_offsets.begin(s), h, options));
+        heads.push_back(
+            detail::attend(columns(qs), columns(ks), columns(vs), q_offsets.begin(s), h, options, relative_scores));
       }
       sequences.push_back(concat(std::span<const Tensor<B, 2>>(heads), 1));
     }
@@ -1972,7 +2015,8 @@ struct KernelOps {
   static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                            const Offsets& k_offsets, const AttentionOptions& options);
+                            const Offsets& k_offsets, const AttentionOptions& options,
+                            const Dense<S>* relative_scores = nullptr);
   /// {dq, dk, dv}
   static std::array<Dense<S>, 3> attention_vjp(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v,
                                                const Offsets& q_offsets, const Offsets& k_offsets,
@@ -2038,6 +2082,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
+  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  Index reach = 0;
 };
 template <class S>
 struct AttentionGradients {
@@ -2050,6 +2096,15 @@ struct LayerNorm {
   const S *x = nullptr, *residual = nullptr, *weight = nullptr, *bias = nullptr;
   Index width = 0;
   S eps = S(1e-5);
+  S* y = nullptr;
+};
+
+/// y (rows, width) = act(z^T + bias + residual), z (width, rows).
+template <class S>
+struct Transposed {
+  const S *z = nullptr, *bias = nullptr, *residual = nullptr;
+  Index rows = 0, width = 0;
+  Activation act = Activation::none;
   S* y = nullptr;
 };
 
@@ -2088,6 +2143,7 @@ struct Kernels {
   void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
                                  Index first, Index last);
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
+  void (*transpose)(const Transposed<S>&, Index first, Index last);
   void (*activate)(const S* x, Index n, Activation, S* y);
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
@@ -2264,6 +2320,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -2286,6 +2347,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -2551,7 +2620,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -2564,6 +2633,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -2713,6 +2786,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -2823,6 +2925,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -2996,6 +3099,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -3018,6 +3126,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -3283,7 +3399,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -3296,6 +3412,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -3445,6 +3565,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -3555,6 +3704,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -3726,6 +3876,11 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
     }
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
+    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
   }
   return x;
 }
@@ -3748,6 +3903,14 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     case Activation::tanh: {
       const Vec<S> t = vtanh<S>(x);
       return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
   }
   return splat(S(1));
@@ -4013,7 +4176,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
   const S* q = t.q + q0 * t.q_stride + head * width;
   const S* k = t.k + k0 * t.k_stride + head * width;
   const S* v = t.v + k0 * t.v_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
   const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
   S* kt = scratch;
   S* vp = kt + key_panels * w * width;
@@ -4026,6 +4189,10 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratc
     small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
     for (Index r = 0; r < rows; ++r) {
       S* row = scores + r * pitch;
+      if (t.relative_scores != nullptr) {
+        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+      }
       softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
       if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
     }
@@ -4175,6 +4342,35 @@ void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch
   }
 }
 
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, apply_activation<S>(x, t.act));
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, apply_activation<S>(x, t.act), n);
+      }
+    }
+  }
+}
+
 template <class S>
 void activate(const S* x, Index n, Activation act, S* y) {
   constexpr int l = lanes<S>;
@@ -4285,6 +4481,7 @@ const Kernels<S>& table() {
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
       .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
       .activate = &activate<S>,
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
@@ -4601,6 +4798,22 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
                [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
 }
 
+/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
+/// order as with panels of the weight, so the same bits.
+template <class S>
+Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
+  const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
+  const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
+  Dense<S> z(Shape{n, m}), y(Shape{m, n});
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  const Transposed<S> t{
+      .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
+  constexpr Index columns = 64;
+  parallel_for(parts(n, columns),
+               [&](Index i) { kernels<S>().transpose(t, i * columns, std::min(n, (i + 1) * columns)); });
+  return y;
+}
+
 template <class S>
 LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, const S* bias, double eps, S* y) {
   return {.x = x.data(),
@@ -4648,14 +4861,18 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                               const Dense<S>* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
+  const bool last =
+      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
   if (ready == nullptr || ready->kernels != &detail::kernels<S>() || ready->n != n || ready->k != k) {
+    if (last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+      return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
+                                      residual == nullptr ? nullptr : residual->data());
+    }
     packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
-  const bool last =
-      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::run_gemm(detail::Gemm<S>{.m = m,
                                    .n = n,
                                    .k = k,
@@ -4755,10 +4972,12 @@ Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
 
 template <Scalar S>
 Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                                 const Offsets& k_offsets, const AttentionOptions& options) {
+                                 const Offsets& k_offsets, const AttentionOptions& options,
+                                 const Dense<S>* relative_scores) {
   const Index d = q.shape()[1];
   Dense<S> o(q.shape());
   auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
+  if (relative_scores != nullptr) t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention(t, q_offsets, k_offsets);
@@ -5280,6 +5499,34 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
+#define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
+/// Texts line by line.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Without the blanks at both ends.
+constexpr std::string_view trim(std::string_view s) {
+  constexpr std::string_view blanks = " \t\r\n\v\f";
+  const std::size_t first = s.find_first_not_of(blanks);
+  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
+}
+
+/// Calls on_line(line, number) for every line, without its end (LF, CRLF, CR); numbers count from 1. A byte order mark
+/// is skipped.
+template <class F>
+void for_each_line(std::string_view text, F on_line) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  for (Index number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    on_line(text.substr(0, end), number);
+    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TimelineTextOptions {
@@ -5297,12 +5544,6 @@ struct TimedText {
 };
 
 namespace detail {
-
-constexpr std::string_view trim(std::string_view s) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  const std::size_t first = s.find_first_not_of(blanks);
-  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
-}
 
 /// One line of a file, split at '#'. Knows where it stands.
 class TimelineLine {
@@ -5355,17 +5596,6 @@ class TimelineLine {
   std::string_view name_;
   std::vector<std::string_view> fields_;
 };
-
-/// Calls on_line(line, number) for every line, without its end; numbers count from 1.
-template <class F>
-void for_each_line(std::string_view text, F on_line) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  for (Index number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-    on_line(text.substr(0, end), number);
-    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
-  }
-}
 
 /// T = Index: frames at options.fps; T = double: seconds.
 template <class T>
@@ -6238,9 +6468,32 @@ struct NoInit {
 };
 static_assert(Rng<NoInit>);
 
+namespace detail {
+
+/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+template <Backend B, int R>
+Tensor<B, R> untouched_zeros(const Shape& shape) {
+  using S = typename B::scalar;
+  if constexpr (AutodiffBackend<B>) {
+    return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
+  } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+    const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
+    if (zeros == nullptr) throw std::bad_alloc();
+    return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
+  } else {
+    return Tensor<B, R>::zeros(shape);
+  }
+}
+
+template <class G>
+inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit>;
+
+}  // namespace detail
+
 /// Uniform in [-bound, bound].
 template <Backend B, int R>
 Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.uniform(std::span<typename B::scalar>(values));
   for (auto& v : values) v = static_cast<typename B::scalar>((2 * static_cast<double>(v) - 1) * bound);
@@ -6256,6 +6509,7 @@ Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
 /// Normal with the given standard deviation.
 template <Backend B, int R>
 Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.normal(std::span<typename B::scalar>(values));
   for (auto& v : values) v = static_cast<typename B::scalar>(static_cast<double>(v) * std);
@@ -7575,6 +7829,29 @@ concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+namespace detail {
+
+/// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
+/// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
+template <class Find>
+void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown, Find find) {
+  const std::size_t before = ids.size();
+  for (std::size_t at = 0; at < word.size();) {
+    std::size_t length = std::min(word.size() - at, longest);
+    Index id = -1;
+    for (; length > 0 && (id = find(word.substr(at, length), at == 0)) < 0; --length) {}
+    if (id < 0) {
+      ids.resize(before);
+      ids.push_back(unknown);
+      return;
+    }
+    ids.push_back(id);
+    at += length;
+  }
+}
+
+}  // namespace detail
+
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
  public:
@@ -7678,20 +7955,10 @@ class WordPiece {
 
  private:
   void append_word(std::vector<Index>& ids, const std::string& word) const {
-    const std::size_t before = ids.size();
-    for (std::size_t at = 0; at < word.size();) {
-      const std::string prefix = at == 0 ? "" : "##";
-      std::size_t length = std::min(word.size() - at, longest_);
-      auto found = ids_.end();
-      for (; length > 0 && found == ids_.end(); --length) found = ids_.find(prefix + word.substr(at, length));
-      if (found == ids_.end()) {
-        ids.resize(before);
-        ids.push_back(unknown_id);
-        return;
-      }
-      ids.push_back(found->second);
-      at += length + 1;
-    }
+    detail::append_longest_pieces(ids, word, longest_, unknown_id, [&](std::string_view part, bool first) {
+      const auto found = ids_.find((first ? "" : "##") + std::string(part));
+      return found == ids_.end() ? Index{-1} : found->second;
+    });
   }
 
   std::vector<std::string> pieces_;
@@ -7861,9 +8128,80 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 
 #ifndef MOTIONLANG_HAS_IO_MODULE_FILE_HPP  // <motionlang/io/module_file.hpp>
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
-/// Parameters of modules in safetensors files: paths of fields are the names of tensors.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
+/// WeightFile.
 
 #include <set>    // names
+
+#ifndef MOTIONLANG_HAS_IO_KEY_REPORT_HPP  // <motionlang/io/key_report.hpp>
+#define MOTIONLANG_HAS_IO_KEY_REPORT_HPP
+/// Names of tensors that do not match between a file and a model, as one list that a person can act on.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Names that a file lacks, and names that nobody asked for.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that many.
+inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
+      diagonal = row[k + 1];
+      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+    }
+  }
+  return std::min(row.back(), limit);
+}
+
+/// The name that is most like `name`; empty if none has half of it.
+inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
+  constexpr std::size_t longest = 256;
+  std::string_view best;
+  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
+  for (const std::string& candidate : among) {
+    if (name.size() > longest || candidate.size() > longest) continue;
+    const std::size_t d = edit_distance(name, candidate, distance);
+    if (d < distance) distance = d, best = candidate;
+  }
+  return std::string(best);
+}
+
+/// A line for each name, and beside it the name of the other list that is most like it.
+inline std::string to_string(const KeyReport& report) {
+  constexpr std::size_t most = 20;  // lines of a list
+  std::string text;
+  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
+                        const char* has) {
+    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+      const std::string like = nearest_name(names[i], others);
+      text += concat_text("\n  ", what, " ", names[i]);
+      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
+    }
+    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+  };
+  list("missing   ", report.missing, report.unexpected, "the file has");
+  list("unexpected", report.unexpected, report.missing, "the model has");
+  return text;
+}
+
+namespace detail {
+
+[[noreturn]] inline void raise_key_mismatch(std::string_view file, const KeyReport& report) {
+  raise<io_error>(406, file, ": ", report.missing.size(), " tensors are missing, ", report.unexpected.size(),
+                  " are not expected:", report);
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 #ifndef MOTIONLANG_HAS_IO_SAFETENSORS_HPP  // <motionlang/io/safetensors.hpp>
 #define MOTIONLANG_HAS_IO_SAFETENSORS_HPP
@@ -8065,6 +8403,7 @@ namespace motionlang::inline MOTIONLANG_ABI::detail {
 class JsonCursor {
  public:
   static constexpr int max_depth = 4;
+  static constexpr std::size_t max_members = 100'000;  // of an object: what one needs in memory is many times its text
 
   /// `offset` is where the text begins in the file; it only serves messages.
   JsonCursor(std::string_view text, std::string_view file, std::size_t offset)
@@ -8104,6 +8443,7 @@ class JsonCursor {
       do {
         const std::size_t start = at_;
         const auto [key, is_new] = keys.insert(string());
+        if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
         if (!is_new) fail(403, start, "the name '" + *key + "' stands twice in one object");
         expect(':');
         on_value(*key);
@@ -8333,8 +8673,19 @@ inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
 }
 
+/// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
+inline void make_folder(const FilePath& path) {
+  struct stat s {};
+  if (::mkdir(path.c_str(), 0777) == 0 || (::stat(path.c_str(), &s) == 0 && S_ISDIR(s.st_mode))) return;
+  raise<io_error>(401, "cannot make the folder ", path.string());
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
+
+#ifndef MOTIONLANG_HAS_IO_TENSOR_SET_HPP  // <motionlang/io/tensor_set.hpp>
+#define MOTIONLANG_HAS_IO_TENSOR_SET_HPP
+/// Named tensors of a file: what every reader of weights gives, and what modules are filled from.
 
 #ifndef MOTIONLANG_HAS_IO_TENSOR_VIEW_HPP  // <motionlang/io/tensor_view.hpp>
 #define MOTIONLANG_HAS_IO_TENSOR_VIEW_HPP
@@ -8535,26 +8886,10 @@ std::vector<T> values_of(const TensorView& view) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-class SafetensorsFile {
+class TensorSet {
  public:
-  /// Longest header that is read, as in the reference implementation.
-  static constexpr std::uint64_t max_header = 100'000'000;
-
-  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
-  /// axes), 405 (impossible sizes).
-  static SafetensorsFile open(const FilePath& path) {
-    const auto file = MappedFile::open(path);
-    return from_bytes(file->bytes(), path.string(), file);
-  }
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
-  /// messages.
-  static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
-                                    std::shared_ptr<const void> owner = {}) {
-    return SafetensorsFile(bytes, std::move(name), std::move(owner));
-  }
-
+  /// Of the file, for messages.
   const std::string& name() const { return name_; }
-  const std::map<std::string, std::string>& metadata() const { return metadata_; }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<const void>& owner() const { return owner_; }
 
@@ -8578,6 +8913,39 @@ class SafetensorsFile {
     return *t;
   }
 
+ protected:
+  TensorSet(std::string name, std::shared_ptr<const void> owner) : name_(std::move(name)), owner_(std::move(owner)) {}
+
+  std::string name_;
+  std::shared_ptr<const void> owner_;
+  std::vector<TensorView> tensors_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+class SafetensorsFile : public TensorSet {
+ public:
+  /// Longest header that is read, as in the reference implementation.
+  static constexpr std::uint64_t max_header = 100'000'000;
+
+  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
+  /// axes), 405 (impossible sizes).
+  static SafetensorsFile open(const FilePath& path) {
+    const auto file = MappedFile::open(path);
+    return from_bytes(file->bytes(), path.string(), file);
+  }
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// messages.
+  static SafetensorsFile from_bytes(std::span<const std::byte> bytes, std::string name = "safetensors data",
+                                    std::shared_ptr<const void> owner = {}) {
+    return SafetensorsFile(bytes, std::move(name), std::move(owner));
+  }
+
+  const std::map<std::string, std::string>& metadata() const { return metadata_; }
+
  private:
   using Cursor = detail::JsonCursor;
   static constexpr std::size_t prefix = 8;  // bytes of the header length
@@ -8588,7 +8956,7 @@ class SafetensorsFile {
   };
 
   SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner)
-      : name_(std::move(name)), owner_(std::move(owner)) {
+      : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header) raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header);
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
@@ -8707,10 +9075,7 @@ class SafetensorsFile {
     if (end != size) json.fail(403, 0, concat_text(size - end, " bytes of data belong to no tensor"));
   }
 
-  std::string name_;
-  std::shared_ptr<const void> owner_;
   std::map<std::string, std::string> metadata_;
-  std::vector<TensorView> tensors_;
 };
 
 namespace detail {
@@ -8896,16 +9261,11 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// Names that a file lacks, and names that nobody asked for.
-struct KeyReport {
-  std::vector<std::string> missing, unexpected;
-};
-
 namespace detail {
 
 /// Fills tensors from a file by their names.
 struct TensorLoader {
-  const SafetensorsFile& file;
+  const TensorSet& file;
   const std::string& prefix;
   std::string (*key)(const std::string& prefix, const std::string& path);
   KeyReport& report;
@@ -8927,7 +9287,7 @@ struct TensorLoader {
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match; throws io_error 407 for a tensor of another shape.
 template <Module M>
-KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
   KeyReport report;
   std::set<std::string> known;
   visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
@@ -8936,18 +9296,12 @@ KeyReport load_module_partly(M& module, const SafetensorsFile& file, const std::
   }
   return report;
 }
-/// The same, where every name has to match. Throws io_error 406 with both lists.
+/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
 template <Module M>
-void load_module(M& module, const SafetensorsFile& file, const std::string& prefix = "") {
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "") {
   const KeyReport report = load_module_partly(module, file, prefix);
   if (report.missing.empty() && report.unexpected.empty()) return;
-  auto list = [](const std::vector<std::string>& names) {
-    std::string text;
-    for (std::size_t i = 0; i < names.size() && i < 5; ++i) text += (i == 0 ? " " : ", ") + names[i];
-    return text + (names.size() > 5 ? ", ..." : "");
-  };
-  raise<io_error>(406, file.name(), ": ", report.missing.size(), " tensors are missing:", list(report.missing), "; ",
-                  report.unexpected.size(), " are not expected:", list(report.unexpected));
+  detail::raise_key_mismatch(file.name(), report);
 }
 
 /// Tensors on their way into a file, with their own memory.
