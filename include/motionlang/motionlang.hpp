@@ -138,6 +138,7 @@
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/mirror_caption.hpp>
+#include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/text_repair.hpp>
 #include <motionlang/text/token_offsets.hpp>

@@ -13,14 +13,9 @@
 #include <motionlang/features/humanml3d_source.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/text/mirror_caption.hpp>
+#include <motionlang/text/tagged_word.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// A word of a caption as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
-struct TaggedWord {
-  std::string word, tag;
-  bool operator==(const TaggedWord&) const = default;
-};
 
 struct MotionCaption {
   std::string text;

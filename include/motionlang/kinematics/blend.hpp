@@ -45,7 +45,8 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
   return concatenate(out, crop(next, frames, next.frames()));
 }
 
-struct Loop {
+/// One round of a loop.
+struct LoopRound {
   Motion motion;
   Placement next;  // moves the clip of one round to that of the next
 };
@@ -55,13 +56,13 @@ struct Loop {
 /// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
 /// round to round; make a clip in place first and `next` is at most a turn.
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
-inline Loop make_loop(const Motion& motion, Index frames) {
+inline LoopRound make_loop(const Motion& motion, Index frames) {
   if (frames < 1 || 2 * frames > motion.frames()) {
     raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
   }
   const Index last = motion.frames() - frames, middle = frames / 2;
   const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
-  Loop loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
+  LoopRound loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
   for (Index i = 0; i < frames; ++i) {
     detail::add_mixed_frame(loop.motion, end, last + i, motion, i, detail::share_of_second(i, frames));
   }

@@ -15,6 +15,7 @@
 #include <string_view>    // words
 #include <unordered_map>  // rows of words
 
+#include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
@@ -50,10 +51,6 @@ inline std::optional<SpeechTag> motion_tag(std::string_view word) {
   }
   return std::nullopt;
 }
-
-struct TaggedWord {
-  std::string word, tag;
-};
 
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {

@@ -29,7 +29,7 @@ constexpr bool in_word(char c) {
 constexpr bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
 
 /// The word for the other side, in small letters; empty if a word has no side.
-inline std::string other_side(std::string_view word) {
+inline std::string word_of_other_side(std::string_view word) {
   if (word == "clockwise") return "counterclockwise";
   if (word == "counterclockwise" || word == "anticlockwise") return "clockwise";
   constexpr std::array<std::string_view, 7> endings{"", "s", "ward", "wards", "most", "hand", "handed"};
@@ -89,7 +89,7 @@ inline std::string mirror_caption(std::string_view caption) {
     for (; words > 0; --words) {
       const std::string word = detail::joined_words(pieces, i, words);
       if (words > 1 && !word.ends_with("clockwise")) continue;
-      if (other = detail::other_side(word); !other.empty()) break;
+      if (other = detail::word_of_other_side(word); !other.empty()) break;
     }
     if (words == 0) {
       out += pieces[i];
