@@ -46,15 +46,18 @@ class GlbRig {
   /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
   /// gets a number.
   /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 103 where a motion's
-  ///         skeleton is of no known kind; what Motion::validate throws; io_error 405 from 4 GiB on
+  ///         skeleton is of no known kind; 107 where the file has a value of the wrong kind; what Motion::validate
+  ///         throws; io_error 405 from 4 GiB on
   std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const {
     if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
+    for (const char* grows : {"accessors", "bufferViews", "animations"}) document_.count(grows);  // must be an array
     const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
     detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
-    nlohmann::ordered_json& animations = glb.document["animations"];
-    if (!options.keep_animations) animations.clear();
+    if (!options.keep_animations) glb.document["animations"].clear();
     std::set<std::string> taken;
-    for (const auto& a : animations) taken.insert(a.value("name", std::string()));
+    for (Index i = 0; options.keep_animations && i < document_.count("animations"); ++i) {
+      taken.insert(document_.element("animations", i).value_or("name", ""));
+    }
     for (const Motion& motion : motions) {
       motion.validate();
       if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
@@ -77,6 +80,9 @@ class GlbRig {
     const detail::GltfSkeleton all(document_, animations, skin);
     table_ = &detect_skeleton_table(all.skeleton);
     const int pelvis = find_joint(all.skeleton, table_->find("pelvis")->source);
+    if (all.nodes[static_cast<std::size_t>(pelvis)] < 0) {  // "root", which was made up over several trees
+      raise<config_error>(103, file(), ": no node is the joint '", all.skeleton.name(pelvis), "'");
+    }
 
     std::vector<int> number(all.nodes.size(), -1);  // of a joint of `all` in the skeleton from the pelvis down
     for (std::size_t j = 0; j < all.nodes.size(); ++j) {

@@ -113,3 +113,28 @@ TEST_CASE("what cannot be done is an error, and nothing is written") {
   names.names[2] = "Tail";
   CHECK_ERROR(rig_of(rigs::glb_of(names)), "no table fits a skeleton");
 }
+
+TEST_CASE("documents that are JSON but no glTF are refused, and a pelvis that no node is") {
+  auto changed = [](const ml::Skeleton& skeleton, auto change) {
+    const auto bytes = rigs::glb_of(skeleton);
+    const auto binary = ml::detail::parse_glb_chunks(bytes, "rig").binary;
+    ordered_json document = document_of(bytes);
+    change(document);
+    return ml::detail::glb_file(document.dump(), {binary.begin(), binary.end()});
+  };
+  const std::vector<ml::Motion> walks(1, synthetic::walk({.frames = 2}));
+  const auto number = changed(mixamo(), [](ordered_json& d) { d["animations"][0]["name"] = 7; });
+  CHECK_ERROR(rig_of(number).with(walks), "[motionlang.config.107]");
+  CHECK(ml::GlbFile(rig_of(number).with(walks, {.keep_animations = false}), "only").animation_names() ==
+        std::vector<std::string>{"walk"});
+  const auto object = changed(mixamo(), [](ordered_json& d) { d["animations"] = ordered_json::object(); });
+  CHECK_ERROR(rig_of(object).with(walks), "[motionlang.config.107]");
+
+  // Thighs and spine stand side by side: the "root" over them is made up, and ASF's pelvis has that name.
+  const auto trees = changed(rigs::skeleton_of(ml::skeleton_table("CMU ASF")), [](ordered_json& d) {
+    for (const int above : {0, 1, 2}) d["nodes"][static_cast<std::size_t>(above)].erase("children");
+    d["skins"][0]["joints"].erase(0);
+    d["skins"][0]["joints"].erase(0);
+  });
+  CHECK_ERROR(rig_of(trees), "no node is the joint 'root'");
+}
