@@ -20,14 +20,10 @@ struct BodyJoints {
 
 /// Nothing for a skeleton that no table fits.
 inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
-  const SkeletonTable* best = nullptr;
-  for (const SkeletonTable& table : skeleton_tables()) {
-    const bool fits = table.missing(skeleton).empty();
-    if (fits && (best == nullptr || table.found(skeleton) > best->found(skeleton))) best = &table;
-  }
-  if (best == nullptr) return std::nullopt;
+  const SkeletonTable* table = find_skeleton_table(skeleton);
+  if (table == nullptr) return std::nullopt;
   auto joint = [&](std::string_view smpl) {
-    const MappedJoint* row = best->find(smpl);
+    const MappedJoint* row = table->find(smpl);
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   };
   auto pair = [&](const std::string& smpl) { return BodyJoints::Pair{joint("left_" + smpl), joint("right_" + smpl)}; };

@@ -204,22 +204,25 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
 }
 // clang-format on
 
-/// The table whose joints the skeleton has; of several the one with the most. Throws config_error 103 with the joint that
-/// the closest table misses.
-inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+/// The table whose joints the skeleton has; of several the one with the most. Null if none fits.
+inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
   const SkeletonTable* best = nullptr;
-  const SkeletonTable* closest = nullptr;
   for (const SkeletonTable& table : skeleton_tables()) {
-    const int found = table.found(source);
-    if (table.missing(source).empty() && (best == nullptr || found > best->found(source))) best = &table;
-    if (closest == nullptr || found > closest->found(source)) closest = &table;
+    if (!table.missing(source).empty()) continue;
+    if (best == nullptr || table.found(source) > best->found(source)) best = &table;
   }
-  if (best == nullptr) {
-    raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
-                        source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
-                        closest->missing(source), "'");
+  return best;
+}
+/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+  if (const SkeletonTable* fits = find_skeleton_table(source)) return *fits;
+  const SkeletonTable* closest = &skeleton_tables().front();
+  for (const SkeletonTable& table : skeleton_tables()) {
+    if (table.found(source) > closest->found(source)) closest = &table;
   }
-  return *best;
+  raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
+                      source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
+                      closest->missing(source), "'");
 }
 /// A built-in table by name. Throws config_error 103.
 inline const SkeletonTable& skeleton_table(std::string_view name) {
