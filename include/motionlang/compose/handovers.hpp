@@ -16,6 +16,7 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
+/// Throws config_error 101 if too many texts lie over each other.
 inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;

@@ -40,6 +40,7 @@ std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const st
 
 }  // namespace detail
 
+/// A body of kind `other` with the joints of the skeleton, in its rest pose; metres.
 template <Backend B>
 Body<B> figure_body(const Skeleton& skeleton) {
   using S = typename B::scalar;

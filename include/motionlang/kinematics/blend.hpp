@@ -57,7 +57,7 @@ struct LoopRound {
 /// round to round; make a clip in place first and `next` is at most a turn.
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 inline LoopRound make_loop(const Motion& motion, Index frames) {
-  if (frames < 1 || 2 * frames > motion.frames()) {
+  if (frames < 1 || frames > motion.frames() / 2) {
     raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
   }
   const Index last = motion.frames() - frames, middle = frames / 2;

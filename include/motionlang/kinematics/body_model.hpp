@@ -116,7 +116,8 @@ struct BodyModel {
   Index vertices() const { return v_template.size(0); }
   Index joints() const { return static_cast<Index>(parents.size()); }
 
-  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child.
+  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child,
+  /// 101 for an extra joint at no vertex.
   void validate() const {
     const Index v = vertices(), j = joints();
     const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};

@@ -56,7 +56,7 @@ inline std::vector<double> parabola_weights(Index first, Index last, double sigm
 inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {}) {
   const double sigma = options.sigma * motion.fps;  // frames
   if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
-  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  const auto radius = static_cast<Index>(std::min(4 * sigma + 0.5, static_cast<double>(motion.frames())));
   if (radius < 2) return motion;
   const auto inner = detail::parabola_weights(-radius, radius, sigma);
   Motion out = motion;

@@ -424,12 +424,16 @@ class MotionInspector {
 }  // namespace detail
 
 /// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate, spikes
-/// and jumps only. Throws config_error 106 for a malformed skeleton, shape_error 205 if the arrays do not fit.
+/// and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none, shape_error 205
+/// if the arrays do not fit.
 inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
   motion.skeleton.validate();
   if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
     raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", motion.local.size(), " rotations for ",
                        motion.frames(), " frames of ", motion.skeleton.size(), " joints");
+  }
+  if (!(motion.fps > 0 && std::isfinite(motion.fps))) {
+    raise<config_error>(101, "inspect_motion: '", motion.name, "' has a frame rate of ", motion.fps);
   }
   return detail::MotionInspector(motion, limits).run();
 }
