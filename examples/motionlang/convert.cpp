@@ -52,17 +52,9 @@ ml::Motion edited(ml::Motion m, const Options& o) {
   return m;
 }
 
-/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". Characters that some system
-/// does not allow in names of files become "_".
-std::filesystem::path name_of(const std::filesystem::path& out, std::string name, std::set<std::string>& taken) {
-  for (char& c : name) {
-    const bool odd =
-        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
-    if (odd) c = '_';
-  }
-  std::string unique = name;
-  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
-  return out.parent_path() / (out.stem().string() + "_" + unique + out.extension().string());
+/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk".
+std::filesystem::path name_of(const std::filesystem::path& out, const std::string& name, std::set<std::string>& taken) {
+  return out.parent_path() / (out.stem().string() + "_" + unique_file_name(name, taken) + out.extension().string());
 }
 
 void run(const Options& o) {

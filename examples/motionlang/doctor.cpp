@@ -1,6 +1,7 @@
 // motionlang doctor: what is wrong with the motions of a folder, and a cleaned copy of them.
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include <motionlang/io/inspection_page.hpp>
 
@@ -24,9 +25,7 @@ struct Options {
 std::vector<fs::path> motion_files(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string kind = kind_of(entry.path());
-    if (entry.is_regular_file() && (kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb"))
-      files.push_back(entry.path());
+    if (entry.is_regular_file() && is_motion_file(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -37,6 +36,8 @@ class Doctor {
   explicit Doctor(const Options& options) : o_(options), folder_(options.folder) {}
 
   void run() {
+    if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
+      ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
     const auto files = motion_files(folder_);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz or .glb file below '", o_.folder, "'");
@@ -56,21 +57,27 @@ class Doctor {
  private:
   void look_at(const fs::path& file) {
     const std::string name = file.lexically_relative(folder_).string();
+    const bool several = kind_of(file) == ".glb";
+    std::set<std::string> taken;  // by the copies of this file's motions
+    for (const ml::Motion& m : readable_motions(file, name)) {
+      ml::Inspection seen = ml::inspect_motion(m);
+      char about[96];
+      std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %d joints", m.seconds(), m.fps,
+                    m.skeleton.size());
+      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + unique_file_name(m.name, taken) + ".bvh" : name);
+      found_.push_back({several ? name + " " + m.name : name, about, {}, std::move(seen.findings), {}});
+      if (!o_.report.empty() && wants_strip(found_.back()))
+        found_.back().strip = ml::film_strip_svg(m, {}, {.title = found_.back().name});
+    }
+  }
+
+  /// None of a file that cannot be read, which is noted.
+  std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
-      const auto motions = read_motions(file, o_.read);
-      for (const ml::Motion& m : motions) {
-        const bool glb = kind_of(file) == ".glb";
-        ml::Inspection seen = ml::inspect_motion(m);
-        char about[96];
-        std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %d joints", m.seconds(), m.fps,
-                      m.skeleton.size());
-        if (!o_.clean.empty()) clean(m, seen, glb ? name + " " + m.name : name);
-        found_.push_back({glb ? name + " " + m.name : name, about, {}, std::move(seen.findings), {}});
-        if (!o_.report.empty() && wants_strip(found_.back()))
-          found_.back().strip = ml::film_strip_svg(m, {}, {.title = found_.back().name});
-      }
+      return read_motions(file, o_.read);
     } catch (const ml::error& e) {
       found_.push_back({name, "", e.what(), {}, {}});
+      return {};
     }
   }
 
@@ -88,7 +95,7 @@ class Doctor {
   void clean(const ml::Motion& motion, const ml::Inspection& seen, const std::string& name) const {
     if (seen.has(ml::Fault::not_finite) || seen.has(ml::Fault::empty)) return;
     fs::path path = fs::path(o_.clean) / name;
-    path += path.extension() == ".bvh" ? "" : ".bvh";
+    path += kind_of(path) == ".bvh" ? "" : ".bvh";
     fs::create_directories(path.parent_path());
     write_motion(path, ml::mended(motion, seen.cure));
   }

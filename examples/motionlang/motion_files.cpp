@@ -18,6 +18,22 @@ std::string kind_of(const std::filesystem::path& path) {
   return kind;
 }
 
+bool is_motion_file(const std::filesystem::path& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb";
+}
+
+std::string unique_file_name(std::string name, std::set<std::string>& taken) {
+  for (char& c : name) {
+    const bool odd =
+        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
+    if (odd) c = '_';
+  }
+  std::string unique = name;
+  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
+  return unique;
+}
+
 namespace {
 
 std::vector<ml::Motion> every_animation(const std::filesystem::path& path, double fps) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,13 @@ struct MotionReadOptions {
 
 /// Extension of a file, in lower case: ".bvh".
 std::string kind_of(const std::filesystem::path& path);
+
+/// Whether read_motions knows the extension.
+bool is_motion_file(const std::filesystem::path& path);
+
+/// The name of a motion as a part of a file's name that no other has: characters that some system does not allow there
+/// become "_", and a second "walk" becomes "walk_2".
+std::string unique_file_name(std::string name, std::set<std::string>& taken);
 
 /// CMU keeps one skeleton for each subject: 01.asf beside 01_02.amc.
 inline std::filesystem::path asf_beside(const std::filesystem::path& amc) {

@@ -61,12 +61,12 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const std::map<std::string, std::vector<std::string>> options{
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
-        "--smooth", "--fix-feet", "--backend", "--threads"}},
+        "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads"}},
       {"check", {"timeline", "--fps", "--overlap", "--model"}},
       {"info", {"file"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
-        "--smooth", "--in-place", "--loop", "--fix-feet"}},
+        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors"}},
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--all"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
@@ -284,6 +284,9 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   CHECK_MESSAGE(contains(clean.text, "3 motions, 3 without a finding"), clean.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "clean/deep/large.bvh"),
                                     ml::read_bvh_motion(w / "data/sound.bvh")) < 1e-3);
+  const auto over = w.run({"doctor", "data", "--clean", "data/deep/.."});
+  CHECK(over.code == 1);
+  CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);
   CHECK(w.run({"doctor", "nowhere"}).code == 2);
   std::filesystem::create_directories(w / "empty");
   CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz or .glb file below 'empty'"));
