@@ -284,6 +284,14 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   CHECK_MESSAGE(contains(clean.text, "3 motions, 3 without a finding"), clean.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "clean/deep/large.bvh"),
                                     ml::read_bvh_motion(w / "data/sound.bvh")) < 1e-3);
+  // Copies of animations of one name, which is a path besides, stay apart and in the folder.
+  std::vector<ml::Motion> two(2, walk);
+  two[0].name = two[1].name = "../walk";
+  std::filesystem::create_directories(w / "named");
+  ml::write_glb(w / "named/a.glb", two);
+  CHECK(w.run({"doctor", "named", "--clean", "kept"}).code == 0);
+  for (const char* copy : {"kept/a.glb .._walk.bvh", "kept/a.glb .._walk_2.bvh"})
+    CHECK_MESSAGE(std::filesystem::exists(w / copy), copy);
   const auto over = w.run({"doctor", "data", "--clean", "data/deep/.."});
   CHECK(over.code == 1);
   CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);

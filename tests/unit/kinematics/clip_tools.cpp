@@ -1,6 +1,7 @@
 // Clips in place, paths of their own, blending, loops, smoothing: each against what must come out exactly.
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <tuple>
 
 #include <motionlang/core/rng.hpp>
@@ -155,6 +156,7 @@ TEST_CASE("a loop of any clip: the step from its last to its first frame is like
   CHECK(ml::norm(still.next.shift) < 1e-12);
   CHECK_ERROR(ml::make_loop(clip, 23), "[motionlang.config.101]");
   CHECK_ERROR(ml::make_loop(clip, 0), "[motionlang.config.101]");
+  CHECK_ERROR(ml::make_loop(clip, std::numeric_limits<ml::Index>::max()), "[motionlang.config.101]");
 }
 
 TEST_CASE("smoothing leaves even and evenly accelerated movement as it is, at the ends too") {
@@ -196,6 +198,7 @@ TEST_CASE("smoothing takes trembling away and keeps the walk") {
   CHECK(ml::smooth_motion(walk, {.sigma = 0}).local == walk.local);
   for (const ml::Index frames : {0, 1, 2}) CHECK(ml::smooth_motion(ml::crop(walk, 0, frames)).frames() == frames);
   CHECK(ml::smooth_motion(ml::crop(walk, 0, 2)).root == ml::crop(walk, 0, 2).root);
+  CHECK(ml::smooth_motion(walk, {.sigma = 1e300}).frames() == walk.frames());
   CHECK_ERROR(ml::smooth_motion(walk, {.sigma = -1}), "[motionlang.config.101]");
 }
 

@@ -144,6 +144,10 @@ TEST_CASE("an odd frame rate") {
     m.fps = odd;
     CHECK(ml::inspect_motion(m).has(ml::Fault::frame_rate));
   }
+  for (const double none : {0.0, -20.0, std::numeric_limits<double>::infinity()}) {
+    m.fps = none;
+    CHECK_ERROR(ml::inspect_motion(m), "[motionlang.config.101]");
+  }
 }
 
 TEST_CASE("a T-pose in front") {
