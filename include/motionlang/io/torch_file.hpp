@@ -99,7 +99,12 @@ inline std::vector<std::byte> gathered(const StridedTensor& t) {
   std::uint64_t at = t.offset;
   for (std::size_t to = 0; to < out.size(); to += size) {
     std::memcpy(out.data() + to, t.storage.data() + at * size, size);
-    if (t.swapped) std::reverse(out.data() + to, out.data() + to + size);
+    if (t.swapped && t.dtype == DType::C64) {  // two numbers, each of them swapped
+      std::reverse(out.data() + to, out.data() + to + size / 2);
+      std::reverse(out.data() + to + size / 2, out.data() + to + size);
+    } else if (t.swapped) {
+      std::reverse(out.data() + to, out.data() + to + size);
+    }
     for (int axis = t.shape.rank(); axis-- > 0;) {
       at += static_cast<std::uint64_t>(t.strides[axis]);
       if (++index[axis] < t.shape[axis]) break;
@@ -352,7 +357,7 @@ class TorchFile {
   static bool is_legacy(std::span<const std::byte> bytes) {
     return detail::as_text(bytes).starts_with(detail::torch_legacy_magic);
   }
-  /// The only folder of an archive that has a data.pkl, with a slash; empty if there is none.
+  /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip) {
     constexpr std::string_view pickle = "data.pkl";
     for (const ZipEntry& e : zip.entries()) {

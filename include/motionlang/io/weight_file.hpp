@@ -158,7 +158,12 @@ class WeightReader {
 
   void visit(const PickleValue& v) {
     if (visits_left_-- == 0) v.fail(405, "more values to look at than the file justifies");
-    if (path_.size() > deepest) return;
+    if (path_.size() > deepest || depth_ > 4 * deepest) return;
+    ++depth_;
+    visit_kind(v);
+    --depth_;
+  }
+  void visit_kind(const PickleValue& v) {
     switch (v.kind()) {
       case PickleKind::boolean:
         return torch_->format() == "TorchScript" ? void() : add_value(v.boolean());
@@ -365,6 +370,7 @@ class WeightReader {
   std::vector<std::string> selection_;
   std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
   std::uint64_t visits_left_;
+  std::size_t depth_ = 0;  // values around the one that is looked at; objects that stand for another one add no key
   bool joblib_ = false;
 };
 
@@ -387,12 +393,17 @@ inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::s
   return std::move(unpacked.data);
 }
 
+/// Whether bytes begin with the length of a header that they can hold, and with its brace.
+inline bool is_safetensors(std::span<const std::byte> bytes) {
+  const std::string_view text = as_text(bytes);
+  return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
+}
+
 /// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
-  if (text.size() > 8 && text[8] == '{') return load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
-  return text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") || text.starts_with('\x80') ||
-         is_zlib(bytes) || is_gzip(bytes);
+  return is_safetensors(bytes) || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
+         text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes);
 }
 
 /// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
@@ -415,7 +426,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
                                          std::shared_ptr<const void> owner, const WeightOptions& options) {
   const std::string_view text = detail::as_text(bytes);
   constexpr std::size_t safetensors_start = 8;
-  if (text.size() > safetensors_start && text[safetensors_start] == '{') {
+  const bool brace = text.size() > safetensors_start && text[safetensors_start] == '{';
+  if (brace && (detail::is_safetensors(bytes) || !detail::begins_weights(bytes))) {  // the latter says what is wrong
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   }
   const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
@@ -466,7 +478,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
 }
 
 /// The files of a training run, each under the name of its part: TMR's (last_weights/motion_encoder.pt as "motion_encoder.",
-/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar), or any folder of .pt files.
+/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar, if there are no .pt files), or any folder of .pt files.
+/// A weights.safetensors or model.safetensors is taken alone.
 inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, const WeightOptions& options) {
   namespace fs = std::filesystem;
   const auto ends_with = [](const fs::path& p, std::string_view end) { return p.filename().string().ends_with(end); };
@@ -482,7 +495,7 @@ inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, c
   fs::path weights, checkpoint, whole;
   for (const fs::path& p : listed(folder)) {
     const std::string name = p.filename().string();
-    if (fs::is_directory(p)) {
+    if (std::error_code ignored; fs::is_directory(p, ignored)) {
       if (name.ends_with("_weights") && weights.filename() != "last_weights") weights = p;
       if (name != "stats" && !name.ends_with("_stats")) continue;
       for (const fs::path& file : listed(p)) {
