@@ -36,6 +36,7 @@ class YamlReader {
   std::vector<FileValue> values;
 
  private:
+  static constexpr std::size_t deepest = 64;
   struct Level {
     std::size_t indent;
     std::string path;
@@ -77,7 +78,6 @@ class YamlReader {
       const bool inside = indent > pending_->indent || (item && indent == pending_->indent);
       if (inside) levels_.push_back({indent, pending_->path, item, 0});
       pending_.reset();
-      constexpr std::size_t deepest = 64;
       if (levels_.size() > deepest) fail(405, "nested too deeply");
     }
     while (levels_.size() > 1 &&
@@ -100,6 +100,7 @@ class YamlReader {
       pending_ = Pending{indent, path};
     } else if (is_item(rest) || key_end(rest) != rest.npos) {
       levels_.push_back({inner, path, is_item(rest), 0});
+      if (levels_.size() > deepest) fail(405, "nested too deeply");
       is_item(rest) ? read_item(rest, inner) : read_key(rest, inner);
     } else {
       read_value(path, rest, indent);
@@ -132,7 +133,9 @@ class YamlReader {
       text = text.substr(1, text.size() - 2);
       for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
         const std::size_t comma = std::min(text.find(','), text.size());
-        add(below(path, concat_text(i)), trimmed(text.substr(0, comma)));
+        const std::string_view element = trimmed(text.substr(0, comma));
+        if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
+        add(below(path, concat_text(i)), element);
         text.remove_prefix(std::min(comma + 1, text.size()));
       }
     } else {

@@ -134,6 +134,14 @@ TEST_CASE("what asks for more than the file justifies is refused") {
   CHECK_ERROR(open("wrapping_sizes.pt"), "has more elements than its storage allows");
   CHECK_ERROR(open("count_legacy.pt"), "[motionlang.io.405]");
   CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.404] empty: not a file of weights");
+  std::string sizes = "\x80\x02" "ctorch\nSize\nq";  // Size((Size((...),)),)
+  sizes += '\0';
+  const int deep = 50'000;
+  for (int i = 1; i < deep; ++i) sizes.append("h\0", 2);
+  sizes += 'N';
+  for (int i = 0; i < deep; ++i) sizes += "\x85R";
+  sizes += '.';
+  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(sizes)), "deep.pkl"), "[motionlang.io.406]");
   const std::string tar = std::string(257, '\0') + "ustar  \0";
   CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(tar)), "old.tar"), "a tar archive");
   CHECK_ERROR(ml::open_weights(tests / "nothing"), "[motionlang.io.401]");
@@ -194,6 +202,10 @@ TEST_CASE("options: YAML as programs write it, and JSON") {
   CHECK_ERROR(ml::parse_options("a: 1\n  b: 2\n", "x"), "[motionlang.io.403] x:2: indentation");
   CHECK_ERROR(ml::parse_options("a: |\n  b\n", "x"), "[motionlang.io.404] x:1");
   CHECK_ERROR(ml::parse_options("a\n", "x"), "a key with a colon");
+  CHECK_ERROR(ml::parse_options("a: [[1, 2], [3]]\n", "x"), "[motionlang.io.404] x:1: brackets in brackets");
+  std::string items;
+  for (int i = 0; i < 100; ++i) items += "- ";
+  CHECK_ERROR(ml::parse_options(items + "1\n", "x"), "[motionlang.io.405] x:1: nested too deeply");
   const auto json = ml::parse_options(R"({"a": {"b": [1, "t"]}, "c": null})", "x");
   CHECK((json.size() == 2 && json[1].path == "a/b/1" && std::get<std::string>(json[1].value) == "t"));
 }
