@@ -14,7 +14,9 @@
 /// Source     spec text-encoders.md, section 11
 #pragma once
 
+#include <filesystem>     // files that may be missing
 #include <unordered_map>  // numbers of texts
+#include <utility>        // exchange
 
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/npy.hpp>
@@ -65,10 +67,13 @@ class EmbeddingCache {
     } else {
       for (Index i = 0; i < count; ++i) cache.slices_.push_back({i, i + 1});
     }
+    std::vector<char> taken(cache.slices_.size(), false);
     const auto document = read_json(index);
     for (const auto& [text, number] : JsonView(document, index).as<std::map<std::string, Index>>()) {
       if (number < 0 || number >= cache.count())
         raise<io_error>(403, index, ": '", text, "' has number ", number, " of ", cache.count());
+      if (std::exchange(taken[static_cast<std::size_t>(number)], true))
+        raise<io_error>(403, index, ": '", text, "' has number ", number, ", which another text has, too");
       cache.number_.emplace(text, static_cast<std::size_t>(number));
     }
     if (static_cast<Index>(cache.number_.size()) != cache.count())
@@ -94,7 +99,10 @@ class EmbeddingCache {
     nlohmann::json index = nlohmann::json::object();
     for (const auto& [text, number] : number_) index[text] = number;
     write_npy(base + ".npy", NpyArray::of(rows(), {row_count(), width_}));
-    if (with_slices) write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
+    if (with_slices)
+      write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
+    else
+      std::remove((base + "_slice.npy").c_str());  // of a cache that stood here before
     write_file(base + "_index.json", std::string_view(index.dump()));
   }
 
@@ -109,7 +117,8 @@ class EmbeddingCache {
     const auto [begin, end] = slices_[found->second];
     return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
   }
-  /// Adds a text. Throws shape_error 204 for rows of another width, config_error 102 for a text that is here already.
+  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows, config_error 102 for a
+  /// text that is here already.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
@@ -123,7 +132,7 @@ class EmbeddingCache {
     number_.emplace(text, slices_.size());
     slices_.push_back({begin, row_count()});
   }
-  /// Adds those of the texts that are not here yet.
+  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
@@ -131,7 +140,10 @@ class EmbeddingCache {
     for (const std::string& t : texts) {
       if (!contains(t) && seen.emplace(t, true).second) missing.push_back(t);
     }
+    if (missing.empty()) return;
     const TextFeatures<B> features = encoder.template encode<B>(std::span<const std::string>(missing));
+    if (const Index width = features.tokens.width(); width != width_)
+      raise<shape_error>(204, "embedding cache: an encoder with rows of ", width, " numbers, here they have ", width_);
     for (std::size_t i = 0; i < missing.size(); ++i) {
       const auto rows = features.tokens[static_cast<Index>(i)].to_vector();
       add(missing[i], std::vector<float>(rows.begin(), rows.end()));

@@ -97,6 +97,9 @@ TEST_CASE("one vector for each text needs no slices; other types of numbers are 
   ml::write_npy((folder / "m.npy").string(), ml::NpyArray::of(std::span<const double>(wide), {2, 3}));
   CHECK(same(ml::EmbeddingCache::read(folder.path.string(), "m"), cache, "b"));
   CHECK_ERROR(cache_of(texts).write(folder.path.string(), "m", false), "[motionlang.io.403]");
+  cache_of({"x", "y"}).write(folder.path.string(), "m");
+  cache.write(folder.path.string(), "m", /*with_slices=*/false);  // the slices of x and y go
+  CHECK(same(ml::EmbeddingCache::read(folder.path.string(), "m"), cache, "b"));
 }
 
 TEST_CASE("the cache as an encoder; only unknown texts are encoded") {
@@ -111,6 +114,8 @@ TEST_CASE("the cache as an encoder; only unknown texts are encoded") {
   CHECK(got.tokens.offsets == want.tokens.offsets);
   CHECK(tensors::same_bits(got.tokens.rows, want.tokens.rows));
   CHECK_ERROR(cached.cache.encode<B>(wanted), "[motionlang.config.103]");
+  ml::EmbeddingCache narrow(1);  // rows of 2 are not two rows of 1
+  CHECK_ERROR(narrow.add<B>(encoder, wanted), "[motionlang.shape.204]");
 }
 
 TEST_CASE("files that do not fit each other are refused") {
@@ -133,5 +138,7 @@ TEST_CASE("files that do not fit each other are refused") {
               "[motionlang.io.403]");
   CHECK_ERROR(damaged([&] { ml::write_file((folder / "m_index.json").string(), std::string_view(R"({"a": 0})")); }),
               "[motionlang.io.403]");
+  const std::string_view repeated = R"({"a": 0, "b": 1, "c": 2, "d": 2})";
+  CHECK_ERROR(damaged([&] { ml::write_file((folder / "m_index.json").string(), repeated); }), "which another text has");
   CHECK_ERROR(damaged([&] { std::filesystem::remove(folder / "m.npy"); }), "[motionlang.io.401]");
 }
