@@ -257,11 +257,18 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   const auto part = [&](std::uint64_t start, bool persistent = false) {
     return Pickle(bytes, name, {.persistent_ids = persistent}, memory, start);
   };
-  const Pickle version = part(torch_legacy_magic.size());
-  if (version.root().integer() != 1001) version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
-  const Pickle system = part(version.end());
-  tensors.set_swapped(!system.root()["little_endian"].boolean());
-  Pickle object = part(system.end(), true);
+  const auto end_of_version = [&] {  // of these two pickles nothing is kept
+    const Pickle version = part(torch_legacy_magic.size());
+    if (version.root().integer() != 1001)
+      version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
+    return version.end();
+  }();
+  const auto end_of_system = [&] {
+    const Pickle system = part(end_of_version);
+    tensors.set_swapped(!system.root()["little_endian"].boolean());
+    return system.end();
+  }();
+  Pickle object = part(end_of_system, true);
 
   std::map<std::string, std::uint64_t, std::less<>> element_size;
   for (const PickleValue& v : object.persistent()) {

@@ -426,8 +426,13 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
                                          std::shared_ptr<const void> owner, const WeightOptions& options) {
   const std::string_view text = detail::as_text(bytes);
   constexpr std::size_t safetensors_start = 8;
+  const auto refuse_keys = [&](const char* format) {
+    if (options.path && !options.path->empty())
+      raise<io_error>(406, name, ": no entry '", *options.path, "': ", format, " has no dictionaries");
+  };
   const bool brace = text.size() > safetensors_start && text[safetensors_start] == '{';
   if (brace && (detail::is_safetensors(bytes) || !detail::begins_weights(bytes))) {  // the latter says what is wrong
+    refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   }
   const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
@@ -446,6 +451,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
       const NpzArchive npz(zip);
       if (npz.names().empty())
         raise<io_error>(403, name, ": a zip archive without data.pkl (PyTorch) and .npy (NumPy)");
+      refuse_keys("npz");
       out.format_ = "npz";
       memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // what a pickle would need
       reader.read(npz, zip);
@@ -453,6 +459,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   } else if (TorchFile::is_legacy(bytes)) {
     read_torch(TorchFile::from_legacy(bytes, name, memory));
   } else if (text.starts_with("\x93NUMPY")) {
+    refuse_keys("npy");
     out.format_ = "npy";
     reader.read_npy(bytes);
   } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {

@@ -134,7 +134,9 @@ TEST_CASE("what asks for more than the file justifies is refused") {
   CHECK_ERROR(open("wrapping_sizes.pt"), "has more elements than its storage allows");
   CHECK_ERROR(open("count_legacy.pt"), "[motionlang.io.405]");
   CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.404] empty: not a file of weights");
-  std::string sizes = "\x80\x02" "ctorch\nSize\nq";  // Size((Size((...),)),)
+  std::string sizes =
+      "\x80\x02"
+      "ctorch\nSize\nq";  // Size((Size((...),)),)
   sizes += '\0';
   const int deep = 50'000;
   for (int i = 1; i < deep; ++i) sizes.append("h\0", 2);
@@ -142,6 +144,9 @@ TEST_CASE("what asks for more than the file justifies is refused") {
   for (int i = 0; i < deep; ++i) sizes += "\x85R";
   sizes += '.';
   CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(sizes)), "deep.pkl"), "[motionlang.io.406]");
+  const auto npy = ml::npy_bytes(ml::NpyArray::scalar(1.0F));
+  CHECK(ml::WeightFile::from_bytes(npy, "a.npy").tensor("array").shape == Shape{});
+  CHECK_ERROR(ml::WeightFile::from_bytes(npy, "a.npy", {}, {.path = "a"}), "[motionlang.io.406] a.npy: no entry 'a'");
   const std::string tar = std::string(257, '\0') + "ustar  \0";
   CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(tar)), "old.tar"), "a tar archive");
   CHECK_ERROR(ml::open_weights(tests / "nothing"), "[motionlang.io.401]");
