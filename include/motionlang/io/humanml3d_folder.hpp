@@ -52,10 +52,10 @@ inline std::string shape_text(std::span<const Index> shape) {
   return out + ")";
 }
 
-/// The values of an array of shape (rows..., sizes...). Throws io_error 407 for another shape.
-inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, Index* rows = nullptr) {
+/// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
+inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false) {
   const NpyArray array = read_npy(path);
-  if (rows != nullptr && !array.shape.empty()) shape.insert(shape.begin(), *rows = array.shape[0]);
+  if (any_number && !array.shape.empty()) shape.insert(shape.begin(), array.shape[0]);
   if (array.shape != shape) {
     raise<io_error>(407, path.string(), ": an array ", shape_text(array.shape), ", expected ", shape_text(shape));
   }
@@ -88,18 +88,16 @@ class HumanMl3dFolder {
   }
   /// (frames, 12 J - 1). Throws io_error 401 to 405, 407.
   std::vector<float> features(const std::string& id) const {
-    Index rows = 0;
-    return detail::read_rows(file("new_joint_vecs", id, ".npy"), {form_.width()}, &rows);
+    return detail::read_rows(file("new_joint_vecs", id, ".npy"), {form_.width()}, /*any_number=*/true);
   }
   /// (frames, J, 3). Throws io_error 401 to 405, 407.
   std::vector<float> joints(const std::string& id) const {
-    Index rows = 0;
-    return detail::read_rows(file("new_joints", id, ".npy"), {form_.joints, 3}, &rows);
+    return detail::read_rows(file("new_joints", id, ".npy"), {form_.joints, 3}, /*any_number=*/true);
   }
   /// Throws io_error 401, 403.
   std::vector<MotionCaption> captions(const std::string& id) const { return read_captions(file("texts", id, ".txt")); }
 
-  /// (12 J - 1). Throw io_error 401 to 405, 407.
+  /// (12 J - 1). Throws io_error 401 to 405, 407.
   std::vector<float> mean() const { return detail::read_rows(detail::below(folder_, "Mean.npy"), {form_.width()}); }
   std::vector<float> deviation() const { return detail::read_rows(detail::below(folder_, "Std.npy"), {form_.width()}); }
 
