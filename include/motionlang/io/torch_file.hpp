@@ -162,7 +162,11 @@ class TorchTensors {
   }
 
   TensorView tensor(PickleValue v) const {
-    while (is_tensor(v) && v.name().find("_rebuild_parameter") != std::string::npos) v = v.arguments()[0];
+    constexpr int deepest = 8;
+    for (int depth = 0; is_tensor(v) && v.name().find("_rebuild_parameter") != std::string::npos; ++depth) {
+      if (depth == deepest) v.fail(405, "a parameter of a parameter, more than ", deepest, " deep");
+      v = v.arguments()[0];
+    }
     if (!is_tensor(v)) v.fail(407, "a tensor expected, found ", v.name().empty() ? to_string(v.kind()) : v.name());
     const StridedTensor t = described(v);
     const std::uint64_t size = bytes_of(t.dtype), bytes = static_cast<std::uint64_t>(t.shape.count()) * size;
