@@ -5135,7 +5135,8 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
   return concatenate(out, crop(next, frames, next.frames()));
 }
 
-struct Loop {
+/// One round of a loop.
+struct LoopRound {
   Motion motion;
   Placement next;  // moves the clip of one round to that of the next
 };
@@ -5145,13 +5146,13 @@ struct Loop {
 /// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
 /// round to round; make a clip in place first and `next` is at most a turn.
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
-inline Loop make_loop(const Motion& motion, Index frames) {
-  if (frames < 1 || 2 * frames > motion.frames()) {
+inline LoopRound make_loop(const Motion& motion, Index frames) {
+  if (frames < 1 || frames > motion.frames() / 2) {
     raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
   }
   const Index last = motion.frames() - frames, middle = frames / 2;
   const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
-  Loop loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
+  LoopRound loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
   for (Index i = 0; i < frames; ++i) {
     detail::add_mixed_frame(loop.motion, end, last + i, motion, i, detail::share_of_second(i, frames));
   }
@@ -5357,7 +5358,8 @@ struct BodyModel {
   Index vertices() const { return v_template.size(0); }
   Index joints() const { return static_cast<Index>(parents.size()); }
 
-  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child.
+  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child,
+  /// 101 for an extra joint at no vertex.
   void validate() const {
     const Index v = vertices(), j = joints();
     const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
@@ -5883,22 +5885,25 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
 }
 // clang-format on
 
-/// The table whose joints the skeleton has; of several the one with the most. Throws config_error 103 with the joint that
-/// the closest table misses.
-inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+/// The table whose joints the skeleton has; of several the one with the most. Null if none fits.
+inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
   const SkeletonTable* best = nullptr;
-  const SkeletonTable* closest = nullptr;
   for (const SkeletonTable& table : skeleton_tables()) {
-    const int found = table.found(source);
-    if (table.missing(source).empty() && (best == nullptr || found > best->found(source))) best = &table;
-    if (closest == nullptr || found > closest->found(source)) closest = &table;
+    if (!table.missing(source).empty()) continue;
+    if (best == nullptr || table.found(source) > best->found(source)) best = &table;
   }
-  if (best == nullptr) {
-    raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
-                        source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
-                        closest->missing(source), "'");
+  return best;
+}
+/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+  if (const SkeletonTable* fits = find_skeleton_table(source)) return *fits;
+  const SkeletonTable* closest = &skeleton_tables().front();
+  for (const SkeletonTable& table : skeleton_tables()) {
+    if (table.found(source) > closest->found(source)) closest = &table;
   }
-  return *best;
+  raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
+                      source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
+                      closest->missing(source), "'");
 }
 /// A built-in table by name. Throws config_error 103.
 inline const SkeletonTable& skeleton_table(std::string_view name) {
@@ -5925,14 +5930,10 @@ struct BodyJoints {
 
 /// Nothing for a skeleton that no table fits.
 inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
-  const SkeletonTable* best = nullptr;
-  for (const SkeletonTable& table : skeleton_tables()) {
-    const bool fits = table.missing(skeleton).empty();
-    if (fits && (best == nullptr || table.found(skeleton) > best->found(skeleton))) best = &table;
-  }
-  if (best == nullptr) return std::nullopt;
+  const SkeletonTable* table = find_skeleton_table(skeleton);
+  if (table == nullptr) return std::nullopt;
   auto joint = [&](std::string_view smpl) {
-    const MappedJoint* row = best->find(smpl);
+    const MappedJoint* row = table->find(smpl);
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   };
   auto pair = [&](const std::string& smpl) { return BodyJoints::Pair{joint("left_" + smpl), joint("right_" + smpl)}; };
@@ -7526,7 +7527,7 @@ inline std::vector<double> parabola_weights(Index first, Index last, double sigm
 inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {}) {
   const double sigma = options.sigma * motion.fps;  // frames
   if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
-  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  const auto radius = static_cast<Index>(std::min(4 * sigma + 0.5, static_cast<double>(motion.frames())));
   if (radius < 2) return motion;
   const auto inner = detail::parabola_weights(-radius, radius, sigma);
   Motion out = motion;
@@ -14406,6 +14407,21 @@ static_assert(Tokenizer<ClipTokenizer>);
 /// files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
 /// Source  Guo et al. (CVPR 2022), word_vectorizer.py; spec text-encoders.md, section 6
 
+#ifndef MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP  // <motionlang/text/tagged_word.hpp>
+#define MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP
+/// A word of a caption with its part of speech, as the caption files of HumanML3D list them.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A word as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
+struct TaggedWord {
+  std::string word, tag;
+  bool operator==(const TaggedWord&) const = default;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body, obj, act, desc, other };
@@ -14438,10 +14454,6 @@ inline std::optional<SpeechTag> motion_tag(std::string_view word) {
   }
   return std::nullopt;
 }
-
-struct TaggedWord {
-  std::string word, tag;
-};
 
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
@@ -14571,7 +14583,7 @@ constexpr bool in_word(char c) {
 constexpr bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
 
 /// The word for the other side, in small letters; empty if a word has no side.
-inline std::string other_side(std::string_view word) {
+inline std::string word_of_other_side(std::string_view word) {
   if (word == "clockwise") return "counterclockwise";
   if (word == "counterclockwise" || word == "anticlockwise") return "clockwise";
   constexpr std::array<std::string_view, 7> endings{"", "s", "ward", "wards", "most", "hand", "handed"};
@@ -14631,7 +14643,7 @@ inline std::string mirror_caption(std::string_view caption) {
     for (; words > 0; --words) {
       const std::string word = detail::joined_words(pieces, i, words);
       if (words > 1 && !word.ends_with("clockwise")) continue;
-      if (other = detail::other_side(word); !other.empty()) break;
+      if (other = detail::word_of_other_side(word); !other.empty()) break;
     }
     if (words == 0) {
       out += pieces[i];
@@ -15117,12 +15129,16 @@ class MotionInspector {
 }  // namespace detail
 
 /// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate, spikes
-/// and jumps only. Throws config_error 106 for a malformed skeleton, shape_error 205 if the arrays do not fit.
+/// and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none, shape_error 205
+/// if the arrays do not fit.
 inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
   motion.skeleton.validate();
   if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
     raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", motion.local.size(), " rotations for ",
                        motion.frames(), " frames of ", motion.skeleton.size(), " joints");
+  }
+  if (!(motion.fps > 0 && std::isfinite(motion.fps))) {
+    raise<config_error>(101, "inspect_motion: '", motion.name, "' has a frame rate of ", motion.fps);
   }
   return detail::MotionInspector(motion, limits).run();
 }
@@ -16376,6 +16392,7 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
+/// Throws config_error 101 if too many texts lie over each other.
 inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;

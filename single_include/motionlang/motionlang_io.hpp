@@ -4298,6 +4298,8 @@ inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWrite
 /// Atomicity  every file is replaced as a whole, the index last; a reader that meets files of two caches finds that they do not fit
 /// Source     spec text-encoders.md, section 11
 
+#include <filesystem>     // files that may be missing
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -4343,10 +4345,13 @@ class EmbeddingCache {
     } else {
       for (Index i = 0; i < count; ++i) cache.slices_.push_back({i, i + 1});
     }
+    std::vector<char> taken(cache.slices_.size(), false);
     const auto document = read_json(index);
     for (const auto& [text, number] : JsonView(document, index).as<std::map<std::string, Index>>()) {
       if (number < 0 || number >= cache.count())
         raise<io_error>(403, index, ": '", text, "' has number ", number, " of ", cache.count());
+      if (std::exchange(taken[static_cast<std::size_t>(number)], true))
+        raise<io_error>(403, index, ": '", text, "' has number ", number, ", which another text has, too");
       cache.number_.emplace(text, static_cast<std::size_t>(number));
     }
     if (static_cast<Index>(cache.number_.size()) != cache.count())
@@ -4372,7 +4377,10 @@ class EmbeddingCache {
     nlohmann::json index = nlohmann::json::object();
     for (const auto& [text, number] : number_) index[text] = number;
     write_npy(base + ".npy", NpyArray::of(rows(), {row_count(), width_}));
-    if (with_slices) write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
+    if (with_slices)
+      write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
+    else
+      std::remove((base + "_slice.npy").c_str());  // of a cache that stood here before
     write_file(base + "_index.json", std::string_view(index.dump()));
   }
 
@@ -4387,7 +4395,8 @@ class EmbeddingCache {
     const auto [begin, end] = slices_[found->second];
     return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
   }
-  /// Adds a text. Throws shape_error 204 for rows of another width, config_error 102 for a text that is here already.
+  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows, config_error 102 for a
+  /// text that is here already.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
@@ -4401,7 +4410,7 @@ class EmbeddingCache {
     number_.emplace(text, slices_.size());
     slices_.push_back({begin, row_count()});
   }
-  /// Adds those of the texts that are not here yet.
+  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
@@ -4409,7 +4418,10 @@ class EmbeddingCache {
     for (const std::string& t : texts) {
       if (!contains(t) && seen.emplace(t, true).second) missing.push_back(t);
     }
+    if (missing.empty()) return;
     const TextFeatures<B> features = encoder.template encode<B>(std::span<const std::string>(missing));
+    if (const Index width = features.tokens.width(); width != width_)
+      raise<shape_error>(204, "embedding cache: an encoder with rows of ", width, " numbers, here they have ", width_);
     for (std::size_t i = 0; i < missing.size(); ++i) {
       const auto rows = features.tokens[static_cast<Index>(i)].to_vector();
       add(missing[i], std::vector<float>(rows.begin(), rows.end()));
@@ -4754,6 +4766,7 @@ std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const st
 
 }  // namespace detail
 
+/// A body of kind `other` with the joints of the skeleton, in its rest pose; metres.
 template <Backend B>
 Body<B> figure_body(const Skeleton& skeleton) {
   using S = typename B::scalar;
@@ -6278,15 +6291,18 @@ class GlbRig {
   /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
   /// gets a number.
   /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 103 where a motion's
-  ///         skeleton is of no known kind; what Motion::validate throws; io_error 405 from 4 GiB on
+  ///         skeleton is of no known kind; 107 where the file has a value of the wrong kind; what Motion::validate
+  ///         throws; io_error 405 from 4 GiB on
   std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const {
     if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
+    for (const char* grows : {"accessors", "bufferViews", "animations"}) document_.count(grows);  // must be an array
     const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
     detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
-    nlohmann::ordered_json& animations = glb.document["animations"];
-    if (!options.keep_animations) animations.clear();
+    if (!options.keep_animations) glb.document["animations"].clear();
     std::set<std::string> taken;
-    for (const auto& a : animations) taken.insert(a.value("name", std::string()));
+    for (Index i = 0; options.keep_animations && i < document_.count("animations"); ++i) {
+      taken.insert(document_.element("animations", i).value_or("name", ""));
+    }
     for (const Motion& motion : motions) {
       motion.validate();
       if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
@@ -6309,6 +6325,9 @@ class GlbRig {
     const detail::GltfSkeleton all(document_, animations, skin);
     table_ = &detect_skeleton_table(all.skeleton);
     const int pelvis = find_joint(all.skeleton, table_->find("pelvis")->source);
+    if (all.nodes[static_cast<std::size_t>(pelvis)] < 0) {  // "root", which was made up over several trees
+      raise<config_error>(103, file(), ": no node is the joint '", all.skeleton.name(pelvis), "'");
+    }
 
     std::vector<int> number(all.nodes.size(), -1);  // of a joint of `all` in the skeleton from the pelvis down
     for (std::size_t j = 0; j < all.nodes.size(); ++j) {
@@ -6491,12 +6510,6 @@ inline std::string read_text(const FilePath& path) {
 /// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 8 and 10, exchange-formats.md 5.2
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// A word of a caption as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
-struct TaggedWord {
-  std::string word, tag;
-  bool operator==(const TaggedWord&) const = default;
-};
 
 struct MotionCaption {
   std::string text;
@@ -6684,10 +6697,10 @@ inline std::string shape_text(std::span<const Index> shape) {
   return out + ")";
 }
 
-/// The values of an array of shape (rows..., sizes...). Throws io_error 407 for another shape.
-inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, Index* rows = nullptr) {
+/// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
+inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false) {
   const NpyArray array = read_npy(path);
-  if (rows != nullptr && !array.shape.empty()) shape.insert(shape.begin(), *rows = array.shape[0]);
+  if (any_number && !array.shape.empty()) shape.insert(shape.begin(), array.shape[0]);
   if (array.shape != shape) {
     raise<io_error>(407, path.string(), ": an array ", shape_text(array.shape), ", expected ", shape_text(shape));
   }
@@ -6720,18 +6733,16 @@ class HumanMl3dFolder {
   }
   /// (frames, 12 J - 1). Throws io_error 401 to 405, 407.
   std::vector<float> features(const std::string& id) const {
-    Index rows = 0;
-    return detail::read_rows(file("new_joint_vecs", id, ".npy"), {form_.width()}, &rows);
+    return detail::read_rows(file("new_joint_vecs", id, ".npy"), {form_.width()}, /*any_number=*/true);
   }
   /// (frames, J, 3). Throws io_error 401 to 405, 407.
   std::vector<float> joints(const std::string& id) const {
-    Index rows = 0;
-    return detail::read_rows(file("new_joints", id, ".npy"), {form_.joints, 3}, &rows);
+    return detail::read_rows(file("new_joints", id, ".npy"), {form_.joints, 3}, /*any_number=*/true);
   }
   /// Throws io_error 401, 403.
   std::vector<MotionCaption> captions(const std::string& id) const { return read_captions(file("texts", id, ".txt")); }
 
-  /// (12 J - 1). Throw io_error 401 to 405, 407.
+  /// (12 J - 1). Throws io_error 401 to 405, 407.
   std::vector<float> mean() const { return detail::read_rows(detail::below(folder_, "Mean.npy"), {form_.width()}); }
   std::vector<float> deviation() const { return detail::read_rows(detail::below(folder_, "Std.npy"), {form_.width()}); }
 
@@ -7904,6 +7915,7 @@ class YamlReader {
   std::vector<FileValue> values;
 
  private:
+  static constexpr std::size_t deepest = 64;
   struct Level {
     std::size_t indent;
     std::string path;
@@ -7945,7 +7957,6 @@ class YamlReader {
       const bool inside = indent > pending_->indent || (item && indent == pending_->indent);
       if (inside) levels_.push_back({indent, pending_->path, item, 0});
       pending_.reset();
-      constexpr std::size_t deepest = 64;
       if (levels_.size() > deepest) fail(405, "nested too deeply");
     }
     while (levels_.size() > 1 &&
@@ -7968,6 +7979,7 @@ class YamlReader {
       pending_ = Pending{indent, path};
     } else if (is_item(rest) || key_end(rest) != rest.npos) {
       levels_.push_back({inner, path, is_item(rest), 0});
+      if (levels_.size() > deepest) fail(405, "nested too deeply");
       is_item(rest) ? read_item(rest, inner) : read_key(rest, inner);
     } else {
       read_value(path, rest, indent);
@@ -8000,7 +8012,9 @@ class YamlReader {
       text = text.substr(1, text.size() - 2);
       for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
         const std::size_t comma = std::min(text.find(','), text.size());
-        add(below(path, concat_text(i)), trimmed(text.substr(0, comma)));
+        const std::string_view element = trimmed(text.substr(0, comma));
+        if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
+        add(below(path, concat_text(i)), element);
         text.remove_prefix(std::min(comma + 1, text.size()));
       }
     } else {
@@ -8548,6 +8562,9 @@ inline BertConfig bert_config(const JsonView& config, std::string_view model_typ
   if (model_type == "bert") c.token_types = config_size(config, "type_vocab_size", detail::largest_vocabulary);
   if (config.contains("relative_attention_num_buckets"))
     c.buckets = config_size(config, "relative_attention_num_buckets", detail::largest_vocabulary);
+  if (c.buckets != 32) raise<config_error>(101, config.path(), ": ", c.buckets, " buckets of distances, known are 32");
+  if (c.padding < 0 || c.padding >= c.vocabulary)
+    raise<config_error>(101, config.path(), ": pad_token_id ", c.padding, " in a vocabulary of ", c.vocabulary);
   check_heads(c.width, c.heads);
   return c;
 }
@@ -9163,7 +9180,12 @@ inline std::vector<std::byte> gathered(const StridedTensor& t) {
   std::uint64_t at = t.offset;
   for (std::size_t to = 0; to < out.size(); to += size) {
     std::memcpy(out.data() + to, t.storage.data() + at * size, size);
-    if (t.swapped) std::reverse(out.data() + to, out.data() + to + size);
+    if (t.swapped && t.dtype == DType::C64) {  // two numbers, each of them swapped
+      std::reverse(out.data() + to, out.data() + to + size / 2);
+      std::reverse(out.data() + to + size / 2, out.data() + to + size);
+    } else if (t.swapped) {
+      std::reverse(out.data() + to, out.data() + to + size);
+    }
     for (int axis = t.shape.rank(); axis-- > 0;) {
       at += static_cast<std::uint64_t>(t.strides[axis]);
       if (++index[axis] < t.shape[axis]) break;
@@ -9221,7 +9243,11 @@ class TorchTensors {
   }
 
   TensorView tensor(PickleValue v) const {
-    while (is_tensor(v) && v.name().find("_rebuild_parameter") != std::string::npos) v = v.arguments()[0];
+    constexpr int deepest = 8;
+    for (int depth = 0; is_tensor(v) && v.name().find("_rebuild_parameter") != std::string::npos; ++depth) {
+      if (depth == deepest) v.fail(405, "a parameter of a parameter, more than ", deepest, " deep");
+      v = v.arguments()[0];
+    }
     if (!is_tensor(v)) v.fail(407, "a tensor expected, found ", v.name().empty() ? to_string(v.kind()) : v.name());
     const StridedTensor t = described(v);
     const std::uint64_t size = bytes_of(t.dtype), bytes = static_cast<std::uint64_t>(t.shape.count()) * size;
@@ -9316,11 +9342,18 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   const auto part = [&](std::uint64_t start, bool persistent = false) {
     return Pickle(bytes, name, {.persistent_ids = persistent}, memory, start);
   };
-  const Pickle version = part(torch_legacy_magic.size());
-  if (version.root().integer() != 1001) version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
-  const Pickle system = part(version.end());
-  tensors.set_swapped(!system.root()["little_endian"].boolean());
-  Pickle object = part(system.end(), true);
+  const auto end_of_version = [&] {  // of these two pickles nothing is kept
+    const Pickle version = part(torch_legacy_magic.size());
+    if (version.root().integer() != 1001)
+      version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
+    return version.end();
+  }();
+  const auto end_of_system = [&] {
+    const Pickle system = part(end_of_version);
+    tensors.set_swapped(!system.root()["little_endian"].boolean());
+    return system.end();
+  }();
+  Pickle object = part(end_of_system, true);
 
   std::map<std::string, std::uint64_t, std::less<>> element_size;
   for (const PickleValue& v : object.persistent()) {
@@ -9416,7 +9449,7 @@ class TorchFile {
   static bool is_legacy(std::span<const std::byte> bytes) {
     return detail::as_text(bytes).starts_with(detail::torch_legacy_magic);
   }
-  /// The only folder of an archive that has a data.pkl, with a slash; empty if there is none.
+  /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip) {
     constexpr std::string_view pickle = "data.pkl";
     for (const ZipEntry& e : zip.entries()) {
@@ -10305,8 +10338,6 @@ inline void write_viewer(const FilePath& path, std::span<const ViewerMotion> mot
 /// Memory   besides the mapped file at most twice its size and 64 MiB
 /// Source   spec weights.md
 
-#include <filesystem>  // folders
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct WeightOptions {
@@ -10442,7 +10473,12 @@ class WeightReader {
 
   void visit(const PickleValue& v) {
     if (visits_left_-- == 0) v.fail(405, "more values to look at than the file justifies");
-    if (path_.size() > deepest) return;
+    if (path_.size() > deepest || depth_ > 4 * deepest) return;
+    ++depth_;
+    visit_kind(v);
+    --depth_;
+  }
+  void visit_kind(const PickleValue& v) {
     switch (v.kind()) {
       case PickleKind::boolean:
         return torch_->format() == "TorchScript" ? void() : add_value(v.boolean());
@@ -10649,6 +10685,7 @@ class WeightReader {
   std::vector<std::string> selection_;
   std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
   std::uint64_t visits_left_;
+  std::size_t depth_ = 0;  // values around the one that is looked at; objects that stand for another one add no key
   bool joblib_ = false;
 };
 
@@ -10671,12 +10708,17 @@ inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::s
   return std::move(unpacked.data);
 }
 
+/// Whether bytes begin with the length of a header that they can hold, and with its brace.
+inline bool is_safetensors(std::span<const std::byte> bytes) {
+  const std::string_view text = as_text(bytes);
+  return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
+}
+
 /// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
-  if (text.size() > 8 && text[8] == '{') return load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
-  return text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") || text.starts_with('\x80') ||
-         is_zlib(bytes) || is_gzip(bytes);
+  return is_safetensors(bytes) || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
+         text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes);
 }
 
 /// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
@@ -10699,7 +10741,13 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
                                          std::shared_ptr<const void> owner, const WeightOptions& options) {
   const std::string_view text = detail::as_text(bytes);
   constexpr std::size_t safetensors_start = 8;
-  if (text.size() > safetensors_start && text[safetensors_start] == '{') {
+  const auto refuse_keys = [&](const char* format) {
+    if (options.path && !options.path->empty())
+      raise<io_error>(406, name, ": no entry '", *options.path, "': ", format, " has no dictionaries");
+  };
+  const bool brace = text.size() > safetensors_start && text[safetensors_start] == '{';
+  if (brace && (detail::is_safetensors(bytes) || !detail::begins_weights(bytes))) {  // the latter says what is wrong
+    refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   }
   const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
@@ -10718,6 +10766,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
       const NpzArchive npz(zip);
       if (npz.names().empty())
         raise<io_error>(403, name, ": a zip archive without data.pkl (PyTorch) and .npy (NumPy)");
+      refuse_keys("npz");
       out.format_ = "npz";
       memory->allow(bytes.size() + (std::uint64_t{28} << 20));  // what a pickle would need
       reader.read(npz, zip);
@@ -10725,6 +10774,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   } else if (TorchFile::is_legacy(bytes)) {
     read_torch(TorchFile::from_legacy(bytes, name, memory));
   } else if (text.starts_with("\x93NUMPY")) {
+    refuse_keys("npy");
     out.format_ = "npy";
     reader.read_npy(bytes);
   } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
@@ -10750,7 +10800,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
 }
 
 /// The files of a training run, each under the name of its part: TMR's (last_weights/motion_encoder.pt as "motion_encoder.",
-/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar), or any folder of .pt files.
+/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar, if there are no .pt files), or any folder of .pt files.
+/// A weights.safetensors or model.safetensors is taken alone.
 inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, const WeightOptions& options) {
   namespace fs = std::filesystem;
   const auto ends_with = [](const fs::path& p, std::string_view end) { return p.filename().string().ends_with(end); };
@@ -10766,7 +10817,7 @@ inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, c
   fs::path weights, checkpoint, whole;
   for (const fs::path& p : listed(folder)) {
     const std::string name = p.filename().string();
-    if (fs::is_directory(p)) {
+    if (std::error_code ignored; fs::is_directory(p, ignored)) {
       if (name.ends_with("_weights") && weights.filename() != "last_weights") weights = p;
       if (name != "stats" && !name.ends_with("_stats")) continue;
       for (const fs::path& file : listed(p)) {
