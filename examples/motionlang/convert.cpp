@@ -48,7 +48,10 @@ ml::Motion edited(ml::Motion m, const Options& o) {
     m = ml::fix_feet(m);
   }
   if (o.in_place) m = ml::in_place(m);
-  if (o.loop > 0) m = ml::make_loop(m, std::max<ml::Index>(1, std::lround(o.loop * m.fps))).motion;
+  if (o.loop > 0) {
+    const double frames = std::min(o.loop * m.fps, static_cast<double>(m.frames()));
+    m = ml::make_loop(m, std::max<ml::Index>(1, std::lround(frames))).motion;
+  }
   return m;
 }
 
