@@ -431,7 +431,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
       raise<io_error>(406, name, ": no entry '", *options.path, "': ", format, " has no dictionaries");
   };
   const bool brace = text.size() > safetensors_start && text[safetensors_start] == '{';
-  if (brace && (detail::is_safetensors(bytes) || !detail::begins_weights(bytes))) {  // the latter says what is wrong
+  const bool by_chance = detail::is_zlib(bytes) && !detail::is_safetensors(bytes);  // packed bytes may be a brace
+  if (brace && !by_chance) {
     refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   }
