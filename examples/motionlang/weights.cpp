@@ -1,7 +1,9 @@
+// Files of weights of every kind: shown, and converted to safetensors.
 #include "weights.hpp"
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 #include <motionlang/io/weight_file.hpp>
 
@@ -23,6 +25,14 @@ std::string summary(const ml::WeightFile& file) {
   return ml::concat_text(file.tensors().size(), " tensors, ", numbers, " numbers, ", megabytes, ", ", file.format());
 }
 
+/// Without control characters, which would change what the terminal shows.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+  }
+  return text;
+}
+
 }  // namespace
 
 bool is_weights(const std::filesystem::path& path) {
@@ -42,13 +52,13 @@ void show_weights(const std::filesystem::path& path) {
     const std::string text = to_string(v);
     const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
     if (lines > 1)
-      std::printf("  %-24s (%td lines)\n", v.path.c_str(), lines);
+      std::printf("  %-24s (%td lines)\n", printable(v.path).c_str(), lines);
     else
-      std::printf("  %-24s %s\n", v.path.c_str(), text.c_str());
+      std::printf("  %-24s %s\n", printable(v.path).c_str(), printable(text).c_str());
   }
   for (const auto& t : file.tensors())
-    std::printf("  %-60s %-5s %s\n", t.name.c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
-  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", name.c_str());
+    std::printf("  %-60s %-5s %s\n", printable(t.name).c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
+  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", printable(name).c_str());
 }
 
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys) {
@@ -62,7 +72,7 @@ void convert_weights(const std::filesystem::path& in, const std::filesystem::pat
   metadata["format"] = "pt";
   ml::write_safetensors(out, file.tensors(), metadata);
   std::printf("%s: %s\n", out.c_str(), summary(file).c_str());
-  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", name.c_str());
+  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", printable(name).c_str());
 }
 
 }  // namespace program

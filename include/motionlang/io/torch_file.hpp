@@ -383,6 +383,7 @@ class TorchFile {
   const std::string& format() const { return format_; }
   PickleValue root() const { return object_.root(); }
   static bool is_tensor(const PickleValue& v) { return detail::TorchTensors::is_tensor(v); }
+  /// Not for several threads at once: what is allocated for tensors is counted.
   /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is known, 407 if
   ///         the value is no tensor
   TensorView tensor(const PickleValue& v) const { return tensors_.tensor(v); }

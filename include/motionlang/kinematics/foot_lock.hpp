@@ -123,7 +123,7 @@ inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<doubl
 }
 
 /// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights where
-/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than a tenth of its way: a foot
+/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of its way: a foot
 /// that only trembles is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {

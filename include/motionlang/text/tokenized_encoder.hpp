@@ -16,7 +16,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 struct TextOptions {
   Pooling pooling = Pooling::none;
   bool normalize = false;  // pooled vectors get the length 1
-  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding
+  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
   Index padding = 0;       // the id to fill up with
 };
 
