@@ -37,6 +37,7 @@
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/module.hpp>
+#include <motionlang/tensor/normalize.hpp>
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 #include <motionlang/tensor/tensor.hpp>

@@ -3055,6 +3055,23 @@ void prepare(M& model) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_TENSOR_NORMALIZE_HPP  // <motionlang/tensor/normalize.hpp>
+#define MOTIONLANG_HAS_TENSOR_NORMALIZE_HPP
+/// Rows of length 1: what cosine similarity needs, in losses and in encoders.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of rows: a row has the
+/// same bits alone and among others.
+template <Backend B>
+Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
+  const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
+  return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP  // <motionlang/geometry/axis_angle.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP
 /// Rotation vectors: the axis times the angle in radians. Exponential and logarithm of SO(3) in quaternion form.
@@ -6645,7 +6662,7 @@ inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<doubl
 }
 
 /// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights where
-/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than a tenth of its way: a foot
+/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of its way: a foot
 /// that only trembles is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
@@ -8022,14 +8039,6 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of rows: a row has the
-/// same bits alone and among others.
-template <Backend B>
-Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
-  const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
-  return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
-}
 
 /// The mean of each sequence, (sequences, width); zeros for an empty one.
 template <Backend B>
@@ -14672,7 +14681,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 struct TextOptions {
   Pooling pooling = Pooling::none;
   bool normalize = false;  // pooled vectors get the length 1
-  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding
+  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
   Index padding = 0;       // the id to fill up with
 };
 

@@ -6915,12 +6915,12 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b, std::si
   return std::min(row.back(), limit);
 }
 
-/// The name that is most like `name`; empty if none has half of it.
+/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are looked at.
 inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
   constexpr std::size_t longest = 256;
   std::string_view best;
   std::size_t distance = std::min(name.size(), longest) / 2 + 1;
-  for (const std::string& candidate : among) {
+  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
     if (name.size() > longest || candidate.size() > longest) continue;
     const std::size_t d = edit_distance(name, candidate, distance);
     if (d < distance) distance = d, best = candidate;
@@ -9464,6 +9464,7 @@ class TorchFile {
   const std::string& format() const { return format_; }
   PickleValue root() const { return object_.root(); }
   static bool is_tensor(const PickleValue& v) { return detail::TorchTensors::is_tensor(v); }
+  /// Not for several threads at once: what is allocated for tensors is counted.
   /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is known, 407 if
   ///         the value is no tensor
   TensorView tensor(const PickleValue& v) const { return tensors_.tensor(v); }
@@ -10746,7 +10747,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
       raise<io_error>(406, name, ": no entry '", *options.path, "': ", format, " has no dictionaries");
   };
   const bool brace = text.size() > safetensors_start && text[safetensors_start] == '{';
-  if (brace && (detail::is_safetensors(bytes) || !detail::begins_weights(bytes))) {  // the latter says what is wrong
+  const bool by_chance = detail::is_zlib(bytes) && !detail::is_safetensors(bytes);  // packed bytes may be a brace
+  if (brace && !by_chance) {
     refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   }

@@ -8160,12 +8160,12 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b, std::si
   return std::min(row.back(), limit);
 }
 
-/// The name that is most like `name`; empty if none has half of it.
+/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are looked at.
 inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
   constexpr std::size_t longest = 256;
   std::string_view best;
   std::size_t distance = std::min(name.size(), longest) / 2 + 1;
-  for (const std::string& candidate : among) {
+  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
     if (name.size() > longest || candidate.size() > longest) continue;
     const std::size_t d = edit_distance(name, candidate, distance);
     if (d < distance) distance = d, best = candidate;

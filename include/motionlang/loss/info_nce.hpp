@@ -2,7 +2,7 @@
 /// Contrastive loss with filtered negatives (InfoNCE).
 #pragma once
 
-#include <motionlang/nn/pooling.hpp>
+#include <motionlang/tensor/normalize.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 

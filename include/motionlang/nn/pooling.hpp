@@ -3,17 +3,10 @@
 #pragma once
 
 #include <motionlang/nn/text_features.hpp>
-#include <motionlang/tensor/fused.hpp>
+#include <motionlang/tensor/index.hpp>
+#include <motionlang/tensor/normalize.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of rows: a row has the
-/// same bits alone and among others.
-template <Backend B>
-Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
-  const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
-  return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
-}
 
 /// The mean of each sequence, (sequences, width); zeros for an empty one.
 template <Backend B>
