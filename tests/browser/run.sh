@@ -5,13 +5,6 @@
 # chromium) and python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-for program in chromium chromedriver python3; do
-  if ! command -v "$program" > /dev/null; then
-    echo "skipped: no $program"
-    exit 77
-  fi
-done
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+. "$here/programs.sh"
 "$1" "$folder/page.html"
 python3 "$here/viewer_test.py" "$(command -v chromedriver)" "$folder/page.html" "$here/probe.js"

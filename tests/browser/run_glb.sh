@@ -6,14 +6,7 @@
 # a folder with its package.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-for program in chromium chromedriver python3; do
-  if ! command -v "$program" > /dev/null; then
-    echo "skipped: no $program"
-    exit 77
-  fi
-done
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+. "$here/programs.sh"
 three=${MOTIONLANG_THREE:-}
 if [ -z "$three" ]; then
   if ! timeout 120 npm install --silent --no-audit --no-fund --prefix "$folder" three@0.187.0 > "$folder/npm.log" 2>&1; then

@@ -15,13 +15,6 @@ constexpr std::string_view two_bones =
     ":bonedata begin name a direction 1 0 0 length 1 axis 0 0 90 XYZ dof rx ry rz\nend "
     "begin name b direction 0 1 0 length 2 axis 0 0 0 XYZ dof ty l\nend :hierarchy begin root a\na b\nend";
 
-template <class F>
-void refusing(F f) {
-  try {
-    f();
-  } catch (const ml::error&) {}
-}
-
 void check_motion(std::string_view text, const ml::AsfSkeleton& asf) {
   const ml::Motion motion = ml::parse_amc(text, asf);
   check(motion.skeleton.size() == static_cast<int>(asf.bones.size()), "one joint for each bone");

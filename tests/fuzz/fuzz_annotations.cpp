@@ -33,13 +33,6 @@ void check_annotations(const std::string& text) {
   for (const ml::AnnotatedMotion& m : motions) check(again.load(m.id) == m, "entries survive");
 }
 
-template <class F>
-void refusing(F f) {
-  try {
-    f();
-  } catch (const ml::error&) {}
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

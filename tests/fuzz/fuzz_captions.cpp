@@ -24,13 +24,6 @@ void check_captions(std::string_view text) {
   check(ml::parse_captions(ml::format_captions(captions)) == captions, "captions survive");
 }
 
-template <class F>
-void refusing(F f) {
-  try {
-    f();
-  } catch (const ml::error&) {}
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

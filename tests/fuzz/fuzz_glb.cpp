@@ -13,13 +13,6 @@ namespace ml = motionlang;
 
 constexpr ml::Index most_frames = 1000;  // of an animation: long ones are slow, not different
 
-template <class F>
-void refusing(F f) {
-  try {
-    f();
-  } catch (const ml::error&) {}
-}
-
 void check_motions(std::span<const std::byte> bytes) {
   const ml::GlbFile file(bytes, "fuzz.glb");
   file.skeleton().validate();

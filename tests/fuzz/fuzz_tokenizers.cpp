@@ -26,13 +26,6 @@ void check_unicode(std::string_view text) {
   ml::html_unescape(text);
 }
 
-template <class F>
-void refusing(F f) {
-  try {
-    f();
-  } catch (const ml::error&) {}
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
