@@ -782,7 +782,8 @@ class BufferHandle {
 /// std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
-  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64);
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
+                "motionlang::PoolVector: values that move without fail, in memory aligned to 64 bytes");
 
  public:
   using value_type = T;
@@ -790,7 +791,7 @@ class PoolVector {
   PoolVector() = default;
   explicit PoolVector(std::size_t size, const T& value = T{}) {
     reserve(size);
-    while (size_ < size) push_back(value);
+    for (; size_ < size; ++size_) ::new (static_cast<void*>(data_ + size_)) T(value);
   }
   PoolVector(PoolVector&& o) noexcept
       : memory_(std::move(o.memory_)),
@@ -2396,7 +2397,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     }
     data.push_back(t.data());
   }
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
 }
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
@@ -2409,7 +2410,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
 }
 
 namespace detail {
@@ -5116,6 +5117,52 @@ inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP  // <motionlang/kinematics/smoothing.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP
+/// Smoothing of curves over time.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// From 0 at 0 to 1 at 1, level at both ends: s^2 (3 - 2 s).
+constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
+
+/// Gaussian filter along time.
+///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
+/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
+/// Shapes  values (frames, width) -> the same
+/// Throws  config_error 101 (sigma), shape_error 205 (size)
+template <Scalar S>
+std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma)) raise<config_error>(101, "gaussian_smooth: sigma ", sigma);
+  if (width <= 0 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
+  }
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  std::vector<double> kernel;
+  double sum = 0;
+  for (Index k = -radius; k <= radius; ++k) {
+    kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
+    sum += kernel.back();
+  }
+  for (double& w : kernel) w /= sum;
+  const Index frames = std::ssize(values) / width, size = frames * width;
+  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  for (Index t = -radius; frames > 0 && t < frames + radius; ++t) {
+    const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
+    for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
+  }
+  const double* from = longer.data();
+  for (const double w : kernel) {
+    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * from[i];
+    from += width;
+  }
+  return std::vector<S>(sums.begin(), sums.end());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -5126,10 +5173,9 @@ inline void add_mixed_frame(Motion& out, const Motion& a, Index in_a, const Moti
   const auto from = a.rotations(in_a), to = b.rotations(in_b);
   for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(slerp(from[j], to[j], share_of_b));
 }
-/// Share of the second clip in frame i of n blended frames: s^2 (3 - 2 s), s = (i + 1) / (n + 1).
+/// Share of the second clip in frame i of n blended frames.
 inline double share_of_second(Index i, Index n) {
-  const double s = static_cast<double>(i + 1) / static_cast<double>(n + 1);
-  return s * s * (3 - 2 * s);
+  return smoothstep(static_cast<double>(i + 1) / static_cast<double>(n + 1));
 }
 
 }  // namespace detail
@@ -6153,49 +6199,6 @@ inline const ChainSkeleton& kit_chains() {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP  // <motionlang/kinematics/smoothing.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP
-/// Smoothing of curves over time.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Gaussian filter along time.
-///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
-/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
-/// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
-/// Shapes  values (frames, width) -> the same
-/// Throws  config_error 101 (sigma), shape_error 205 (size)
-template <Scalar S>
-std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double sigma) {
-  if (!(sigma > 0) || !std::isfinite(sigma)) raise<config_error>(101, "gaussian_smooth: sigma ", sigma);
-  if (width <= 0 || std::ssize(values) % width != 0) {
-    raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
-  }
-  const auto radius = static_cast<Index>(4 * sigma + 0.5);
-  std::vector<double> kernel;
-  double sum = 0;
-  for (Index k = -radius; k <= radius; ++k) {
-    kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
-    sum += kernel.back();
-  }
-  for (double& w : kernel) w /= sum;
-  const Index frames = std::ssize(values) / width, size = frames * width;
-  std::vector<double> longer, sums(values.size());  // the values with the ends going on
-  for (Index t = -radius; frames > 0 && t < frames + radius; ++t) {
-    const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
-    for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
-  }
-  const double* from = longer.data();
-  for (const double w : kernel) {
-    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * from[i];
-    from += width;
-  }
-  return std::vector<S>(sums.begin(), sums.end());
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct FacingOptions {
@@ -6723,8 +6726,7 @@ inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<co
         const Index from = f + direction * d;
         if (from < 0 || from >= frames) break;
         if (fixed[static_cast<std::size_t>(from)] == 0) continue;
-        const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
-        const double weight = t * t * (3 - 2 * t);
+        const double weight = smoothstep(1 - static_cast<double>(d) / static_cast<double>(options.blend + 1));
         share += weight;
         return weight * offset[static_cast<std::size_t>(from)];
       }
@@ -7925,9 +7927,9 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
       const auto a = matmul(slice(kt, 0, h * width, (h + 1) * width), slice(vs, 1, h * width, (h + 1) * width));
       parts.push_back(matmul(slice(qs, 1, h * width, (h + 1) * width), a));
     }
-    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts.begin(), parts.size()), 1));
+    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
   }
-  return concat(std::span<const Tensor<B, 2>>(sequences.begin(), sequences.size()), 0);
+  return concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -11121,7 +11123,7 @@ struct MotionDiffuseDenoiser {
             static_cast<S>(std::sin(angle));
       }
     }
-    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values.begin(), values.size()), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
+    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
   }
   Sequences<B> embed_frames(const Sequences<B>& x) const {
     PoolVector<Index> position;
@@ -11488,6 +11490,25 @@ inline TokenPair framed(std::span<const FramePart> frame, std::span<const Index>
 inline std::size_t frame_size(std::span<const FramePart> frame) {
   return static_cast<std::size_t>(
       std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
+}
+
+/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless `truncate`.
+inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
+                                      Index longest, bool truncate) {
+  const std::size_t around = frame_size(frame), room = static_cast<std::size_t>(longest) - around;
+  if (ids.size() > room) {
+    if (!truncate) raise<config_error>(101, tokenizer, ": a text of ", ids.size() + around, " ids, at most ", longest);
+    ids.resize(room);
+  }
+  return framed(frame, ids).ids;
+}
+/// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
+inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
+                             std::span<const Index> b, Index longest) {
+  TokenPair out = framed(frame, a, b);
+  if (std::ssize(out.ids) > longest)
+    raise<config_error>(101, tokenizer, ": a text of ", out.ids.size(), " ids, at most ", longest);
+  return out;
 }
 
 }  // namespace detail
@@ -12897,19 +12918,11 @@ class BertTokenizer {
 
   /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
   std::vector<Index> encode(std::string_view text) const {
-    std::vector<Index> ids = encode_words(text);
-    const std::size_t room = static_cast<std::size_t>(options_.longest) - detail::frame_size(single_);
-    if (ids.size() > room) {
-      if (!options_.truncate) refuse(ids.size() + detail::frame_size(single_));
-      ids.resize(room);
-    }
-    return detail::framed(single_, ids).ids;
+    return detail::framed_text("BertTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
   }
   /// Two texts in one frame; never cut.
   TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    TokenPair out = detail::framed(pair_, encode_words(a), encode_words(b));
-    if (std::ssize(out.ids) > options_.longest) refuse(out.ids.size());
-    return out;
+    return detail::framed_pair("BertTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
   }
   /// Without a frame, of any length.
   std::vector<Index> encode_words(std::string_view text) const {
@@ -13070,9 +13083,6 @@ class BertTokenizer {
     }
     raw_ = detail::AddedTokenSearch(std::move(before));
     normalized_ = detail::AddedTokenSearch(std::move(after));
-  }
-  [[noreturn]] void refuse(std::size_t size) const {
-    raise<config_error>(101, "BertTokenizer: a text of ", size, " ids, at most ", options_.longest);
   }
 
   BertTokenizerOptions options_;
@@ -14231,19 +14241,11 @@ class ClipTokenizer {
 
   /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws config_error 101.
   std::vector<Index> encode(std::string_view text) const {
-    std::vector<Index> ids = encode_words(text);
-    const std::size_t frame = detail::frame_size(single_), room = static_cast<std::size_t>(options_.longest) - frame;
-    if (ids.size() > room) {
-      if (!options_.truncate) refuse(ids.size() + frame);
-      ids.resize(room);
-    }
-    return detail::framed(single_, ids).ids;
+    return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
   }
   /// Two texts in one frame; never cut.
   TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    TokenPair out = detail::framed(pair_, encode_words(a), encode_words(b));
-    if (std::ssize(out.ids) > options_.longest) refuse(out.ids.size());
-    return out;
+    return detail::framed_pair("ClipTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
   }
   /// Without a frame, of any length.
   std::vector<Index> encode_words(std::string_view text) const {
@@ -14386,9 +14388,6 @@ class ClipTokenizer {
     const std::size_t before = ids.size();
     pairs_->append(ids, word);
     if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
-  }
-  [[noreturn]] void refuse(std::size_t size) const {
-    raise<config_error>(101, "ClipTokenizer: a text of ", size, " ids, at most ", options_.longest);
   }
 
   ClipTokenizerOptions options_;
@@ -16409,6 +16408,7 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   for (const Piece& piece : pieces) {
     owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
   }
+  least = std::max<Index>(least, 1);
   Timeline out;
   for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
     Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
@@ -16420,7 +16420,7 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
         }
         return false;
       }();
-      if (!changes || cut - rest.start < std::max<Index>(least, 1) || rest.end - cut < std::max<Index>(least, 1)) continue;
+      if (!changes || cut - rest.start < least || rest.end - cut < least) continue;
       out.intervals.push_back(rest);
       out.intervals.back().end = cut;
       rest.start = cut;

@@ -529,6 +529,14 @@ struct NpyArray {
 
 namespace detail {
 
+/// "(2, 3)"; a negative size stands for any.
+inline std::string shape_text(std::span<const Index> shape) {
+  std::string out = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i)
+    out += concat_text(i > 0 ? ", " : "", shape[i] < 0 ? "any" : concat_text(shape[i]));
+  return out + ")";
+}
+
 /// Reorders elements whose first index is the fastest to C order. Visits them in C order with an odometer of indices.
 inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, std::span<const Index> shape,
                                                  std::size_t item_size) {
@@ -1937,6 +1945,21 @@ inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcRe
 ///
 /// Source  AMASS-Annotation-Unifier; TMR (Petrovich et al. 2023), src/data/text_motion.py; spec exchange-formats.md 5.1
 
+#ifndef MOTIONLANG_HAS_IO_DETAIL_ANNOTATED_TIMES_HPP  // <motionlang/io/detail/annotated_times.hpp>
+#define MOTIONLANG_HAS_IO_DETAIL_ANNOTATED_TIMES_HPP
+/// The check of times in annotation files.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
+inline void require_times(std::string_view place, double start, double end) {
+  if (!(start >= 0 && start <= end && std::isfinite(end)))
+    raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_ID_LIST_HPP  // <motionlang/io/id_list.hpp>
 #define MOTIONLANG_HAS_IO_ID_LIST_HPP
 /// Lists of clips: the split files of data sets (train.txt, val.txt, test.txt, ...), one id on each line.
@@ -2307,16 +2330,6 @@ struct AnnotatedMotion {
   bool operator==(const AnnotatedMotion&) const = default;
 };
 
-namespace detail {
-
-/// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
-inline void require_times(std::string_view place, double start, double end) {
-  if (!(start >= 0 && start <= end && std::isfinite(end)))
-    raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
-}
-
-}  // namespace detail
-
 /// An annotation file that is being read. Entries are parsed when they are asked for.
 class AnnotationFile {
  public:
@@ -2531,8 +2544,7 @@ class BabelFile {
     if (times.in_file) {
       out.start = view["start_t"].as<double>();
       out.end = view["end_t"].as<double>();
-      if (!(out.start >= 0 && out.start <= out.end && std::isfinite(out.end)))
-        raise<io_error>(403, view.path(), ": from ", out.start, " to ", out.end, " seconds");
+      detail::require_times(view.path(), out.start, out.end);
     }
     return out;
   }
@@ -3562,7 +3574,8 @@ class BodyArrays {
     const NpyArray array = read(name);
     bool fits = array.shape.size() == wanted.size();
     for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
-    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", shape(array.shape), ", expected ", shape(wanted));
+    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
+                               detail::shape_text(wanted));
     if (found != nullptr) *found = array.shape;
     std::vector<T> values = array.to<T>();
     for (const T x : values) {
@@ -3577,13 +3590,6 @@ class BodyArrays {
     if (as_text(file->bytes()).starts_with("PK\x03\x04"))
       return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
     return Pickle(file->bytes(), path.string(), {}, file);
-  }
-  static std::string shape(const std::vector<Index>& sizes) {
-    std::string out = "(";
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-      out += concat_text(i > 0 ? ", " : "", sizes[i] < 0 ? "any" : concat_text(sizes[i]));
-    }
-    return out + ")";
   }
   std::string file_;
   std::variant<NpzArchive, Pickle> source_;
@@ -6690,12 +6696,6 @@ struct HumanMl3dClip {
 namespace detail {
 
 inline FilePath below(const FilePath& folder, std::string_view name) { return concat_text(folder.string(), "/", name); }
-
-inline std::string shape_text(std::span<const Index> shape) {
-  std::string out = "(";
-  for (std::size_t i = 0; i < shape.size(); ++i) out += concat_text(i > 0 ? ", " : "", shape[i]);
-  return out + ")";
-}
 
 /// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
 inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false) {

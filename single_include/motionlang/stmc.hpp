@@ -229,7 +229,8 @@ class BufferHandle {
 /// std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
-  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64);
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
+                "motionlang::PoolVector: values that move without fail, in memory aligned to 64 bytes");
 
  public:
   using value_type = T;
@@ -237,7 +238,7 @@ class PoolVector {
   PoolVector() = default;
   explicit PoolVector(std::size_t size, const T& value = T{}) {
     reserve(size);
-    while (size_ < size) push_back(value);
+    for (; size_ < size; ++size_) ::new (static_cast<void*>(data_ + size_)) T(value);
   }
   PoolVector(PoolVector&& o) noexcept
       : memory_(std::move(o.memory_)),
@@ -1500,7 +1501,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     }
     data.push_back(t.data());
   }
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
 }
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
@@ -1513,7 +1514,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
 }
 
 namespace detail {

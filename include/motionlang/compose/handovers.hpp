@@ -24,6 +24,7 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   for (const Piece& piece : pieces) {
     owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
   }
+  least = std::max<Index>(least, 1);
   Timeline out;
   for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
     Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
@@ -35,7 +36,7 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
         }
         return false;
       }();
-      if (!changes || cut - rest.start < std::max<Index>(least, 1) || rest.end - cut < std::max<Index>(least, 1)) continue;
+      if (!changes || cut - rest.start < least || rest.end - cut < least) continue;
       out.intervals.push_back(rest);
       out.intervals.back().end = cut;
       rest.start = cut;

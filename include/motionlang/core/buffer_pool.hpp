@@ -171,7 +171,8 @@ class BufferHandle {
 /// std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
-  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64);
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
+                "motionlang::PoolVector: values that move without fail, in memory aligned to 64 bytes");
 
  public:
   using value_type = T;
@@ -179,7 +180,7 @@ class PoolVector {
   PoolVector() = default;
   explicit PoolVector(std::size_t size, const T& value = T{}) {
     reserve(size);
-    while (size_ < size) push_back(value);
+    for (; size_ < size; ++size_) ::new (static_cast<void*>(data_ + size_)) T(value);
   }
   PoolVector(PoolVector&& o) noexcept
       : memory_(std::move(o.memory_)),

@@ -209,7 +209,7 @@ struct MotionDiffuseDenoiser {
             static_cast<S>(std::sin(angle));
       }
     }
-    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values.begin(), values.size()), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
+    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
   }
   Sequences<B> embed_frames(const Sequences<B>& x) const {
     PoolVector<Index> position;

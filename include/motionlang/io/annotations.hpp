@@ -14,12 +14,12 @@
 #pragma once
 
 #include <algorithm>      // copy_if
-#include <cmath>          // isfinite
 #include <iterator>       // back_inserter
 #include <unordered_set>  // repeated ids
 
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/io/detail/annotated_times.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/io/json_members.hpp>
 #include <motionlang/text/mirror_caption.hpp>
@@ -40,16 +40,6 @@ struct AnnotatedMotion {
   std::vector<Annotation> annotations;
   bool operator==(const AnnotatedMotion&) const = default;
 };
-
-namespace detail {
-
-/// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
-inline void require_times(std::string_view place, double start, double end) {
-  if (!(start >= 0 && start <= end && std::isfinite(end)))
-    raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
-}
-
-}  // namespace detail
 
 /// An annotation file that is being read. Entries are parsed when they are asked for.
 class AnnotationFile {

@@ -18,6 +18,7 @@
 #include <unordered_map>  // spelling
 
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/io/detail/annotated_times.hpp>
 #include <motionlang/io/json_members.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -113,8 +114,7 @@ class BabelFile {
     if (times.in_file) {
       out.start = view["start_t"].as<double>();
       out.end = view["end_t"].as<double>();
-      if (!(out.start >= 0 && out.start <= out.end && std::isfinite(out.end)))
-        raise<io_error>(403, view.path(), ": from ", out.start, " to ", out.end, " seconds");
+      detail::require_times(view.path(), out.start, out.end);
     }
     return out;
   }

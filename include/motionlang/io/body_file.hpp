@@ -49,7 +49,8 @@ class BodyArrays {
     const NpyArray array = read(name);
     bool fits = array.shape.size() == wanted.size();
     for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
-    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", shape(array.shape), ", expected ", shape(wanted));
+    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
+                               detail::shape_text(wanted));
     if (found != nullptr) *found = array.shape;
     std::vector<T> values = array.to<T>();
     for (const T x : values) {
@@ -64,13 +65,6 @@ class BodyArrays {
     if (as_text(file->bytes()).starts_with("PK\x03\x04"))
       return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
     return Pickle(file->bytes(), path.string(), {}, file);
-  }
-  static std::string shape(const std::vector<Index>& sizes) {
-    std::string out = "(";
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-      out += concat_text(i > 0 ? ", " : "", sizes[i] < 0 ? "any" : concat_text(sizes[i]));
-    }
-    return out + ")";
   }
   std::string file_;
   std::variant<NpzArchive, Pickle> source_;

@@ -46,12 +46,6 @@ namespace detail {
 
 inline FilePath below(const FilePath& folder, std::string_view name) { return concat_text(folder.string(), "/", name); }
 
-inline std::string shape_text(std::span<const Index> shape) {
-  std::string out = "(";
-  for (std::size_t i = 0; i < shape.size(); ++i) out += concat_text(i > 0 ? ", " : "", shape[i]);
-  return out + ")";
-}
-
 /// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
 inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false) {
   const NpyArray array = read_npy(path);

@@ -176,6 +176,14 @@ struct NpyArray {
 
 namespace detail {
 
+/// "(2, 3)"; a negative size stands for any.
+inline std::string shape_text(std::span<const Index> shape) {
+  std::string out = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i)
+    out += concat_text(i > 0 ? ", " : "", shape[i] < 0 ? "any" : concat_text(shape[i]));
+  return out + ")";
+}
+
 /// Reorders elements whose first index is the fastest to C order. Visits them in C order with an odometer of indices.
 inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, std::span<const Index> shape,
                                                  std::size_t item_size) {

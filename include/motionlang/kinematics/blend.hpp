@@ -8,6 +8,7 @@
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/kinematics/smoothing.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -19,10 +20,9 @@ inline void add_mixed_frame(Motion& out, const Motion& a, Index in_a, const Moti
   const auto from = a.rotations(in_a), to = b.rotations(in_b);
   for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(slerp(from[j], to[j], share_of_b));
 }
-/// Share of the second clip in frame i of n blended frames: s^2 (3 - 2 s), s = (i + 1) / (n + 1).
+/// Share of the second clip in frame i of n blended frames.
 inline double share_of_second(Index i, Index n) {
-  const double s = static_cast<double>(i + 1) / static_cast<double>(n + 1);
-  return s * s * (3 - 2 * s);
+  return smoothstep(static_cast<double>(i + 1) / static_cast<double>(n + 1));
 }
 
 }  // namespace detail

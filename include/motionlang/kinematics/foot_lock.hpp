@@ -184,8 +184,7 @@ inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<co
         const Index from = f + direction * d;
         if (from < 0 || from >= frames) break;
         if (fixed[static_cast<std::size_t>(from)] == 0) continue;
-        const double t = 1 - static_cast<double>(d) / static_cast<double>(options.blend + 1);
-        const double weight = t * t * (3 - 2 * t);
+        const double weight = smoothstep(1 - static_cast<double>(d) / static_cast<double>(options.blend + 1));
         share += weight;
         return weight * offset[static_cast<std::size_t>(from)];
       }

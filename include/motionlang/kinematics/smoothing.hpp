@@ -11,6 +11,9 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// From 0 at 0 to 1 at 1, level at both ends: s^2 (3 - 2 s).
+constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
+
 /// Gaussian filter along time.
 ///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
 /// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.

@@ -25,9 +25,9 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
       const auto a = matmul(slice(kt, 0, h * width, (h + 1) * width), slice(vs, 1, h * width, (h + 1) * width));
       parts.push_back(matmul(slice(qs, 1, h * width, (h + 1) * width), a));
     }
-    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts.begin(), parts.size()), 1));
+    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
   }
-  return concat(std::span<const Tensor<B, 2>>(sequences.begin(), sequences.size()), 0);
+  return concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -72,7 +72,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     }
     data.push_back(t.data());
   }
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
 }
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
@@ -85,7 +85,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
-  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data.begin(), data.size()), axis));
+  return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
 }
 
 namespace detail {

@@ -104,19 +104,11 @@ class BertTokenizer {
 
   /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
   std::vector<Index> encode(std::string_view text) const {
-    std::vector<Index> ids = encode_words(text);
-    const std::size_t room = static_cast<std::size_t>(options_.longest) - detail::frame_size(single_);
-    if (ids.size() > room) {
-      if (!options_.truncate) refuse(ids.size() + detail::frame_size(single_));
-      ids.resize(room);
-    }
-    return detail::framed(single_, ids).ids;
+    return detail::framed_text("BertTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
   }
   /// Two texts in one frame; never cut.
   TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    TokenPair out = detail::framed(pair_, encode_words(a), encode_words(b));
-    if (std::ssize(out.ids) > options_.longest) refuse(out.ids.size());
-    return out;
+    return detail::framed_pair("BertTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
   }
   /// Without a frame, of any length.
   std::vector<Index> encode_words(std::string_view text) const {
@@ -277,9 +269,6 @@ class BertTokenizer {
     }
     raw_ = detail::AddedTokenSearch(std::move(before));
     normalized_ = detail::AddedTokenSearch(std::move(after));
-  }
-  [[noreturn]] void refuse(std::size_t size) const {
-    raise<config_error>(101, "BertTokenizer: a text of ", size, " ids, at most ", options_.longest);
   }
 
   BertTokenizerOptions options_;

@@ -244,19 +244,11 @@ class ClipTokenizer {
 
   /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws config_error 101.
   std::vector<Index> encode(std::string_view text) const {
-    std::vector<Index> ids = encode_words(text);
-    const std::size_t frame = detail::frame_size(single_), room = static_cast<std::size_t>(options_.longest) - frame;
-    if (ids.size() > room) {
-      if (!options_.truncate) refuse(ids.size() + frame);
-      ids.resize(room);
-    }
-    return detail::framed(single_, ids).ids;
+    return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
   }
   /// Two texts in one frame; never cut.
   TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    TokenPair out = detail::framed(pair_, encode_words(a), encode_words(b));
-    if (std::ssize(out.ids) > options_.longest) refuse(out.ids.size());
-    return out;
+    return detail::framed_pair("ClipTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
   }
   /// Without a frame, of any length.
   std::vector<Index> encode_words(std::string_view text) const {
@@ -399,9 +391,6 @@ class ClipTokenizer {
     const std::size_t before = ids.size();
     pairs_->append(ids, word);
     if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
-  }
-  [[noreturn]] void refuse(std::size_t size) const {
-    raise<config_error>(101, "ClipTokenizer: a text of ", size, " ids, at most ", options_.longest);
   }
 
   ClipTokenizerOptions options_;

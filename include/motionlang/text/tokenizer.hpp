@@ -148,6 +148,25 @@ inline std::size_t frame_size(std::span<const FramePart> frame) {
       std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
 }
 
+/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless `truncate`.
+inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
+                                      Index longest, bool truncate) {
+  const std::size_t around = frame_size(frame), room = static_cast<std::size_t>(longest) - around;
+  if (ids.size() > room) {
+    if (!truncate) raise<config_error>(101, tokenizer, ": a text of ", ids.size() + around, " ids, at most ", longest);
+    ids.resize(room);
+  }
+  return framed(frame, ids).ids;
+}
+/// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
+inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
+                             std::span<const Index> b, Index longest) {
+  TokenPair out = framed(frame, a, b);
+  if (std::ssize(out.ids) > longest)
+    raise<config_error>(101, tokenizer, ": a text of ", out.ids.size(), " ids, at most ", longest);
+  return out;
+}
+
 }  // namespace detail
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// The check of times in annotation files.
+#pragma once
+
+#include <cmath>        // isfinite
+#include <string_view>  // place
+
+#include <motionlang/core/error.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
+inline void require_times(std::string_view place, double start, double end) {
+  if (!(start >= 0 && start <= end && std::isfinite(end)))
+    raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
