@@ -6575,7 +6575,7 @@ struct FootFixOptions {
   double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
-  double clearance = 0.03;  // m; toes swing this high above where they stand: 3 to 5 cm in recorded walking
+  double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
 };
 
 namespace detail {
