@@ -74,8 +74,8 @@ async function use() {
   find("timeline").dispatchEvent(new PointerEvent("pointerdown", { clientX: area.left + area.width / 4, bubbles: true }));
   dispatchEvent(new PointerEvent("pointerup"));
   expect("a click on the timeline seeks: " + state().time, Math.abs(state().time - 1) < 0.05);
-  await wait(100);
-  expect("the cursor follows: " + find("cursor").style.left, Math.abs(parseFloat(find("cursor").style.left) - 25) < 1);
+  const follows = await until(() => Math.abs(parseFloat(find("cursor").style.left) - 25) < 1);
+  expect("the cursor follows: " + find("cursor").style.left, follows);
 
   find("speed").value = "0.5";
   find("speed").dispatchEvent(new Event("change"));
