@@ -76,6 +76,7 @@
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/kinematics/sinc_parts.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/skinning.hpp>
@@ -94,6 +95,7 @@
 #include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/sequence_vae.hpp>
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
@@ -138,6 +140,7 @@
 #include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
+#include <motionlang/text/joined_labels.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_encoder.hpp>
@@ -151,7 +154,10 @@
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
+#include <motionlang/compose/alignment.hpp>
+#include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/baselines.hpp>
+#include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/combine.hpp>
@@ -159,7 +165,11 @@
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/options.hpp>
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/compose/simultaneous_segments.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
+#include <motionlang/compose/sinc_composition.hpp>
+#include <motionlang/compose/sinc_items.hpp>
+#include <motionlang/compose/teach_pairs.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/compose/transition.hpp>

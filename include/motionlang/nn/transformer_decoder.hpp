@@ -6,6 +6,27 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+namespace detail {
+
+/// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that row. It is
+/// computed once for each sequence; weights of queries and keys play no role and get gradient 0. What dropout leaves is one weight for
+/// each query and head.
+template <Backend B>
+Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,
+                            const Context& context) {
+  const Index d = attention.in_proj_weight.size(1);
+  const auto bias = slice(attention.in_proj_bias, 0, 2 * d, 3 * d);
+  const auto value = linear(memory, slice(attention.in_proj_weight, 0, 2 * d, 3 * d), &bias);
+  const Dropout drop = next_dropout(attention.dropout_p, context);
+  if (drop.p == 0) return repeat_for_rows(attention.out_proj(value), offsets);
+  const Index parts = offsets.rows() * attention.heads;
+  const auto weights = dropout(Tensor<B, 2>::full({parts, 1}, 1), drop);
+  const auto heads = reshape<2>(repeat_for_rows(value, offsets), {parts, d / attention.heads});
+  return attention.out_proj(reshape<2>(heads * weights, {offsets.rows(), d}));
+}
+
+}  // namespace detail
+
 ///     x = LN1(x + SA(x));   x = LN2(x + CA(x, memory));   x = LN3(x + W2 act(W1 x))
 /// Source  Vaswani et al. (2017), section 3.1, without the causal mask. Parameter names of PyTorch.
 template <Backend B>
@@ -36,10 +57,21 @@ struct TransformerDecoderLayer {
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                           const Context& context = {}) const {
+    const auto z = attend_memory(attend_self(x, offsets, context), offsets, memory, context);
     auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-    const auto y = norm1(drop(self_attn.self(x, offsets, context)), x);
-    const auto z = norm2(drop(multihead_attn.cross(y, offsets, memory, context)), y);
     return norm3(drop(linear2(drop(linear1(z, activation)))), z);
+  }
+  /// The first third of the layer, LN1(x + SA(x)).
+  Tensor<B, 2> attend_self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    return norm1(dropout(self_attn.self(x, offsets, context), dropout_p, context), x);
+  }
+  /// The second third, LN2(x + CA(x, memory)).
+  Tensor<B, 2> attend_memory(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
+                             const Context& context = {}) const {
+    const bool single = memory.offsets == Offsets::equal(offsets.count(), 1);
+    const auto read = single ? detail::attend_one_row(multihead_attn, memory.rows, offsets, context)
+                             : multihead_attn.cross(x, offsets, memory, context);
+    return norm2(dropout(read, dropout_p, context), x);
   }
 };
 

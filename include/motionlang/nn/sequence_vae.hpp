@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+/// Sequences to one Gaussian each, and back: what the variational autoencoders ACTOR, TEMOS and TMR share.
+///
+///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the distribution
+///     decoder   positions are the queries, the latent is the memory; all frames are written at once
+/// Source  Petrovich, Black, Varol: ACTOR (ICCV 2021), section 3.1; TEMOS (ECCV 2022), 3.2; TMR (ICCV 2023), 3.1
+#pragma once
+
+#include <motionlang/nn/pooling.hpp>
+#include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/transformer_decoder.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar (its shape
+/// is (0)); then every sample is mu.
+template <Backend B>
+struct LatentGaussian {
+  Tensor<B, 2> mu, logvar;  // (sequences, width)
+
+  bool deterministic() const { return logvar.count() == 0; }
+  Tensor<B, 2> std() const { return exp(logvar * 0.5); }
+
+  ///     z = mu + fact eps exp(logvar / 2)
+  /// Source  Kingma and Welling (2014), section 2.4. Throws shape_error 204 if eps has another shape than mu.
+  Tensor<B, 2> sample(const Tensor<B, 2>& eps, double fact = 1) const {
+    if (deterministic()) return mu;
+    if (eps.shape() != mu.shape()) raise<shape_error>(204, "LatentGaussian: eps ", eps.shape(), " for mu ", mu.shape());
+    return mu + eps * std() * fact;
+  }
+  Tensor<B, 2> sample(Rng auto& rng, double fact = 1) const {
+    return deterministic() ? mu : sample(Tensor<B, 2>::randn(mu.shape(), rng), fact);
+  }
+};
+
+/// A stack whose layers all begin with the same numbers, as PyTorch's stacks do, which copy one layer.
+template <class Stack>
+Stack copied_layers(const TransformerConfig& c, Rng auto& rng) {
+  Stack stack;
+  const auto first = rng;
+  for (Index i = 0; i < c.layers; ++i) {
+    rng = first;
+    stack.layers.emplace_back(c, rng);
+  }
+  return stack;
+}
+
+/// The first n rows of each sequence. Throws shape_error 207 if one is shorter.
+template <Backend B>
+Sequences<B> first_rows(const Sequences<B>& x, Index n) {
+  PoolVector<Index> pick;
+  for (Index s = 0; s < x.count(); ++s) {
+    if (n > x.offsets.length(s))
+      raise<shape_error>(207, "first_rows: ", n, " of ", x.offsets.length(s), " rows of sequence ", s);
+    for (Index i = 0; i < n; ++i) pick.push_back(x.offsets.begin(s) + i);
+  }
+  return {gather(x.rows, pick), Offsets::equal(x.count(), n)};
+}
+
+/// What enters the first layer: the tokens of each sequence, its frames, and positions that count from the first token.
+template <Backend B>
+Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& frames, const Tensor<B, 2>& positions) {
+  return add_positions(concat_tokens(tokens, frames), positions);
+}
+
+namespace detail {
+
+/// A post-norm layer for the first n rows of each sequence alone: they attend to all rows.
+template <Backend B>
+Sequences<B> layer_of_first_rows(const TransformerEncoderLayer<B>& layer, const Sequences<B>& x, Index n,
+                                 const Context& context) {
+  if (layer.norm_first || layer.causal)
+    raise<config_error>(101, "encode_tokens: layers have to be post-norm, not causal");
+  auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, layer.dropout_p, context); };
+  const auto tokens = first_rows(x, n);
+  const auto y = layer.norm1(drop(layer.self_attn.cross(tokens.rows, tokens.offsets, x, context)), tokens.rows);
+  return tokens.with(layer.norm2(drop(layer.linear2(drop(layer.linear1(y, layer.activation)))), y));
+}
+
+}  // namespace detail
+
+/// The first n rows of each sequence behind all layers. The last layer is computed for these rows only.
+/// `dropout_p` acts on the sequence before the first layer.
+template <Backend B>
+Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences<B>& sequence, Index n,
+                           double dropout_p, const Context& context = {}) {
+  auto x = sequence.with(dropout(sequence.rows, dropout_p, context));
+  for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
+    const ModuleScope scope("layers.", i);
+    if (i + 1 == encoder.layers.size()) return detail::layer_of_first_rows(encoder.layers[i], x, n, context);
+    x.rows = encoder.layers[i](x.rows, x.offsets, context);
+  }
+  return first_rows(x, n);
+}
+
+/// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.
+template <Backend B>
+LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
+  auto row = [&](Index i) { return pick_rows(tokens, PoolVector<Index>(static_cast<std::size_t>(tokens.count()), i)); };
+  if (tokens.offsets.longest() == 1) return {row(0), {}};
+  return {row(0), row(1)};
+}
+
+/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error 203 for a
+/// sequence longer than the table.
+template <Backend B>
+Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
+  PoolVector<Index> rows;
+  for (Index s = 0; s < offsets.count(); ++s) {
+    for (Index i = 0; i < offsets.length(s); ++i) rows.push_back(i);
+  }
+  return {gather(positions, rows), offsets};
+}
+
+/// From latents to sequences of any length (TEMOS, TMR, TEACH, SINC): the keys are theirs.
+template <Backend B>
+struct SequenceDecoder {
+  TransformerDecoder<B> seqTransDecoder;
+  Linear<B> final_layer;
+  PositionTable<B> positions;
+  double dropout_p = 0.1;
+
+  static constexpr auto fields() {
+    using M = SequenceDecoder;
+    return motionlang::fields("seqTransDecoder", &M::seqTransDecoder, "final_layer", &M::final_layer, "positions",
+                              &M::positions, "dropout_p", &M::dropout_p);
+  }
+  SequenceDecoder() = default;
+  SequenceDecoder(Index nfeats, const TransformerConfig& c, Index max_len, Rng auto& rng)
+      : seqTransDecoder(copied_layers<TransformerDecoder<B>>(c, rng)),
+        final_layer(c.d_model, nfeats, rng),
+        positions(max_len, c.d_model),
+        dropout_p(c.dropout) {}
+
+  /// One or several rows of memory for each sequence; `lengths` says how many frames each gets.
+  Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    auto queries = position_queries(positions.rows(), lengths);
+    queries.rows = dropout(queries.rows, dropout_p, context);
+    return final_layer(seqTransDecoder(queries, memory, context));
+  }
+  /// z (sequences, width)
+  Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {
+    return (*this)(Sequences<B>(z, Offsets::equal(z.size(0), 1)), lengths, context);
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
