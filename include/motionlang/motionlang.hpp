@@ -76,6 +76,7 @@
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/kinematics/sinc_part_motion.hpp>
 #include <motionlang/kinematics/sinc_parts.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
@@ -117,6 +118,7 @@
 #include <motionlang/features/humanml3d_source.hpp>
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/layout.hpp>
+#include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/features/rifke.hpp>
