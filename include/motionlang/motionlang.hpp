@@ -86,6 +86,8 @@
 #include <motionlang/kinematics/standard.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 
+#include <motionlang/nn/batch_norm.hpp>
+#include <motionlang/nn/conv1d.hpp>
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/gru.hpp>
@@ -102,6 +104,7 @@
 #include <motionlang/nn/transformer_decoder.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 
+#include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/loss/info_nce.hpp>
 #include <motionlang/loss/kl.hpp>
 #include <motionlang/loss/reconstruction.hpp>
@@ -153,8 +156,10 @@
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
 
+#include <motionlang/metrics/gru_classifier.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
+#include <motionlang/metrics/stgcn.hpp>
 
 #include <motionlang/compose/alignment.hpp>
 #include <motionlang/compose/babel_segment.hpp>

@@ -9,7 +9,8 @@
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here.
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where the fields of
+/// a member have no level of their own (the statistics of a BatchNorm).
 #pragma once
 
 #include <optional>     // members that a model may lack
@@ -55,7 +56,7 @@ inline constexpr bool is_optional<std::optional<T>> = true;
 
 inline std::string join_path(const std::string& prefix, std::string_view name) {
   std::string path = prefix;
-  if (!path.empty()) path += '.';
+  if (!path.empty() && !name.empty()) path += '.';
   return path += name;
 }
 

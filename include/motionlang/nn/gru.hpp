@@ -2,7 +2,10 @@
 /// Gated recurrent unit, several layers, PyTorch's gates and names.
 #pragma once
 
+#include <motionlang/core/sort.hpp>
 #include <motionlang/nn/linear.hpp>
+#include <motionlang/tensor/index.hpp>
+#include <motionlang/tensor/sequences.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -30,12 +33,14 @@ struct GruLayer {
 
   Index hidden() const { return weight_hh.size(1); }
 
-  /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step
+  /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than the ones before:
+  /// the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
     const Index n = hidden();
     Tensor<B, 2> h = h0;
     std::vector<Tensor<B, 2>> out;
     for (const auto& step : x) {
+      if (step.size(0) < h.size(0)) h = slice(h, 0, 0, step.size(0));
       const auto i = linear(step, weight_ih, &bias_ih), g = linear(h, weight_hh, &bias_hh);
       auto sigmoid = [](const Tensor<B, 2>& t) { return 1.0 / (exp(-t) + 1.0); };
       const auto r = sigmoid(slice(i, 1, 0, n) + slice(g, 1, 0, n));
@@ -48,7 +53,7 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros. Official keys are weight_ih_l0, ...: see `gru_key`.
+/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...: see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -65,15 +70,50 @@ struct Gru {
     }
     return x;
   }
+  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Like PyTorch's packed
+  /// sequences: a step takes the sequences that are that long, the longest first. Throws shape_error 204.
+  Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
+    const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
+    if (h0 != nullptr && h0->shape() != Shape{std::ssize(layers), n, hidden}) {
+      raise<shape_error>(204, "Gru: h0 ", h0->shape(), " for ", layers.size(), " layers of ", hidden, " and ", n,
+                         " sequences");
+    }
+    PoolVector<Index> order, back(static_cast<std::size_t>(x.offsets.rows()));
+    for (Index s = 0; s < n; ++s) order.push_back(s);
+    detail::sort(order, [&](Index a, Index b) {
+      const Index la = x.offsets.length(a), lb = x.offsets.length(b);
+      return la != lb ? la > lb : a < b;
+    });
+    std::vector<Tensor<B, 2>> steps;
+    Index done = 0;
+    for (Index t = 0; t < x.offsets.longest(); ++t) {
+      PoolVector<Index> rows;
+      for (Index s : order) {
+        if (x.offsets.length(s) <= t) break;
+        const Index row = x.offsets.begin(s) + t;
+        rows.push_back(row);
+        back[static_cast<std::size_t>(row)] = done++;
+      }
+      steps.push_back(gather(x.rows, rows));
+    }
+    if (steps.empty()) return {Tensor<B, 2>::zeros({0, hidden}), x.offsets};
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      const auto layer = static_cast<Index>(i);
+      steps = layers[i](steps, h0 == nullptr ? Tensor<B, 2>::zeros({n, layers[i].hidden()})
+                                             : gather(reshape<2>(slice(*h0, 0, layer, layer + 1), {n, hidden}), order));
+    }
+    return x.with(gather(concat(std::span<const Tensor<B, 2>>(steps), 0), back));
+  }
 };
 
-/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2": PyTorch numbers the parameters instead of nesting them. Other paths
-/// stay.
-inline std::string gru_key(const std::string& path) {
-  constexpr std::string_view nested = "gru.layers.";
-  if (!path.starts_with(nested)) return path;
-  const auto dot = path.find('.', nested.size());
-  return "gru." + path.substr(dot + 1) + "_l" + path.substr(nested.size(), dot - nested.size());
+/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting them. Other paths
+/// stay. `name`: what the model calls its Gru.
+inline std::string gru_key(const std::string& path, std::string_view name = "gru") {
+  const std::string nested = concat_text(name, ".layers.");
+  const auto at = path.find(nested);
+  if (at == path.npos || (at > 0 && path[at - 1] != '.')) return path;
+  const auto number = at + nested.size(), dot = path.find('.', number);
+  return concat_text(path.substr(0, at), name, path.substr(dot), "_l", path.substr(number, dot - number));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -32,6 +32,14 @@ Tensor<B, 2> pick_rows(const Sequences<B>& x, std::span<const Index> at) {
   return gather(x.rows, rows);
 }
 
+/// The last row of each sequence, (sequences, width). Throws shape_error 203 for an empty one.
+template <Backend B>
+Tensor<B, 2> last_row(const Sequences<B>& x) {
+  PoolVector<Index> at;
+  for (Index i = 0; i < x.count(); ++i) at.push_back(x.offsets.length(i) - 1);
+  return pick_rows(x, at);
+}
+
 /// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last one where the
 /// network does not say.
 enum class Pooling { none, mean, first, end };
@@ -42,10 +50,8 @@ Tensor<B, 2> pool(const TextFeatures<B>& text, Pooling pooling) {
   if (pooling == Pooling::none) raise<config_error>(101, "pool: Pooling::none has no vector for a text");
   if (pooling == Pooling::mean) return mean_rows(text.tokens);
   if (pooling == Pooling::end && !text.end_position.empty()) return pick_rows(text.tokens, text.end_position);
-  std::vector<Index> at;
-  for (Index i = 0; i < text.count(); ++i)
-    at.push_back(pooling == Pooling::first ? 0 : text.tokens.offsets.length(i) - 1);
-  return pick_rows(text.tokens, at);
+  if (pooling == Pooling::end) return last_row(text.tokens);
+  return pick_rows(text.tokens, PoolVector<Index>(static_cast<std::size_t>(text.count()), 0));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

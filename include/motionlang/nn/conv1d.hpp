@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+/// Convolution over time.
+#pragma once
+
+#include <motionlang/nn/init.hpp>
+#include <motionlang/tensor/fused.hpp>
+#include <motionlang/tensor/module.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct Conv1dOptions {
+  Index stride = 1, padding = 0, dilation = 1;
+  bool operator==(const Conv1dOptions&) const = default;
+};
+
+/// Rows that a sequence of n rows becomes: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1.
+/// Throws config_error 101 for options that mean nothing, shape_error 205 if the kernel does not fit into the sequence.
+inline Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
+  if (kernel < 1 || o.stride < 1 || o.padding < 0 || o.dilation < 1) {
+    raise<config_error>(101, "conv1d: kernel ", kernel, ", stride ", o.stride, ", padding ", o.padding, ", dilation ",
+                        o.dilation);
+  }
+  const Index last = n + 2 * o.padding - o.dilation * (kernel - 1) - 1;
+  if (last < 0) {
+    raise<shape_error>(205, "conv1d: a sequence of ", n, " rows with padding ", o.padding, " is shorter than kernel ",
+                       kernel, " with dilation ", o.dilation);
+  }
+  return last / o.stride + 1;
+}
+
+///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
+/// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is convolved by itself.
+/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights.
+/// Throws  shape_error 201, 204, 205, config_error 101
+template <Backend B>
+Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>* bias,
+                    const Conv1dOptions& o = {}, Activation act = Activation::none) {
+  const Index in = weight.size(1), kernel = weight.size(2), outside = x.offsets.rows();
+  if (x.width() != in) raise<shape_error>(201, "conv1d: input ", x.rows.shape(), ", weight ", weight.shape());
+  const auto matrix = reshape<2>(permute(weight, {0, 2, 1}), {weight.size(0), kernel * in});
+  if (kernel == 1 && o == Conv1dOptions{}) return x.with(linear(x.rows, matrix, bias, act));
+  PoolVector<Index> lengths, pick;
+  for (Index s = 0; s < x.count(); ++s) {
+    const Index n = x.offsets.length(s), after = conv1d_length(n, kernel, o);
+    lengths.push_back(after);
+    for (Index t = 0; t < after; ++t) {
+      for (Index j = 0; j < kernel; ++j) {
+        const Index at = t * o.stride + j * o.dilation - o.padding;
+        pick.push_back(at < 0 || at >= n ? outside : x.offsets.begin(s) + at);
+      }
+    }
+  }
+  const auto padded = o.padding == 0 ? x.rows : concat(0, x.rows, Tensor<B, 2>::zeros({1, in}));
+  const Offsets offsets{std::span<const Index>(lengths)};
+  return {linear(reshape<2>(gather(padded, pick), {offsets.rows(), kernel * in}), matrix, bias, act), offsets};
+}
+
+template <Backend B>
+struct Conv1d {
+  Tensor<B, 3> weight;  // (out, in, kernel)
+  Tensor<B, 1> bias;    // (out)
+  Conv1dOptions options;
+
+  static constexpr auto fields() {
+    return motionlang::fields("weight", &Conv1d::weight, "bias", &Conv1d::bias, "options", &Conv1d::options);
+  }
+  Conv1d() = default;
+  /// PyTorch's initialisation: weight and bias uniform within 1 / sqrt(in kernel).
+  Conv1d(Index in, Index out, Index kernel, const Conv1dOptions& o, Rng auto& rng) : options(o) {
+    const double bound = 1 / std::sqrt(static_cast<double>(in * kernel));
+    weight = uniform_init<B, 3>({out, in, kernel}, bound, rng);
+    bias = uniform_init<B, 1>({out}, bound, rng);
+  }
+
+  Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    return conv1d(x, weight, &bias, options, act);
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
