@@ -147,3 +147,27 @@ TEST_CASE("hostile files cost at most twice their size and 64 MiB") {
     MESSAGE(what, ": ", cost.bytes / mebibyte, " MiB, ", cost.milliseconds, " ms, error ", cost.error);
   }
 }
+
+TEST_CASE("an older file of PyTorch costs no more, although two of its pickles and the names of storages are held at once") {
+  const TemporaryFolder folder;
+  constexpr std::size_t size = 24 * mebibyte, key = mebibyte, keys = 22;
+  constexpr std::size_t allowed = 24 * mebibyte + size, node = sizeof(ml::detail::PickleNode) + 8;
+  std::string bytes(ml::detail::torch_legacy_magic);
+  bytes += "\x80\x02M\xe9\x03.\x80\x02}X\x0d\x00\x00\x00little_endian\x88s."sv;
+  bytes += "\x80\x02X\x07\x00\x00\x00storageq\x00" "0ctorch\nFloatStorage\nq\x01" "0"sv;
+  for (std::size_t i = 0; i < keys; ++i) {
+    std::string name = std::to_string(i);
+    name.resize(key, 'k');
+    bytes += "(h\x00h\x01X"sv;
+    bytes.append("\x00\x00\x10\x00"sv).append(name).append("NK\x00tQ0"sv);
+  }
+  for (std::size_t i = 0; i < allowed / node * 95 / 100; ++i) bytes += "N0";
+  bytes += "}.\x80\x02";
+  while (bytes.size() < size) bytes += "N0";
+  ml::write_file(folder / "attack", bytes);
+  const Cost cost = cost_of(folder / "attack");
+  CHECK(cost.error == 405);
+  CHECK(cost.bytes > 64 * mebibyte);  // it does get to the second pickle
+  CHECK(cost.bytes <= 2 * bytes.size() + 64 * mebibyte);
+  MESSAGE("older form: ", cost.bytes / mebibyte, " MiB, ", cost.milliseconds, " ms");
+}

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
-/// Options of a training run, flat: config.json, args.json (JSON), opt.yaml, config.yaml (YAML).
+/// Options of a training run, flat: config.json, args.json (JSON), opt.yaml, config.yaml (YAML), opt.txt.
 ///
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
 /// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists in
-/// brackets, tags (which are ignored). No texts of several lines, no references.
+/// brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
+/// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
 #pragma once
 
-#include <charconv>  // numbers
-#include <optional>  // a key without its value
+#include <algorithm>  // replace
+#include <charconv>   // numbers
+#include <optional>   // a key without its value
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/io/file_value.hpp>
 #include <motionlang/io/json.hpp>
 
@@ -22,9 +26,66 @@ inline std::string below(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : concat_text(path, "/", key);
 }
 
+/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is refused.
+class OptionValues {
+ public:
+  OptionValues(std::string_view text, std::string_view file) : file_(file) {
+    if (text.size() > most_text) raise<io_error>(405, file_, ": ", text.size(), " bytes of options, at most ", most_text);
+  }
+  template <class T>
+  void add(const std::string& path, T value) {
+    const std::size_t cost = 3 * sizeof(FileValue) + path.size();
+    if (cost > left_) raise<io_error>(405, file_, ": more options than a file of options has");
+    left_ -= cost;
+    values_.push_back({path, std::move(value)});
+  }
+  /// A plain or quoted text as what it means; nothing if it means that there is no value.
+  void add_text(const std::string& path, std::string_view text);
+
+  bool empty() const { return values_.empty(); }
+  std::vector<FileValue> take() { return std::move(values_); }
+
+ private:
+  static constexpr std::size_t most_text = std::size_t{1} << 20;
+  std::string_view file_;
+  std::vector<FileValue> values_;
+  std::size_t left_ = std::size_t{24} << 20;  // bytes
+};
+
+inline bool is_quoted(std::string_view text) {
+  return text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
+}
+/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the double kind.
+inline std::string unquoted(std::string_view text) {
+  const char quote = text.front();
+  text = text.substr(1, text.size() - 2);
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escape = text[i] == (quote == '"' ? '\\' : '\'') && i + 1 < text.size();
+    if (!escape) {
+      out += text[i];
+      continue;
+    }
+    const char c = text[++i];
+    out += quote == '"' && c == 'n' ? '\n' : quote == '"' && c == 't' ? '\t' : c;
+  }
+  return out;
+}
+inline void OptionValues::add_text(const std::string& path, std::string_view text) {
+  if (text == "null" || text == "~" || text == "{}") return;
+  if (text == "true" || text == "false") return add(path, text == "true");
+  const char* const end = text.data() + text.size();
+  std::int64_t integer = 0;
+  if (!text.empty() && std::from_chars(text.data(), end, integer).ptr == end) return add(path, integer);
+  double real = 0;
+  const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == text.npos;
+  if (number && std::from_chars(text.data(), end, real).ptr == end) return add(path, real);
+  add(path, is_quoted(text) ? unquoted(text) : std::string(text));
+}
+
 class YamlReader {
  public:
-  YamlReader(std::string_view text, std::string_view file) : file_(file) {
+  YamlReader(std::string_view text, std::string_view file) : values(text, file), file_(file) {
     levels_.push_back({0, "", false, 0});
     while (!text.empty()) {
       ++line_;
@@ -33,7 +94,7 @@ class YamlReader {
       text.remove_prefix(std::min(end + 1, text.size()));
     }
   }
-  std::vector<FileValue> values;
+  OptionValues values;
 
  private:
   static constexpr std::size_t deepest = 64;
@@ -50,6 +111,7 @@ class YamlReader {
 
   [[noreturn]] void fail(int id, std::string_view what) const { raise<io_error>(id, file_, ":", line_, ": ", what); }
 
+  static bool is_quote(char c) { return c == '"' || c == '\''; }
   static std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \r"), last = text.find_last_not_of(" \r");
     return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
@@ -59,7 +121,7 @@ class YamlReader {
     for (std::size_t i = 0; i < line.size(); ++i) {
       if (quote != 0) {
         if (line[i] == quote) quote = 0;
-      } else if ((line[i] == '"' || line[i] == '\'') && (i == 0 || line[i - 1] == ' ')) {
+      } else if (is_quote(line[i]) && (i == 0 || std::string_view(" [,").find(line[i - 1]) != std::string_view::npos)) {
         quote = line[i];
       } else if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) {
         return line.substr(0, i);
@@ -109,7 +171,7 @@ class YamlReader {
   /// Position of the colon behind a key.
   static std::size_t key_end(std::string_view text) {
     std::size_t from = 0;
-    if (text[0] == '"' || text[0] == '\'') from = std::min(text.find(text[0], 1), text.size());
+    if (is_quote(text[0])) from = std::min(text.find(text[0], 1), text.size());
     for (std::size_t at = text.find(':', from); at != text.npos; at = text.find(':', at + 1)) {
       if (at + 1 == text.size() || text[at + 1] == ' ') return at;
     }
@@ -118,8 +180,9 @@ class YamlReader {
   void read_key(std::string_view text, std::size_t indent) {
     const std::size_t colon = key_end(text);
     if (colon == text.npos) fail(403, "a key with a colon expected");
-    read_value(below(levels_.back().path, unquoted(trimmed(text.substr(0, colon)))), trimmed(text.substr(colon + 1)),
-               indent);
+    const std::string_view key = trimmed(text.substr(0, colon));
+    read_value(below(levels_.back().path, is_quoted(key) ? unquoted(key) : std::string(key)),
+               trimmed(text.substr(colon + 1)), indent);
   }
 
   void read_value(const std::string& path, std::string_view text, std::size_t indent) {
@@ -132,31 +195,28 @@ class YamlReader {
     } else if (text[0] == '[' && text.back() == ']') {
       text = text.substr(1, text.size() - 2);
       for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
-        const std::size_t comma = std::min(text.find(','), text.size());
+        const std::size_t comma = comma_outside_quotes(text);
         const std::string_view element = trimmed(text.substr(0, comma));
         if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
-        add(below(path, concat_text(i)), element);
+        values.add_text(below(path, concat_text(i)), element);
         text.remove_prefix(std::min(comma + 1, text.size()));
       }
     } else {
-      add(path, text);
+      values.add_text(path, text);
     }
   }
-  static std::string_view unquoted(std::string_view text) {
-    const bool quoted =
-        text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
-    return quoted ? text.substr(1, text.size() - 2) : text;
-  }
-  void add(const std::string& path, std::string_view text) {
-    if (text == "null" || text == "~" || text == "{}") return;
-    if (text == "true" || text == "false") return values.push_back({path, text == "true"});
-    const char* const end = text.data() + text.size();
-    std::int64_t integer = 0;
-    if (std::from_chars(text.data(), end, integer).ptr == end) return values.push_back({path, integer});
-    double real = 0;
-    const bool number = text.find_first_not_of("0123456789+-.eE") == text.npos;
-    if (number && std::from_chars(text.data(), end, real).ptr == end) return values.push_back({path, real});
-    values.push_back({path, std::string(unquoted(text))});
+  static std::size_t comma_outside_quotes(std::string_view text) {
+    char quote = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (quote != 0) {
+        if (text[i] == quote) quote = 0;
+      } else if (text[i] == ',') {
+        return i;
+      } else if (is_quote(text[i]) && trimmed(text.substr(0, i)).empty()) {
+        quote = text[i];
+      }
+    }
+    return text.size();
   }
 
   std::string_view file_;
@@ -165,29 +225,66 @@ class YamlReader {
   std::optional<Pending> pending_;
 };
 
-inline void add_json_values(const nlohmann::json& value, const std::string& path, std::vector<FileValue>& out) {
-  if (value.is_boolean()) out.push_back({path, value.get<bool>()});
-  if (value.is_number_integer()) out.push_back({path, value.get<std::int64_t>()});
-  if (value.is_number_float()) out.push_back({path, value.get<double>()});
-  if (value.is_string()) out.push_back({path, value.get<std::string>()});
+/// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
+inline constexpr std::string_view option_banner = "----";
+
+/// "key: value" on each line; True and False are truth values.
+inline std::vector<FileValue> parse_option_lines(std::string_view text, std::string_view name) {
+  OptionValues out(text, name);
+  for_each_line(text, [&](std::string_view line, Index number) {
+    const std::size_t last = line.find_last_not_of(" \t");
+    line = line.substr(0, last + 1);  // npos + 1 = 0
+    if (line.empty() || line.starts_with(option_banner)) return;
+    const std::size_t colon = line.find(':');
+    if (colon == line.npos || colon == 0) raise<io_error>(403, name, ":", number, ": 'key: value' expected");
+    const std::string key(line.substr(0, colon));
+    line.remove_prefix(std::min(line.find_first_not_of(' ', colon + 1), line.size()));
+    if (line == "True" || line == "False")
+      out.add(key, line == "True");
+    else
+      out.add_text(key, line);
+  });
+  return out.take();
+}
+
+inline void add_json_values(const nlohmann::json& value, const std::string& path, OptionValues& out) {
+  if (value.is_boolean()) out.add(path, value.get<bool>());
+  if (value.is_number_integer()) out.add(path, value.get<std::int64_t>());
+  if (value.is_number_float()) out.add(path, value.get<double>());
+  if (value.is_string()) out.add(path, value.get<std::string>());
   if (!value.is_structured()) return;
   for (const auto& member : value.items()) add_json_values(member.value(), below(path, member.key()), out);
 }
 
 }  // namespace detail
 
-/// The values of a text, JSON if it begins with a brace. `name` stands in messages.
-/// Throws  io_error 403 with the line if it is malformed, 404 for YAML that is not read
+/// The values of a text, JSON if it begins with a brace, an opt.txt if with a banner. `name` stands in messages.
+/// Throws  io_error 403 with the line if it is malformed, 404 for YAML that is not read, 405 if it is too large
 inline std::vector<FileValue> parse_options(std::string_view text, std::string_view name) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == text.npos || text[first] != '{') return detail::YamlReader(text, name).values;
-  std::vector<FileValue> out;
+  if (first != text.npos && text.substr(first).starts_with(detail::option_banner))
+    return detail::parse_option_lines(text, name);
+  if (first == text.npos || text[first] != '{') return detail::YamlReader(text, name).values.take();
+  detail::OptionValues out(text, name);
   detail::add_json_values(parse_json(text, name), "", out);
-  return out;
+  return out.take();
 }
 /// Throws io_error 401, and as above.
 inline std::vector<FileValue> read_options(const FilePath& path) {
   return parse_options(read_file(path), path.string());
+}
+
+/// The value at a path; if that is a reference "${a.b}", the value at "a/b", and so on. Null if there is none.
+inline const FileValue* find_option(const std::vector<FileValue>& values, std::string_view path) {
+  const FileValue* found = find_value(values, path);
+  for (int step = 0; found != nullptr && step < 8; ++step) {
+    const std::string* text = std::get_if<std::string>(&found->value);
+    if (text == nullptr || !text->starts_with("${") || !text->ends_with('}')) return found;
+    std::string target = text->substr(2, text->size() - 3);
+    std::replace(target.begin(), target.end(), '.', '/');
+    found = find_value(values, target);
+  }
+  return nullptr;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -165,6 +165,8 @@ class Pickle {
     for (const detail::PickleRef ref : machine_->persistent()) out.push_back({*machine_, ref});
     return out;
   }
+  /// Of the bytes that it was allowed.
+  std::uint64_t memory_left() const { return machine_->memory_left(); }
   /// Offset behind the pickle.
   std::uint64_t end() const { return machine_->position(); }
 

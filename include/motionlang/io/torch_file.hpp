@@ -258,8 +258,8 @@ class TorchTensors {
 /// Five pickles in a row and the storages behind them. `Storages` are filled; the pickle of the object is given back.
 inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::string& name, TorchTensors& tensors,
                                 const std::shared_ptr<TensorMemory>& memory) {
-  const auto part = [&](std::uint64_t start, bool persistent = false) {
-    return Pickle(bytes, name, {.persistent_ids = persistent}, memory, start);
+  const auto part = [&](std::uint64_t start, bool persistent = false, std::uint64_t most = 0) {
+    return Pickle(bytes, name, {.persistent_ids = persistent, .max_memory = most}, memory, start);
   };
   const auto end_of_version = [&] {  // of these two pickles nothing is kept
     const Pickle version = part(torch_legacy_magic.size());
@@ -282,7 +282,8 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
     memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
     element_size.emplace(id[2].text(), dtype ? bytes_of(*dtype) : 1);
   }
-  const Pickle keys = part(object.end());
+  // Both are held at the same time: together they may need what one may.
+  const Pickle keys = part(object.end(), false, std::max<std::uint64_t>(1, object.memory_left()));
   std::uint64_t at = keys.end();
   for (std::size_t i = 0; i < keys.root().size(); ++i) {
     const PickleValue key = keys.root()[i];

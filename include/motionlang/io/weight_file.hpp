@@ -13,13 +13,13 @@
 /// Source   spec weights.md
 #pragma once
 
-#include <filesystem>  // folders
-#include <set>         // skipped classes
+#include <set>  // skipped classes
 
 #include <motionlang/io/file_value.hpp>
 #include <motionlang/io/gzip.hpp>
 #include <motionlang/io/npz.hpp>
 #include <motionlang/io/pickle_arrays.hpp>
+#include <motionlang/io/run_folder.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/io/torch_file.hpp>
 
@@ -43,8 +43,8 @@ class WeightReader;
 /// PyTorch's files and with '/' in others; a tensor on its own is called "array".
 class WeightFile : public TensorSet {
  public:
-  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "TMR run folder", "ACTOR run
-  /// folder" or "folder".
+  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder", or "TMR run
+  /// folder" and the like.
   const std::string& format() const { return format_; }
   /// The first 10,000 of them, in the order of the file.
   const std::vector<FileValue>& values() const { return values_; }
@@ -66,7 +66,10 @@ class WeightFile : public TensorSet {
       : TensorSet(std::move(name), std::move(owner)), format_(std::move(format)) {}
 
   static WeightFile from_safetensors(SafetensorsFile file);
-  static WeightFile from_folder(const std::filesystem::path& folder, const WeightOptions& options);
+  static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
+  static WeightFile from_run(const RunFolder& run, const WeightOptions& options);
+  /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
+  void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);
   void sort_tensors() {
     detail::sort(tensors_, [](const TensorView& a, const TensorView& b) { return a.name < b.name; });
     for (std::size_t i = 1; i < tensors_.size(); ++i) {
@@ -156,8 +159,13 @@ class WeightReader {
 
   // Walking through a pickle.
 
+  /// An account of time: as many values as the file justifies. What takes longer than looking at one counts as more.
+  void spend_visits(const PickleValue& v, std::uint64_t count = 1) {
+    if (visits_left_ < count) v.fail(405, "more values to look at than the file justifies");
+    visits_left_ -= count;
+  }
   void visit(const PickleValue& v) {
-    if (visits_left_-- == 0) v.fail(405, "more values to look at than the file justifies");
+    spend_visits(v);
     if (path_.size() > deepest || depth_ > 4 * deepest) return;
     ++depth_;
     visit_kind(v);
@@ -202,8 +210,20 @@ class WeightReader {
     for (std::size_t i = 0; i < v.size(); ++i) visit_at(concat_text(i), v[i]);
   }
 
+  /// Entry of a dictionary that many objects may share.
+  std::optional<PickleValue> find_counted(const PickleValue& dict, std::string_view key) {
+    spend_visits(dict, dict.size() / 8);
+    return dict.find(key);
+  }
+  /// What an object of omegaconf stands for.
+  std::optional<PickleValue> content(const PickleValue& state) {
+    const auto inner = find_counted(state, "_content");
+    return inner ? inner : find_counted(state, "_val");
+  }
+
   void visit_object(const PickleValue& v) {
     const std::string name = v.name();
+    spend_visits(v, name.size() / 256);
     const auto state = v.has_state() && v.state().is(PickleKind::dict) ? std::optional(v.state()) : std::nullopt;
     if (TorchFile::is_tensor(v)) {
       if (selected()) attempt(name, [&] { add_tensor(torch_->tensor(v)); });
@@ -214,8 +234,8 @@ class WeightReader {
       attempt(name, [&] { add_array(pickled_array(v), is_joblib_array(v)); });
     } else if (name.starts_with("chumpy.") || name.starts_with("scipy.sparse.")) {
       if (selected()) attempt(name, [&] { add_copy(to_array(v)); });
-    } else if (name.starts_with("omegaconf.") && state && (state->find("_content") || state->find("_val"))) {
-      visit(state->find("_content") ? (*state)["_content"] : (*state)["_val"]);
+    } else if (const auto inner = name.starts_with("omegaconf.") && state ? content(*state) : std::nullopt) {
+      visit(*inner);
     } else if (name.starts_with("pathlib.")) {
       add_path(v.arguments());
     } else if (name == "torch.Size" || name == "torch.device") {
@@ -234,9 +254,11 @@ class WeightReader {
   /// Runs `read`; what is not supported is passed over, and so is whatever is wrong where no tensors are wanted.
   template <class F>
   void attempt(const std::string& name, F read) {
+    constexpr std::uint64_t visits_of_a_failure = 50;
     try {
       read();
     } catch (const io_error& e) {
+      visits_left_ -= std::min(visits_left_, visits_of_a_failure);
       if (selected() && e.id() != 404) throw;
       if (selected() && options_.strict) throw;
       skip(name, "");
@@ -485,61 +507,62 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   return out;
 }
 
-/// The files of a training run, each under the name of its part: TMR's (last_weights/motion_encoder.pt as "motion_encoder.",
-/// stats/mean.pt as "stats.mean"), ACTOR's (the last checkpoint_NNNN.pth.tar, if there are no .pt files), or any folder of .pt files.
-/// A weights.safetensors or model.safetensors is taken alone.
-inline WeightFile WeightFile::from_folder(const std::filesystem::path& folder, const WeightOptions& options) {
-  namespace fs = std::filesystem;
-  const auto ends_with = [](const fs::path& p, std::string_view end) { return p.filename().string().ends_with(end); };
-  const auto listed = [&](const fs::path& where) {
-    std::vector<fs::path> out;
-    std::error_code problem;
-    for (const auto& entry : fs::directory_iterator(where, problem)) out.push_back(entry.path());
-    if (problem) raise<io_error>(401, "cannot list ", where.string(), ": ", problem.message());
-    detail::sort(out, [](const fs::path& a, const fs::path& b) { return a < b; });
-    return out;
-  };
-  std::map<std::string, fs::path> parts;  // by the beginning of the names of their tensors
-  fs::path weights, checkpoint, whole;
-  for (const fs::path& p : listed(folder)) {
-    const std::string name = p.filename().string();
-    if (std::error_code ignored; fs::is_directory(p, ignored)) {
-      if (name.ends_with("_weights") && weights.filename() != "last_weights") weights = p;
-      if (name != "stats" && !name.ends_with("_stats")) continue;
-      for (const fs::path& file : listed(p)) {
-        if (ends_with(file, ".pt")) parts[name + "." + file.stem().string()] = file;
-      }
-    } else if (name.ends_with(".pt")) {
-      parts[p.stem().string()] = p;
-    } else if (name.starts_with("checkpoint_") && name.ends_with(".pth.tar")) {
-      checkpoint = p;
-    } else if (name == "weights.safetensors" || name == "model.safetensors") {
-      whole = p;
-    }
+inline void WeightFile::add(const WeightFile& file, const std::string& prefix,
+                            std::vector<std::shared_ptr<const void>>& owners) {
+  owners.push_back(file.owner());
+  for (TensorView t : file.tensors()) {
+    if (!prefix.empty()) t.name = t.name == "array" ? prefix : prefix + "." + t.name;
+    tensors_.push_back(std::move(t));
   }
-  if (!weights.empty()) {
-    for (const fs::path& file : listed(weights)) {
-      if (ends_with(file, ".pt")) parts[file.stem().string()] = file;
-    }
-  }
-  if (!whole.empty() || (!checkpoint.empty() && parts.empty())) {
-    WeightFile file = open_weights(whole.empty() ? checkpoint : whole, options);
-    if (whole.empty()) file.format_ = "ACTOR run folder";
-    return file;
-  }
-  if (parts.empty()) raise<io_error>(404, folder.string(), ": no weights in this folder (.pt, .pth.tar, .safetensors)");
+  for (const FileValue& v : file.values()) values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
+  skipped_.insert(file.skipped().begin(), file.skipped().end());
+}
+
+/// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
+inline WeightFile WeightFile::from_shards(const FilePath& index, const WeightOptions& options) {
+  const auto document = read_json(index);
+  const auto map = JsonView(document, index.string())["weight_map"].as<std::map<std::string, std::string>>();
+  if (map.empty()) raise<io_error>(406, index.string(), ": weight_map names no tensors");
   const auto owners = std::make_shared<std::vector<std::shared_ptr<const void>>>();
-  WeightFile out(folder.string(), owners, weights.empty() ? "folder" : "TMR run folder");
-  for (const auto& [part, path] : parts) {
-    const WeightFile file = open_weights(path, options);
-    owners->push_back(file.owner());
-    for (TensorView t : file.tensors()) {
-      t.name = t.name == "array" ? part : part + "." + t.name;
-      out.tensors_.push_back(std::move(t));
-    }
-    for (const FileValue& v : file.values()) out.values_.push_back({part + "/" + v.path, v.value});
-    out.skipped_.insert(file.skipped().begin(), file.skipped().end());
+  WeightFile out(index.string(), owners, "shards");
+  std::map<std::string, std::vector<std::string>> files;
+  for (const auto& [tensor, file] : map) files[file].push_back(tensor);
+  const auto folder = std::filesystem::path(index.string()).parent_path();
+  for (const auto& [name, tensors] : files) {
+    if (name.empty() || name == ".." || name.find_first_of(std::string_view("/\\\0", 3)) != name.npos)
+      raise<io_error>(403, index.string(), ": '", name, "' is no name of a file in the same folder");
+    const auto bytes = MappedFile::open(folder / name);
+    const WeightFile shard = from_bytes(bytes->bytes(), (folder / name).string(), bytes, options);
+    owners->push_back(shard.owner());
+    for (const std::string& tensor : tensors) out.tensors_.push_back(shard.tensor(tensor));
+    out.skipped_.insert(shard.skipped().begin(), shard.skipped().end());
   }
+  out.sort_tensors();
+  return out;
+}
+
+/// The files of a training run: its weights under their own names, parts and statistics (TMR's last_weights/motion_encoder.pt,
+/// stats/mean.pt) behind the name of the part: "motion_encoder.tokens", "stats.mean".
+inline WeightFile WeightFile::from_run(const RunFolder& run, const WeightOptions& options) {
+  if (run.weights.empty() && run.parts.empty())
+    raise<io_error>(404, run.folder.string(), ": no weights in this folder (.pt, .ckpt, .tar, .safetensors)");
+  if (run.parts.empty() && (run.system.empty() || run.system == "motionlang" || run.system == "hugging face"))
+    return open_weights(run.weights, options);
+  std::string format = "folder";
+  for (const auto& [system, name] : {std::pair<std::string_view, const char*>{"stmc", "STMC run folder"},
+                                     {"tmr", "TMR run folder"},
+                                     {"mdm", "MDM run folder"},
+                                     {"actor", "ACTOR run folder"},
+                                     {"temos", "TEMOS run folder"},
+                                     {"motiondiffuse", "MotionDiffuse run folder"},
+                                     {"tm2t", "TM2T run folder"}}) {
+    if (run.system == system) format = name;
+  }
+  const auto owners = std::make_shared<std::vector<std::shared_ptr<const void>>>();
+  WeightFile out(run.folder.string(), owners, std::move(format));
+  if (!run.weights.empty()) out.add(open_weights(run.weights, options), "", *owners);
+  const WeightOptions own{.path = run.weights.empty() ? options.path : std::nullopt, .strict = options.strict};
+  for (const auto& [part, path] : run.parts) out.add(open_weights(path, own), part, *owners);
   out.sort_tensors();
   return out;
 }
@@ -551,11 +574,12 @@ inline bool may_be_weights(const FilePath& path) {
          detail::begins_weights(MappedFile::open(path)->bytes());
 }
 
-/// Opens a file, or the folder of a training run.
-/// Throws  io_error 401 if it cannot be opened, and what WeightFile::from_bytes throws
+/// Opens a file, the index.json of weights in shards, or the folder of a training run (io/run_folder.hpp).
+/// Throws  io_error 401 if it cannot be opened, 406 if a shard lacks a tensor, and what WeightFile::from_bytes and find_run throw
 inline WeightFile open_weights(const FilePath& path, const WeightOptions& options) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_folder(path.string(), options);
+  if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_run(find_run(path), options);
+  if (path.string().ends_with(".index.json")) return WeightFile::from_shards(path, options);
   const auto file = MappedFile::open(path);
   return WeightFile::from_bytes(file->bytes(), path.string(), file, options);
 }

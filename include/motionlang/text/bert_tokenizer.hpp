@@ -72,7 +72,7 @@ class BertTokenizer {
     if (options_.pair_has_two_ends) pair_.push_back({token, end_, 0});
     pair_.insert(pair_.end(), {{text_b, 0, second}, {token, end_, second}});
     set_added(added ? std::move(*added) : specials(), source);
-    require_room(source);
+    require_room(single_, pair_, source);
   }
 
   const BertTokenizerOptions& options() const { return options_; }
@@ -98,8 +98,8 @@ class BertTokenizer {
         if (part.kind == FramePart::token) require_id(part.id, source);
       }
     }
+    require_room(single, pair, source);
     single_ = std::move(single), pair_ = std::move(pair);
-    require_room(source);
   }
 
   /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
@@ -248,8 +248,8 @@ class BertTokenizer {
   void require_id(Index id, std::string_view source) const {
     if (id < 0 || id >= size()) raise<config_error>(107, source, ": id ", id, " among ", size(), " pieces");
   }
-  void require_room(std::string_view source) const {
-    const std::size_t frame = std::max(detail::frame_size(single_), detail::frame_size(pair_));
+  void require_room(std::span<const FramePart> single, std::span<const FramePart> pair, std::string_view source) const {
+    const std::size_t frame = std::max(detail::frame_size(single), detail::frame_size(pair));
     if (options_.longest < static_cast<Index>(frame))
       raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ", frame);
   }

@@ -1,7 +1,8 @@
 // Files of weights: what open_weights finds in every format, what it skips, and what it refuses. The golden cases "container read"
 // and "container reject" have many more files. Samples are made by tests/tools/make_weights.py.
+#include <ctime>
+
 #include <motionlang/io/key_report.hpp>
-#include <motionlang/io/options_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 
 #include "../../support/check_error.hpp"
@@ -153,6 +154,24 @@ TEST_CASE("what asks for more than the file justifies is refused") {
   CHECK_ERROR(ml::open_weights(tests / "unit"), "no weights in this folder");
 }
 
+TEST_CASE("objects that share a large state, and numbers of NumPy that cannot be read, end in time") {
+  const auto refused = [](const std::string& pickle, const ml::WeightOptions& options) {
+    const std::clock_t start = std::clock();
+    const auto bytes = std::as_bytes(std::span(pickle));
+    CHECK_ERROR(ml::WeightFile::from_bytes(bytes, "x.pkl", {}, options), "[motionlang.io.405] x.pkl: more values to look at");
+    CHECK((std::clock() - start) / CLOCKS_PER_SEC < 5);
+  };
+  std::string state("\x80\x02(comegaconf.nodes\nAnyNode\nq\0}q\1(", 34);
+  for (int i = 0; i < 100'000; ++i) state += "K\1K\2";
+  state += 'u';
+  for (int i = 0; i < 200'000; ++i) state += std::string("h\0)Rh\1b", 8);
+  refused(state + "t.", {});
+
+  std::string scalars("\x80\x02}(U\1a}U\1b(cnumpy.core.multiarray\nscalar\nq\0", 44);
+  for (int i = 0; i < 100'000; ++i) scalars += std::string("h\0)R", 4);
+  refused(scalars + "tu.", {.path = "a"});
+}
+
 TEST_CASE("folders of training runs") {
   const auto actor = ml::open_weights(tests / "golden/cases/containers/actor_run");
   CHECK(actor.format() == "ACTOR run folder");
@@ -179,38 +198,4 @@ TEST_CASE("names that do not match are listed with the most similar of the other
         "\n  missing    norm.bias"
         "\n  unexpected encoder.wieght  (the model has encoder.weight)");
   CHECK(to_string(ml::KeyReport{std::vector<std::string>(25, "a"), {}}).ends_with("missing    5 more"));
-}
-
-TEST_CASE("options: YAML as programs write it, and JSON") {
-  const auto options = ml::parse_options(
-      "# a run\n"
-      "name: 'two: words'  # said\n"
-      "model:\n"
-      "  width: 4\n"
-      "  rate: 1.0e-05\n"
-      "  empty:\n"
-      "  parts:\n"
-      "  - a\n"
-      "  - kind: b\n"
-      "    size: 2\n"
-      "flat: [1, 2.5, x]\n"
-      "tagged: !!python/tuple\n"
-      "- true\n",
-      "opt.yaml");
-  std::string all;
-  for (const auto& v : options) all += v.path + "=" + to_string(v) + " ";
-  CHECK(all ==
-        "name=two: words model/width=4 model/rate=1e-05 model/parts/0=a model/parts/1/kind=b model/parts/1/size=2 "
-        "flat/0=1 "
-        "flat/1=2.5 flat/2=x tagged/0=true ");
-  CHECK(std::get<double>(ml::find_value(options, "model/rate")->value) == 1e-5);
-  CHECK_ERROR(ml::parse_options("a: 1\n  b: 2\n", "x"), "[motionlang.io.403] x:2: indentation");
-  CHECK_ERROR(ml::parse_options("a: |\n  b\n", "x"), "[motionlang.io.404] x:1");
-  CHECK_ERROR(ml::parse_options("a\n", "x"), "a key with a colon");
-  CHECK_ERROR(ml::parse_options("a: [[1, 2], [3]]\n", "x"), "[motionlang.io.404] x:1: brackets in brackets");
-  std::string items;
-  for (int i = 0; i < 100; ++i) items += "- ";
-  CHECK_ERROR(ml::parse_options(items + "1\n", "x"), "[motionlang.io.405] x:1: nested too deeply");
-  const auto json = ml::parse_options(R"({"a": {"b": [1, "t"]}, "c": null})", "x");
-  CHECK((json.size() == 2 && json[1].path == "a/b/1" && std::get<std::string>(json[1].value) == "t"));
 }

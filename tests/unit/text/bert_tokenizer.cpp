@@ -140,3 +140,13 @@ TEST_CASE("a copy of a tokenizer outlives it") {
   first.reset();
   CHECK(second.encode("a person") == Ids{2, 5, 6, 3});
 }
+
+TEST_CASE("frames that do not fit leave the tokenizer as it was") {
+  ml::BertTokenizerOptions options;
+  options.longest = 4;
+  ml::BertTokenizer bert({"[UNK]", "[CLS]", "[SEP]", "a"}, options);
+  const auto before = bert.encode("a");
+  const std::vector<ml::FramePart> long_frame(5, {ml::FramePart::token, 1});
+  CHECK_THROWS_AS(bert.set_frames(long_frame, long_frame, "x"), ml::config_error);
+  CHECK(bert.encode("a") == before);
+}

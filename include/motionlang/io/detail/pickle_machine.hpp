@@ -84,6 +84,7 @@ class PickleMachine {
   const std::string& file() const { return file_; }
   const PickleNode& node(PickleRef ref) const { return nodes_[ref]; }
   std::uint64_t position() const { return position_; }
+  std::uint64_t memory_left() const { return memory_; }
   /// Values that stand for something outside of the pickle, in the order of the file.
   const std::vector<PickleRef>& persistent() const { return persistent_; }
 

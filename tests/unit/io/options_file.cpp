@@ -1,0 +1,106 @@
+// Options of training runs: YAML, JSON, opt.txt, references.
+#include <motionlang/io/options_file.hpp>
+
+#include "../../support/check_error.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+std::string listed(std::string_view text) {
+  std::string all;
+  for (const ml::FileValue& v : ml::parse_options(text, "x")) all += v.path + "=" + to_string(v) + ";";
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("options: YAML as programs write it, and JSON") {
+  const auto options = ml::parse_options(
+      "# a run\n"
+      "name: 'two: words'  # said\n"
+      "model:\n"
+      "  width: 4\n"
+      "  rate: 1.0e-05\n"
+      "  empty:\n"
+      "  parts:\n"
+      "  - a\n"
+      "  - kind: b\n"
+      "    size: 2\n"
+      "flat: [1, 2.5, x]\n"
+      "tagged: !!python/tuple\n"
+      "- true\n",
+      "opt.yaml");
+  std::string all;
+  for (const auto& v : options) all += v.path + "=" + to_string(v) + " ";
+  CHECK(all ==
+        "name=two: words model/width=4 model/rate=1e-05 model/parts/0=a model/parts/1/kind=b model/parts/1/size=2 "
+        "flat/0=1 "
+        "flat/1=2.5 flat/2=x tagged/0=true ");
+  CHECK(std::get<double>(ml::find_value(options, "model/rate")->value) == 1e-5);
+  CHECK_ERROR(ml::parse_options("a: 1\n  b: 2\n", "x"), "[motionlang.io.403] x:2: indentation");
+  CHECK_ERROR(ml::parse_options("a: |\n  b\n", "x"), "[motionlang.io.404] x:1");
+  CHECK_ERROR(ml::parse_options("a\n", "x"), "a key with a colon");
+  CHECK_ERROR(ml::parse_options("a: [[1, 2], [3]]\n", "x"), "[motionlang.io.404] x:1: brackets in brackets");
+  std::string items;
+  for (int i = 0; i < 100; ++i) items += "- ";
+  CHECK_ERROR(ml::parse_options(items + "1\n", "x"), "[motionlang.io.405] x:1: nested too deeply");
+  const auto json = ml::parse_options(R"({"a": {"b": [1, "t"]}, "c": null})", "x");
+  CHECK((json.size() == 2 && json[1].path == "a/b/1" && std::get<std::string>(json[1].value) == "t"));
+}
+
+TEST_CASE("YAML: quotes hold commas, hashes, brackets and quotes") {
+  CHECK(listed("a: ['one, two', \"three\", 4, 'it''s']\n") == "a/0=one, two;a/1=three;a/2=4;a/3=it's;");
+  CHECK(listed("a: ['x # y', 'z']  # a comment\n") == "a/0=x # y;a/1=z;");
+  CHECK(listed("a: \"tab\\tquote\\\"\"\n") == "a=tab\tquote\";");
+  CHECK(listed("'it''s': 'x'\nb: don't, can't\n") == "it's=x;b=don't, can't;");
+  CHECK(listed("a: ['open, 1]\n") == "a/0='open, 1;");
+  CHECK(listed("a: ''\nb: '5'\nc: -3\n") == "a=;b=5;c=-3;");
+  CHECK(std::holds_alternative<std::string>(ml::parse_options("b: '5'\n", "x").front().value));
+}
+
+TEST_CASE("opt.txt: lines between banners, as text-to-motion, TM2T and MotionDiffuse write them") {
+  const auto options = ml::parse_options(
+      "------------ Options -------------\n"
+      "batch_size: 128\r\n"
+      "dataset_name: t2m\n"
+      "feat_bias: 5\n"
+      "gpu_id: [0]\n"
+      "is_continue: False\n"
+      "is_train: True\n"
+      "lr: 0.0002\n"
+      "name: \n"
+      "time: 12:30\n"
+      "-------------- End ----------------\n",
+      "opt.txt");
+  const auto text = [&](const char* key) { return to_string(*ml::find_value(options, key)); };
+  CHECK(options.size() == 9);
+  CHECK(std::get<std::int64_t>(ml::find_value(options, "batch_size")->value) == 128);
+  CHECK(!std::get<bool>(ml::find_value(options, "is_continue")->value));
+  CHECK(std::get<double>(ml::find_value(options, "lr")->value) == 0.0002);
+  CHECK((text("dataset_name") == "t2m" && text("gpu_id") == "[0]" && text("name").empty() && text("time") == "12:30"));
+  CHECK_ERROR(ml::parse_options("---- Options\nnothing\n", "opt.txt"), "[motionlang.io.403] opt.txt:2: 'key: value'");
+  CHECK_ERROR(ml::parse_options("---- Options\n: 3\n", "opt.txt"), "opt.txt:2");
+}
+
+TEST_CASE("references of OmegaConf lead to other options") {
+  const auto options = ml::parse_options(
+      "latent: ${model.width}\nmodel:\n  width: 256\n  copy: ${latent}\nround: ${again}\nagain: ${round}\n"
+      "none: ${not.there}\n",
+      "config.yaml");
+  CHECK(std::get<std::int64_t>(ml::find_option(options, "latent")->value) == 256);
+  CHECK(std::get<std::int64_t>(ml::find_option(options, "model/copy")->value) == 256);
+  CHECK(ml::find_option(options, "round") == nullptr);
+  CHECK(ml::find_option(options, "none") == nullptr);
+  CHECK(ml::find_option(options, "nothing") == nullptr);
+}
+
+TEST_CASE("options take no more memory than options need") {
+  CHECK_ERROR(ml::parse_options("a: " + std::string(2 << 20, 'x'), "x"), "[motionlang.io.405] x: 2097155 bytes");
+  std::string wide = std::string(100'000, 'k') + ":\n";  // every path is that long
+  for (int i = 0; i < 1000; ++i) wide += " b: 1\n";
+  CHECK_ERROR(ml::parse_options(wide, "x"), "more options than a file of options has");
+  std::string nested = "{\"" + std::string(100'000, 'k') + "\": [0";
+  for (int i = 0; i < 1000; ++i) nested += ",0";
+  CHECK_ERROR(ml::parse_options(nested + "]}", "x"), "[motionlang.io.405]");
+}
