@@ -26,6 +26,7 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/core/rng.hpp>
+#include <motionlang/core/rounding.hpp>
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>
@@ -156,11 +157,6 @@
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
 
-#include <motionlang/metrics/gru_classifier.hpp>
-#include <motionlang/metrics/inspect_motion.hpp>
-#include <motionlang/metrics/motion_quality.hpp>
-#include <motionlang/metrics/stgcn.hpp>
-
 #include <motionlang/compose/alignment.hpp>
 #include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/baselines.hpp>
@@ -180,5 +176,16 @@
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/compose/transition.hpp>
+
+#include <motionlang/metrics/accuracy.hpp>
+#include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/metrics/diversity.hpp>
+#include <motionlang/metrics/frechet.hpp>
+#include <motionlang/metrics/inspect_motion.hpp>
+#include <motionlang/metrics/matching.hpp>
+#include <motionlang/metrics/motion_quality.hpp>
+#include <motionlang/metrics/retrieval.hpp>
+#include <motionlang/metrics/rows.hpp>
+#include <motionlang/metrics/summary.hpp>
 
 #include <motionlang/systems/stmc.hpp>

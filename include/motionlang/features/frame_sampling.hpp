@@ -119,4 +119,23 @@ inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions&
   return out;
 }
 
+/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible start is
+/// never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// Source  SINC, spec sinc.md 5.3
+struct SincWindow {
+  Index request = 300;  // frames to take; 0: all
+  Index shortest = 15;
+  Index longest = 600;  // looked at only where all are taken
+
+  bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
+  /// The largest start that is drawn.
+  Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
+  /// below(n) draws a number of 0 ... n - 1.
+  template <class F>
+  FrameSlice of(Index frames, F below) const {
+    const Index length = request > 0 ? std::min(request, frames) : frames;
+    return {length < frames ? below(largest_start(frames) + 1) : 0, length};
+  }
+};
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

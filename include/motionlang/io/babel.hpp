@@ -12,11 +12,12 @@
 ///         teach.md 4, sinc.md 5
 #pragma once
 
-#include <algorithm>      // stable_sort, find
-#include <array>          // excluded labels
+#include <algorithm>      // stable_sort
 #include <cmath>          // isfinite
 #include <unordered_map>  // spelling
 
+#include <motionlang/compose/babel_segment.hpp>
+#include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/io/detail/annotated_times.hpp>
 #include <motionlang/io/json_members.hpp>
@@ -138,41 +139,37 @@ inline std::string clean_babel_label(std::string_view label, const SpellingTable
   return out;
 }
 
-/// Labels that TEACH and SINC train nothing on.
-inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
-                                                                       "tpose",  "apose",  "transition"};
-inline bool is_babel_excluded(std::string_view label) {
-  return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
+/// The stretches of an annotation in a motion of `frames` frames, in the order of the file and nothing left out:
+/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 for a rate that is
+/// none.
+inline std::vector<BabelSegment> babel_intervals(std::span<const BabelLabel> labels, double fps, Index frames,
+                                                 const SpellingTable& spelling = {}) {
+  if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "babel_intervals: ", fps, " frames per second");
+  const auto frame = [&](double seconds, Index last) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(last)));
+  };
+  std::vector<BabelSegment> out;
+  for (const BabelLabel& label : labels) {
+    out.push_back(
+        {frame(label.start, latest_time), frame(label.end, frames), clean_babel_label(label.proc_label, spelling)});
+  }
+  return out;
 }
-
-/// Frames [start, end) with their text.
-struct BabelSegment {
-  Index start = 0, end = 0;
-  std::string text;
-  bool operator==(const BabelSegment&) const = default;
-};
 
 struct BabelSegmentOptions {
   bool keep_transitions = false;  // TEACH pairs actions by the transition between them
 };
 
-/// The stretches of an annotation in a motion of `frames` frames, sorted by start and end: int(start fps) up to
-/// int(end fps), cut at the end of the motion. Without empty ones, those without text and excluded labels.
-/// Throws config_error 101 for a rate that is none.
+/// Those to train on, sorted by start and end: without empty ones, those without text and excluded labels. Throws
+/// config_error 101 for a rate that is none.
 inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labels, double fps, Index frames,
                                                 const SpellingTable& spelling = {},
                                                 const BabelSegmentOptions& options = {}) {
-  if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "babel_segments: ", fps, " frames per second");
-  const auto frame = [&](double seconds) {
-    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
-  };
-  std::vector<BabelSegment> out;
-  for (const BabelLabel& label : labels) {
-    BabelSegment segment{frame(label.start), frame(label.end), clean_babel_label(label.proc_label, spelling)};
-    const bool transition = options.keep_transitions && segment.text == "transition";
-    if (segment.end > segment.start && !segment.text.empty() && (transition || !is_babel_excluded(segment.text)))
-      out.push_back(std::move(segment));
-  }
+  std::vector<BabelSegment> out = babel_intervals(labels, fps, frames, spelling);
+  std::erase_if(out, [&](const BabelSegment& s) {
+    const bool kept = options.keep_transitions && s.is_transition();
+    return s.end <= s.start || s.text.empty() || (is_babel_excluded(s.text) && !kept);
+  });
   std::stable_sort(out.begin(), out.end(), [](const BabelSegment& a, const BabelSegment& b) {
     return std::pair(a.start, a.end) < std::pair(b.start, b.end);
   });

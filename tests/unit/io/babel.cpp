@@ -82,7 +82,7 @@ TEST_CASE("BABEL: stretches of a motion are sorted, cut at its end, cleaned, and
   CHECK(ml::babel_segments(labels, 30, 60) == Segments{{39, 60, "walk"}});
   CHECK(ml::babel_segments(labels, 30, 0).empty());
   CHECK(ml::babel_segments(labels, 100, 1000)[0] == ml::BabelSegment{101, 103, "look"});
-  CHECK_ERROR(ml::babel_segments(labels, 0, 60), "[motionlang.config.101] babel_segments");
+  CHECK_ERROR(ml::babel_segments(labels, 0, 60), "[motionlang.config.101] babel_intervals");
   for (const char* excluded : {"t-pose", "a-pose", "a pose", "t pose", "tpose", "apose", "transition"}) {
     CHECK(ml::is_babel_excluded(excluded));
   }

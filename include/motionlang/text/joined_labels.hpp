@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// One sentence out of the labels of actions that happen at once, in the five ways of SINC.
+///
+///     join_labels(labels, Conjunction::same_time)   // "walk and wave at the same time"
+///
+/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a callable
+/// sentence -> words with their tags. Without one the words stay as they are.
+///
+/// Source   SINC (Athanasiou et al., ICCV 2023), rule_based_concat, gerund_augment; spec sinc.md 4
+/// Differs  the paper's evaluation says "while", its code "and ... at the same time"
+#pragma once
+
+#include <span>         // labels
+#include <string_view>  // sentences
+#include <type_traits>  // whether there is a tagger
+#include <vector>       // words
+
+#include <motionlang/text/tagged_word.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// In the order in which training draws them.
+enum class Conjunction { while_, simultaneously, comma, same_time, during };
+
+/// A tagger that knows no words: the sentence stays as it is.
+struct NoTagger {};
+
+/// The words joined by single blanks, "ing" after the second verb unless it ends so. Naive as published: "run" becomes
+/// "runing". Of a word its form in the sentence is wanted, not its lemma; verbs have the tag "VERB".
+inline std::string second_verb_to_gerund(std::span<const TaggedWord> words) {
+  std::string out;
+  int verbs = 0;
+  for (const TaggedWord& w : words) {
+    if (!out.empty()) out += ' ';
+    out += w.word;
+    if (w.tag == "VERB" && ++verbs == 2 && !w.word.ends_with("ing")) out += "ing";
+  }
+  return out;
+}
+
+/// No label: an empty sentence.
+template <class Tagger = NoTagger>
+std::string join_labels(std::span<const std::string> labels, Conjunction conjunction, Tagger&& tagger = {}) {
+  using enum Conjunction;
+  const bool several = labels.size() > 1;
+  const std::string_view between = conjunction == while_   ? " while "
+                                   : conjunction == during ? " during "
+                                   : conjunction == comma  ? ", "
+                                                           : " and ";
+  std::string out;
+  for (const std::string& label : labels) {
+    if (&label != labels.data()) out += between;
+    out += label;
+  }
+  if (several && conjunction == simultaneously) out = "simultaneously " + out;
+  if (several && conjunction == same_time) out += " at the same time";
+  if constexpr (!std::is_same_v<std::remove_cvref_t<Tagger>, NoTagger>) {
+    if (!labels.empty() && (conjunction == while_ || conjunction == during)) {
+      const std::vector<TaggedWord> words = tagger(std::string_view(out));
+      return second_verb_to_gerund(words);
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
