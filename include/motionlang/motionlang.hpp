@@ -181,11 +181,13 @@
 #include <motionlang/metrics/ape_ave.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
+#include <motionlang/metrics/gru_classifier.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
+#include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/summary.hpp>
 
 #include <motionlang/systems/stmc.hpp>
