@@ -162,9 +162,9 @@ TEST_CASE("objects that share a large state, and numbers of NumPy that cannot be
     CHECK((std::clock() - start) / CLOCKS_PER_SEC < 5);
   };
   std::string state("\x80\x02(comegaconf.nodes\nAnyNode\nq\0}q\1(", 34);
-  for (int i = 0; i < 100'000; ++i) state += "K\1K\2";
+  for (int i = 0; i < 20'000; ++i) state += "K\1K\2";
   state += 'u';
-  for (int i = 0; i < 200'000; ++i) state += std::string("h\0)Rh\1b", 8);
+  for (int i = 0; i < 50'000; ++i) state += std::string("h\0)Rh\1b", 7);
   refused(state + "t.", {});
 
   std::string scalars("\x80\x02}(U\1a}U\1b(cnumpy.core.multiarray\nscalar\nq\0", 44);
