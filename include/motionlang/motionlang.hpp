@@ -106,8 +106,11 @@
 #include <motionlang/nn/transformer_encoder.hpp>
 
 #include <motionlang/loss/cross_entropy.hpp>
+#include <motionlang/loss/false_negatives.hpp>
 #include <motionlang/loss/info_nce.hpp>
 #include <motionlang/loss/kl.hpp>
+#include <motionlang/loss/loss_terms.hpp>
+#include <motionlang/loss/margin.hpp>
 #include <motionlang/loss/reconstruction.hpp>
 
 #include <motionlang/optim/adamw.hpp>
@@ -129,6 +132,11 @@
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>
+
+#include <motionlang/vae/temos_encoder.hpp>
+#include <motionlang/vae/temos_gru.hpp>
+#include <motionlang/vae/text_motion.hpp>
+#include <motionlang/vae/tmr_encoder.hpp>
 
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/gaussian.hpp>
@@ -191,3 +199,5 @@
 #include <motionlang/metrics/summary.hpp>
 
 #include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/temos.hpp>
+#include <motionlang/systems/tmr.hpp>

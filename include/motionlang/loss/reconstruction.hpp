@@ -13,12 +13,19 @@ Tensor<B, 0> mse(const Tensor<B, R>& a, const Tensor<B, R>& b) {
   return mean(square(a - b));
 }
 
+namespace detail {
+/// d^2 / 2 where |d| < 1, else |d| - 1/2.
+template <Backend B, int R>
+Tensor<B, R> huber(const Tensor<B, R>& difference) {
+  const auto d = abs(difference);
+  return where_less(d, Tensor<B, R>(1.0), square(d) * 0.5, d - 0.5);
+}
+}  // namespace detail
+
 /// Huber's loss with threshold 1, averaged: d^2 / 2 where |d| < 1, else |d| - 1/2.
 template <Backend B, int R>
 Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
-  const auto d = abs(a - b);
-  const Tensor<B, R> one(1.0);
-  return mean(where_less(d, one, square(d) * 0.5, d - 0.5));
+  return mean(detail::huber(a - b));
 }
 
 /// Sum of squares over the rows, divided by what a padded batch would have divided by: sequences * longest * width.
@@ -28,6 +35,13 @@ template <Backend B>
 Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b) {
   const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
   return sum(square(a.rows - b)) * (1.0 / n);
+}
+
+/// smooth_l1 with the same mean over a padded batch. Source  spec temos.md 6.1, tmr.md 6.1
+template <Backend B>
+Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b) {
+  const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
+  return sum(detail::huber(a.rows - b)) * (1.0 / n);
 }
 
 /// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).

@@ -33,6 +33,20 @@ struct LatentGaussian {
   }
 };
 
+/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the other.
+/// Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
+template <Backend B>
+Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Index count) {
+  if (a.shape() != b.shape() || a.size(0) != 1)
+    raise<shape_error>(204, "interpolate_rows: from ", a.shape(), " to ", b.shape());
+  if (count < 2) raise<config_error>(101, "interpolate_rows: ", count, " rows");
+  std::vector<typename B::scalar> u;
+  for (Index i = 0; i < count; ++i)
+    u.push_back(static_cast<typename B::scalar>(static_cast<double>(i) / static_cast<double>(count - 1)));
+  const auto share = Tensor<B, 2>::from(u, {count, 1});
+  return a * (1.0 - share) + b * share;
+}
+
 /// A stack whose layers all begin with the same numbers, as PyTorch's stacks do, which copy one layer.
 template <class Stack>
 Stack copied_layers(const TransformerConfig& c, Rng auto& rng) {

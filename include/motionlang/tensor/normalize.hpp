@@ -14,4 +14,11 @@ Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
   return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
 }
 
+/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 where a row is zero. Every element is summed in the same order, so that equal rows
+/// have equal similarities bit by bit: ranks count ties.
+template <Backend B>
+Tensor<B, 2> cosine_similarity(const Tensor<B, 2>& x, const Tensor<B, 2>& y) {
+  return matmul(normalize_rows(x), normalize_rows(y), {.transpose_b = true});
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

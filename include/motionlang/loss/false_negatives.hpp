@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// Pairs of a batch that contrastive losses must not push apart, because their texts say nearly the same.
+#pragma once
+
+#include <motionlang/tensor/tensor.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+///     filtered_ij = i != j and <t_i, t_j> > 2 threshold - 1
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; the threshold is given in [0, 1] and mapped to [-1, 1], as the
+///          published code does
+/// sentences  (batch, width), rows of length 1. threshold 0: nothing is filtered
+/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the threshold: the published
+///          code filters it below 0.5, and its loss is NaN
+/// Throws   config_error 101 unless 0 <= threshold <= 1
+template <Backend B>
+std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double threshold) {
+  if (!(threshold >= 0 && threshold <= 1)) raise<config_error>(101, "false_negatives: threshold ", threshold);
+  if (threshold == 0) return {};
+  const auto n = static_cast<std::size_t>(sentences.size(0)), width = static_cast<std::size_t>(sentences.size(1));
+  const auto t = sentences.span();
+  std::vector<unsigned char> filtered(n * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      double similarity = 0;
+      for (std::size_t k = 0; k < width; ++k)
+        similarity += static_cast<double>(t[i * width + k]) * static_cast<double>(t[j * width + k]);
+      filtered[i * n + j] = filtered[j * n + i] = similarity > 2 * threshold - 1 ? 1 : 0;
+    }
+  }
+  return filtered;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

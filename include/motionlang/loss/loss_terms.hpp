@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// A loss of several named and weighted terms.
+#pragma once
+
+#include <string>       // names
+#include <string_view>  // beginnings of names
+#include <vector>       // terms
+
+#include <motionlang/tensor/ops.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct LossTerms {
+  struct Term {
+    std::string name;
+    double weight = 1;
+    Tensor<B, 0> value;  // without the weight
+  };
+  std::vector<Term> terms;
+
+  void add(std::string name, double weight, Tensor<B, 0> value) {
+    terms.push_back({std::move(name), weight, std::move(value)});
+  }
+  ///     sum of weight value
+  Tensor<B, 0> total() const {
+    Tensor<B, 0> sum(0.0);
+    for (const Term& t : terms) sum = sum + t.value * t.weight;
+    return sum;
+  }
+  /// The terms whose names begin so, without their weights.
+  Tensor<B, 0> sum_of(std::string_view beginning) const {
+    Tensor<B, 0> sum(0.0);
+    for (const Term& t : terms) {
+      if (t.name.starts_with(beginning)) sum = sum + t.value;
+    }
+    return sum;
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

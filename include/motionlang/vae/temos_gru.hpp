@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+/// The recurrent encoder and decoder that TEMOS is compared with (thesis table 4.3, first row).
+#pragma once
+
+#include <motionlang/nn/gru.hpp>
+#include <motionlang/nn/sequence_vae.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+///     h = GRU(W x);   mu and logvar from the last frame's h
+/// Source  spec temos.md 10
+template <Backend B>
+struct TemosGruEncoder {
+  Linear<B> skel_embedding;
+  Gru<B> gru;
+  std::optional<Linear<B>> mu, logvar;  // of the variational encoder
+  std::optional<Linear<B>> final;       // of the deterministic one
+
+  static constexpr auto fields() {
+    using M = TemosGruEncoder;
+    return motionlang::fields("skel_embedding", &M::skel_embedding, "gru", &M::gru, "mu", &M::mu, "logvar", &M::logvar,
+                              "final", &M::final);
+  }
+  static std::string official_key(const std::string& path) { return gru_key(path); }
+
+  TemosGruEncoder() = default;
+  TemosGruEncoder(Index nfeats, bool vae, Index width, Index layers, Rng auto& rng)
+      : skel_embedding(nfeats, width, rng), gru(width, width, layers, rng) {
+    if (vae) {
+      mu.emplace(width, width, rng);
+      logvar.emplace(width, width, rng);
+    } else {
+      final.emplace(width, width, rng);
+    }
+  }
+  /// Throws shape_error 203 for a sequence without frames.
+  LatentGaussian<B> operator()(const Sequences<B>& x, const Context& = {}) const {
+    const auto last = last_row(gru(skel_embedding(x)));
+    if (final) return {(*final)(last), {}};
+    return {(*mu)(last), (*logvar)(last)};
+  }
+};
+
+///     h = GRU(W [z, t / (length - 1)]);   frame t = V h_t
+/// Source   spec temos.md 10
+/// Differs  for a single frame: its time is 0, where the published code divides by 0
+template <Backend B>
+struct TemosGruDecoder {
+  Linear<B> emb_layer;
+  Gru<B> gru;
+  Linear<B> final_layer;
+
+  static constexpr auto fields() {
+    using M = TemosGruDecoder;
+    return motionlang::fields("emb_layer", &M::emb_layer, "gru", &M::gru, "final_layer", &M::final_layer);
+  }
+  static std::string official_key(const std::string& path) { return gru_key(path); }
+
+  TemosGruDecoder() = default;
+  TemosGruDecoder(Index nfeats, Index width, Index layers, Rng auto& rng)
+      : emb_layer(width + 1, width, rng), gru(width, width, layers, rng), final_layer(width, nfeats, rng) {}
+
+  /// z (sequences, width)
+  Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& = {}) const {
+    std::vector<typename B::scalar> time;
+    for (Index s = 0; s < lengths.count(); ++s) {
+      const double last = static_cast<double>(std::max<Index>(1, lengths.length(s) - 1));
+      for (Index t = 0; t < lengths.length(s); ++t)
+        time.push_back(static_cast<typename B::scalar>(static_cast<double>(t) / last));
+    }
+    const auto when = Tensor<B, 2>::from(time, {lengths.rows(), 1});
+    return final_layer(gru(emb_layer(Sequences<B>(concat(1, repeat_for_rows(z, lengths), when), lengths))));
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts. TEMOS and TMR.
+///
+///     text   -> N_T -> z_T -> frames      both decoded with the same decoder to the lengths of the motions
+///     motion -> N_M -> z_M -> frames
+#pragma once
+
+#include <motionlang/loss/info_nce.hpp>
+#include <motionlang/loss/kl.hpp>
+#include <motionlang/loss/loss_terms.hpp>
+#include <motionlang/loss/margin.hpp>
+#include <motionlang/loss/reconstruction.hpp>
+#include <motionlang/nn/sequence_vae.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What one modality of a batch became.
+template <Backend B>
+struct LatentBranch {
+  LatentGaussian<B> distribution;
+  Tensor<B, 2> z;         // a sample for each sequence
+  Tensor<B, 2> frames{};  // decoded, packed like the motions; none if nothing is reconstructed
+};
+template <Backend B>
+struct TextMotionBranches {
+  LatentBranch<B> text;
+  std::optional<LatentBranch<B>> motion;  // not where a model has no motion encoder
+};
+
+/// Standard normal numbers for both branches, (sequences, latent) each; z = mu + fact eps std.
+template <Backend B>
+struct TextMotionNoise {
+  Tensor<B, 2> text, motion;
+  double fact = 1;
+
+  static TextMotionNoise draw(Index sequences, Index width, const Philox& rng, double fact = 1) {
+    auto for_text = rng.split("text"), for_motion = rng.split("motion");
+    return {Tensor<B, 2>::randn({sequences, width}, for_text), Tensor<B, 2>::randn({sequences, width}, for_motion),
+            fact};
+  }
+};
+
+/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and `embedding` off, and a
+/// model without motion encoder.
+struct TemosLossOptions {
+  double recons = 1, kl = 1e-5, latent = 1e-5;
+  bool cross_modal_kl = true, gaussian_kl = true;
+  bool embedding = true;         // the term between z_T and z_M; a deterministic model always has it
+  std::string feats = "jfeats";  // in the names of the reconstructions: "rfeats" for rotations
+};
+
+///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch
+///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0, 1))
+///     latent_manifold               smooth_l1(z_T, z_M)
+/// Those terms that model and options have; the names are the published ones.
+/// Source  TEMOS, section 3.3; spec temos.md 6.1
+template <Backend B>
+LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
+                          const TemosLossOptions& options = {}) {
+  LossTerms<B> out;
+  const auto& [text, other] = branches;
+  auto reconstruct = [&](const std::string& from, const LatentBranch<B>& branch) {
+    if (branch.frames.count() > 0)
+      out.add("recons_" + from + "2" + options.feats, options.recons, padded_smooth_l1(motion, branch.frames));
+  };
+  if (other) reconstruct(options.feats, *other);
+  reconstruct("text", text);
+  const auto& t = text.distribution;
+  if (!t.deterministic()) {
+    if (other && options.cross_modal_kl) {
+      const auto& m = other->distribution;
+      out.add("kl_text2motion", options.kl, kl_divergence(t.mu, t.logvar, m.mu, m.logvar));
+      out.add("kl_motion2text", options.kl, kl_divergence(m.mu, m.logvar, t.mu, t.logvar));
+    }
+    if (options.gaussian_kl) {
+      out.add("kl_text", options.kl, kl_to_standard_normal(t.mu, t.logvar));
+      if (other)
+        out.add("kl_motion", options.kl, kl_to_standard_normal(other->distribution.mu, other->distribution.logvar));
+    }
+  }
+  if (other && (options.embedding || t.deterministic()))
+    out.add("latent_manifold", options.latent, smooth_l1(text.z, other->z));
+  return out;
+}
+
+enum class ContrastiveLoss { none, info_nce, margin };
+
+/// Weights of TMR's loss; table 5.3 of the thesis is `contrastive_loss`, and `recons` 0 with a deterministic model.
+struct TmrLossOptions {
+  double recons = 1, kl = 1e-5, latent = 1e-5, contrastive = 0.1;
+  ContrastiveLoss contrastive_loss = ContrastiveLoss::info_nce;
+  double temperature = 0.1;
+  double threshold = 0.8;  // of similar texts, see false_negatives; 0: none are filtered
+  double margin = 10;
+};
+
+/// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
+/// sentences  (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
+/// Source     TMR, section 3.2; spec tmr.md 6.1
+template <Backend B>
+LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
+                        const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {}) {
+  const auto parts = temos_losses(branches, motion);
+  LossTerms<B> out;
+  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
+  if (branches.text.frames.count() > 0) out.add("recons", options.recons, parts.sum_of("recons_"));
+  if (!branches.text.distribution.deterministic()) out.add("kl", options.kl, parts.sum_of("kl_"));
+  out.add("latent", options.latent, parts.sum_of("latent_"));
+  if (options.contrastive_loss == ContrastiveLoss::none) return out;
+  const auto filtered =
+      sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
+  out.add("contrastive", options.contrastive,
+          options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
+                                                              : info_nce(x, y, options.temperature, filtered));
+  return out;
+}
+
+struct LatentSampling {
+  double fact = 1;    // scales the noise
+  bool mean = false;  // mu, without noise
+};
+
+/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and decode(z, lengths).
+/// tokens  a sequence for each text;   lengths  of the motions, one for each text
+/// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and among others
+template <Backend B, class Model>
+std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>& tokens, const Offsets& lengths,
+                                         const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
+  const auto latent = model.encode_text(tokens);
+  std::vector<Sequences<B>> out;
+  for (Index i = 0; i < samples; ++i) {
+    auto noise = rng.split(static_cast<std::uint64_t>(i));
+    const auto eps = Tensor<B, 2>::randn({1, latent.mu.size(1)}, noise);
+    out.push_back(model.decode(
+        sampling.mean ? latent.mu : latent.sample(broadcast_to<2>(eps, latent.mu.shape()), sampling.fact), lengths));
+  }
+  return out;
+}
+
+/// Motions between two texts: `steps` latents on the line from the mean of one to that of the other, all of `length` frames.
+template <Backend B, class Model>
+Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length) {
+  const auto mu = model.encode_text(two_texts).mu;
+  return model.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), Offsets::equal(steps, length));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
