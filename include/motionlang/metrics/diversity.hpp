@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+/// How much generated motions differ from each other: diversity (all of them) and multimodality (those of one action or
+/// text).
+///
+///     NumpyRandom rng(seed);
+///     const double actor_diversity = mean_pair_distance(features, random_pairs(features.size(), 200, rng));
+///     const double actor_modes = mean_pair_distance(features, pairs_within_classes(labels, 12, 20, rng));
+///     const double guo_diversity = mean_pair_distance(embeddings, disjoint_draws(embeddings.size(), 300, rng));
+///     const double guo_modes = multimodality(embeddings, 30, disjoint_draws(30, 10, rng));
+///
+/// Each is the mean of |x_a - x_b| over pairs; the systems differ in how they draw them.
+/// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; references: ACTOR
+///         src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py; specs actor.md 7.4,
+///         evaluation-guo.md 4
+#pragma once
+
+#include <motionlang/core/numpy_random.hpp>
+#include <motionlang/metrics/rows.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Row first[i] is compared with row second[i].
+struct IndexPairs {
+  std::vector<Index> first, second;
+};
+
+/// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the second.
+/// Throws config_error 101 if there is nothing to draw from.
+inline IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng) {
+  IndexPairs out;
+  for (std::vector<Index>* list : {&out.first, &out.second}) {
+    for (Index i = 0; i < count; ++i) list->push_back(static_cast<Index>(rng.randint(0, n)));
+  }
+  return out;
+}
+
+/// Guo's: twice `count` different ones of n; the two draws may meet. Throws config_error 101 unless count < n.
+inline IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng) {
+  if (count >= n) raise<config_error>(101, "disjoint_draws: ", count, " of ", n, "; fewer than there are");
+  IndexPairs out;
+  out.first = rng.choice(n, count);
+  out.second = rng.choice(n, count);
+  return out;
+}
+
+/// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its pairs;
+/// then second ones until the class is the same, which may be the first one itself.
+/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for which
+/// the published loop would not end
+inline IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng) {
+  if (classes < 1 || quota < 1) raise<config_error>(101, "pairs_within_classes: ", quota, " of ", classes, " classes");
+  std::vector<Index> wanted(static_cast<std::size_t>(classes), 0);
+  for (const Index y : labels) {
+    if (y < 0 || y >= classes) raise<shape_error>(203, "pairs_within_classes: label ", y, " of ", classes);
+    wanted[static_cast<std::size_t>(y)] = quota;
+  }
+  for (Index c = 0; c < classes; ++c) {
+    if (wanted[static_cast<std::size_t>(c)] == 0)
+      raise<numeric_error>(302, "pairs_within_classes: no sample of class ", c);
+  }
+  auto draw = [&] { return static_cast<Index>(rng.randint(0, std::ssize(labels))); };
+  auto label = [&](Index i) { return static_cast<std::size_t>(labels[static_cast<std::size_t>(i)]); };
+  IndexPairs out;
+  for (Index left = quota * classes; left > 0;) {
+    const Index first = draw();
+    if (wanted[label(first)] == 0) continue;
+    Index second = draw();
+    while (label(second) != label(first)) second = draw();
+    out.first.push_back(first), out.second.push_back(second);
+    --wanted[label(first)], --left;
+  }
+  return out;
+}
+
+/// Mean of |x_first - x_second|. Throws shape_error 204, 203; numeric_error 302 of no pairs
+template <Scalar S>
+double mean_pair_distance(const Rows<S>& rows, const IndexPairs& pairs) {
+  detail::require_same_count("mean_pair_distance: pairs", std::ssize(pairs.first), std::ssize(pairs.second));
+  if (pairs.first.empty()) raise<numeric_error>(302, "mean_pair_distance: no pairs");
+  double sum = 0;
+  for (std::size_t i = 0; i < pairs.first.size(); ++i) {
+    sum += detail::euclidean_distance(rows.slice(pairs.first[i], 1).values(), rows.slice(pairs.second[i], 1).values());
+  }
+  return sum / static_cast<double>(pairs.first.size());
+}
+
+/// Guo's multimodality: the mean over texts, of which each has `repeats` rows, with the same pairs for every text.
+/// rows    (texts repeats, d)
+/// Throws  shape_error 204, 203, 205 unless all texts have their rows; numeric_error 302 of none
+template <Scalar S>
+double multimodality(const Rows<S>& rows, Index repeats, const IndexPairs& pairs) {
+  if (repeats < 1 || rows.size() % repeats != 0)
+    raise<shape_error>(205, "multimodality: ", rows.size(), " rows of ", repeats, " for each text");
+  if (rows.size() == 0) raise<numeric_error>(302, "multimodality: no texts");
+  double sum = 0;
+  for (Index at = 0; at < rows.size(); at += repeats) sum += mean_pair_distance(rows.slice(at, repeats), pairs);
+  return sum * static_cast<double>(repeats) / static_cast<double>(rows.size());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

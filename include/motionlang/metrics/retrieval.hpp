@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+/// Text-to-motion and motion-to-text retrieval: ranks, recall, median rank, and TMR's four protocols.
+///
+///     const auto m = retrieve(RetrievalProtocol::normal, texts, motions, {});        // Rows of latents, paired
+///     for (const auto& [name, value] : named(m)) std::printf("%s %.2f\n", name.c_str(), value);   // t2m/R01 ...
+///
+/// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same distance
+/// share their places: each has the mean of them.
+///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; reference: Mathux/TMR src/model/metrics.py and
+///         retrieval.py; spec tmr.md 7
+/// Differs from the paper: it does not say that ties share their places, which matters where captions are repeated: two
+///         equal best answers have rank 1/2 each and both count for R@1
+#pragma once
+
+#include <algorithm>  // sort, lower_bound
+#include <array>      // depths
+#include <cstdint>    // flags
+#include <numeric>    // iota
+#include <string>     // ids
+#include <utility>    // names with values
+
+#include <motionlang/core/numpy_random.hpp>
+#include <motionlang/core/rounding.hpp>
+#include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/metrics/rows.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What is searched for what. Tables have texts as rows and motions as columns.
+enum class RetrievalDirection { text_to_motion, motion_to_text };
+
+/// Which pairs of texts mean the same, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
+/// sentences  (n, d) unit rows
+/// threshold  from 0 to 1, as scores are; TMR takes 0.95
+template <Scalar S>
+std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold) {
+  std::vector<std::uint8_t> out;
+  for (Index i = 0; i < sentences.size(); ++i) {
+    for (Index j = 0; j < sentences.size(); ++j) {
+      out.push_back(i == j || detail::dot_product(sentences[i], sentences[j]) > 2 * threshold - 1 ? 1 : 0);
+    }
+  }
+  return out;
+}
+
+/// Ranks from 0 on of every query.
+/// similarities  (n, n), texts by motions; pair i belongs together
+/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the own
+/// Throws        shape_error 205, 204; numeric_error 301 for a NaN
+template <Scalar S>
+std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirection direction,
+                                    std::span<const std::uint8_t> alike = {}) {
+  detail::require_square("retrieval_ranks", similarities);
+  const Index n = similarities.size();
+  if (!alike.empty()) detail::require_same_count("retrieval_ranks: pairs of texts", std::ssize(alike), n * n);
+  const auto values = similarities.values();
+  auto at = [&](Index query, Index answer) {
+    const Index place = direction == RetrievalDirection::text_to_motion ? query * n + answer : answer * n + query;
+    return values[static_cast<std::size_t>(place)];
+  };
+  std::vector<double> ranks;
+  for (Index i = 0; i < n; ++i) {
+    S right = at(i, i);
+    if (!alike.empty()) {
+      for (Index j = 0; j < n; ++j) {
+        if (alike[static_cast<std::size_t>(i * n + j)] != 0) right = std::max(right, at(i, j));
+      }
+    }
+    Index closer = 0, equal = 0, farther = 0;
+    for (Index j = 0; j < n; ++j) {
+      const S s = at(i, j);
+      closer += s > right ? 1 : 0, equal += s == right ? 1 : 0, farther += s < right ? 1 : 0;
+    }
+    if (closer + equal + farther != n)
+      raise<numeric_error>(301, "retrieval_ranks: a similarity of query ", i, " is NaN");
+    ranks.push_back(static_cast<double>(closer) + static_cast<double>(equal - 1) / 2);
+  }
+  return ranks;
+}
+
+struct RetrievalMetrics {
+  static constexpr std::array<int, 5> depths{1, 2, 3, 5, 10};
+  std::array<double, 5> recall{};  // percent, at each depth
+  double median_rank = 0;          // the best is 1
+  double queries = 0;
+};
+/// Of all queries. Throws numeric_error 302 if there is none.
+inline RetrievalMetrics retrieval_metrics(std::vector<double> ranks) {
+  if (ranks.empty()) raise<numeric_error>(302, "retrieval_metrics: no queries");
+  std::sort(ranks.begin(), ranks.end());
+  RetrievalMetrics out;
+  const std::size_t n = ranks.size();
+  for (std::size_t k = 0; k < out.depths.size(); ++k) {
+    const auto found = std::lower_bound(ranks.begin(), ranks.end(), out.depths[k]) - ranks.begin();
+    out.recall[k] = 100 * static_cast<double>(found) / static_cast<double>(n);
+  }
+  out.median_rank = (ranks[(n - 1) / 2] + ranks[n / 2]) / 2 + 1;
+  out.queries = static_cast<double>(n);
+  return out;
+}
+
+/// Both directions.
+struct RetrievalTable {
+  RetrievalMetrics text_to_motion, motion_to_text;
+};
+template <Scalar S>
+RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std::uint8_t> alike = {}) {
+  using enum RetrievalDirection;
+  return {retrieval_metrics(retrieval_ranks(similarities, text_to_motion, alike)),
+          retrieval_metrics(retrieval_ranks(similarities, motion_to_text, alike))};
+}
+
+/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of TMR's files.
+inline std::vector<std::pair<std::string, double>> named(const RetrievalTable& table) {
+  std::vector<std::pair<std::string, double>> out;
+  for (const auto& [direction, m] : {std::pair{"t2m/", table.text_to_motion}, {"m2t/", table.motion_to_text}}) {
+    for (std::size_t k = 0; k < m.depths.size(); ++k) {
+      out.emplace_back(concat_text(direction, m.depths[k] < 10 ? "R0" : "R", m.depths[k]), m.recall[k]);
+    }
+    out.emplace_back(concat_text(direction, "MedR"), m.median_rank);
+    out.emplace_back(concat_text(direction, "len"), m.queries);
+  }
+  return out;
+}
+
+namespace detail {
+
+template <class F>
+RetrievalTable with_each_number(RetrievalTable table, F change) {
+  for (RetrievalMetrics* m : {&table.text_to_motion, &table.motion_to_text}) {
+    for (double& r : m->recall) change(r);
+    change(m->median_rank);
+    change(m->queries);
+  }
+  return table;
+}
+/// Plain mean over tables.
+inline RetrievalTable mean_table(std::span<const RetrievalTable> tables) {
+  std::vector<double> sums;
+  for (const RetrievalTable& t : tables) {
+    std::size_t at = 0;
+    with_each_number(t, [&](double& x) {
+      if (at == sums.size()) sums.push_back(0);
+      sums[at++] += x;
+    });
+  }
+  std::size_t at = 0;
+  return with_each_number({}, [&](double& x) { x = sums[at++] / static_cast<double>(tables.size()); });
+}
+
+}  // namespace detail
+
+/// As TMR prints them: two decimal places.
+inline RetrievalTable rounded(const RetrievalTable& table, int places = 2) {
+  return detail::with_each_number(table, [&](double& x) { x = python_round(x, places); });
+}
+
+/// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups; the
+/// last incomplete group is dropped. Throws config_error 101 for a batch below 1.
+inline std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32) {
+  if (batch < 1) raise<config_error>(101, "guo_batches: batches of ", batch);
+  NumpyRandom rng(0);
+  const std::vector<Index> order = rng.permutation(n);
+  std::vector<std::vector<Index>> out;
+  for (auto at = order.begin(); order.end() - at >= batch; at += batch) out.emplace_back(at, at + batch);
+  return out;
+}
+
+/// normal     all pairs
+/// threshold  all pairs; answers whose text means the same are right, too
+/// nsim       the pairs of a list of ids, chosen to be dissimilar
+/// guo        batches of 32, the mean over them: the protocol of Guo et al. (CVPR 2022)
+enum class RetrievalProtocol { normal, threshold, nsim, guo };
+
+struct RetrievalOptions {
+  double threshold = 0.95;
+  Index batch = 32;
+  std::vector<std::string> ids{};       // of the pairs, for nsim and guo
+  std::vector<std::string> nsim_ids{};  // those without a pair are skipped, as published
+};
+
+/// texts, motions  (n, latent); pair i belongs together
+/// sentences       (n, d) unit rows, for `threshold`: what decides which texts mean the same
+/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (an id
+///                 that stands twice)
+template <Scalar S, Scalar E>
+RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
+                        const Rows<E>& sentences, const RetrievalOptions& options = {}) {
+  const Index n = texts.size();
+  detail::require_same_count("retrieve: texts against motions", n, motions.size());
+  auto table_of = [](const Rows<S>& x, const Rows<S>& y, std::span<const std::uint8_t> alike = {}) {
+    if (x.size() == 0) raise<numeric_error>(302, "retrieve: no pairs");
+    return retrieval_table(Rows(cosine_similarities(x, y), y.size()), alike);
+  };
+  auto table_at = [&](std::span<const Index> positions) {
+    const auto x = rows_at(texts, positions), y = rows_at(motions, positions);
+    return table_of(Rows(x, texts.width()), Rows(y, motions.width()));
+  };
+  if (protocol == RetrievalProtocol::normal) return table_of(texts, motions);
+  if (protocol == RetrievalProtocol::threshold) {
+    detail::require_same_count("retrieve: texts against sentences", n, sentences.size());
+    return table_of(texts, motions, texts_alike(sentences, options.threshold));
+  }
+
+  detail::require_same_count("retrieve: texts against ids", n, std::ssize(options.ids));
+  const auto& ids = options.ids;
+  auto id_at = [&](Index i) -> const std::string& { return ids[static_cast<std::size_t>(i)]; };
+  std::vector<Index> by_id(ids.size());
+  std::iota(by_id.begin(), by_id.end(), Index{0});
+  std::sort(by_id.begin(), by_id.end(), [&](Index a, Index b) { return id_at(a) < id_at(b); });
+  for (std::size_t i = 1; i < by_id.size(); ++i) {
+    if (id_at(by_id[i - 1]) == id_at(by_id[i]))
+      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' stands twice");
+  }
+  if (protocol == RetrievalProtocol::nsim) {
+    std::vector<Index> chosen;
+    for (const std::string& id : options.nsim_ids) {
+      const auto place =
+          std::lower_bound(by_id.begin(), by_id.end(), id, [&](Index i, const std::string& s) { return id_at(i) < s; });
+      if (place != by_id.end() && id_at(*place) == id) chosen.push_back(*place);
+    }
+    return table_at(chosen);
+  }
+  std::vector<RetrievalTable> tables;
+  for (std::vector<Index>& batch : guo_batches(n, options.batch)) {
+    for (Index& i : batch) i = by_id[static_cast<std::size_t>(i)];
+    tables.push_back(table_at(batch));
+  }
+  if (tables.empty()) raise<numeric_error>(302, "retrieve: ", n, " pairs make no batch of ", options.batch);
+  return detail::mean_table(tables);
+}
+/// The same where the sentences are not asked for.
+template <Scalar S>
+RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
+                        const RetrievalOptions& options = {}) {
+  return retrieve(protocol, texts, motions, Rows<S>(std::span<const S>{}, 1), options);
+}
+
+/// A choice of texts that are far from each other, for protocol `nsim`. Begins with the least similar pair and adds the
+/// text whose similarities to the chosen ones have the smallest sum; of equals, the one with the first id.
+/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack problem.
+/// sentences  (n, d) unit rows
+/// result     positions in the order in which they were chosen
+/// Throws     shape_error 204; config_error 101 unless 2 <= count <= n
+template <Scalar E>
+std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const std::string> ids, Index count) {
+  const Index n = sentences.size();
+  detail::require_same_count("dissimilar_subset: sentences against ids", n, std::ssize(ids));
+  if (count < 2 || count > n) raise<config_error>(101, "dissimilar_subset: ", count, " of ", n, " texts");
+  std::vector<Index> by_id(ids.size());
+  std::iota(by_id.begin(), by_id.end(), Index{0});
+  std::stable_sort(by_id.begin(), by_id.end(), [&](Index a, Index b) {
+    return ids[static_cast<std::size_t>(a)] < ids[static_cast<std::size_t>(b)];
+  });
+  auto row = [&](std::size_t k) { return sentences[by_id[k]]; };
+
+  std::array<std::size_t, 2> pair{0, 1};
+  double least = detail::dot_product(row(0), row(1));
+  for (std::size_t i = 0; i < by_id.size(); ++i) {
+    for (std::size_t j = i + 1; j < by_id.size(); ++j) {
+      if (const double s = detail::dot_product(row(i), row(j)); s < least) least = s, pair = {i, j};
+    }
+  }
+  std::vector<bool> chosen(by_id.size(), false);
+  std::vector<double> sums(by_id.size(), 0);
+  std::vector<Index> out;
+  auto choose = [&](std::size_t k) {
+    chosen[k] = true;
+    out.push_back(by_id[k]);
+    for (std::size_t i = 0; i < by_id.size(); ++i) sums[i] += detail::dot_product(row(i), row(k));
+  };
+  choose(pair[0]), choose(pair[1]);
+  while (std::ssize(out) < count) {
+    std::size_t best = by_id.size();
+    for (std::size_t k = 0; k < by_id.size(); ++k) {
+      if (!chosen[k] && (best == by_id.size() || sums[k] < sums[best])) best = k;
+    }
+    choose(best);
+  }
+  return out;
+}
+
+// ---- moments: where in a long motion a text happens -------------------------------------------------------------------
+//
+// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut off
+//         at the ends of the motion and follow each other by `stride` frames is a choice made here.
+
+/// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
+/// Throws config_error 101 unless width and stride are positive.
+inline std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1) {
+  if (width < 1 || stride < 1) raise<config_error>(101, "moment_windows: ", width, " frames, stride ", stride);
+  std::vector<FrameSlice> out;
+  for (Index middle = 0; middle < frames; middle += stride) {
+    const Index start = middle - width / 2, first = std::max<Index>(0, start);
+    out.push_back({first, std::min(frames, start + width) - first});
+  }
+  return out;
+}
+
+/// The window with the largest similarity; of equals the first. Windows of several widths may stand in one list.
+/// Throws shape_error 204, numeric_error 302 if there is none.
+inline FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities) {
+  detail::require_same_count("best_moment: windows against similarities", std::ssize(windows),
+                             std::ssize(similarities));
+  if (windows.empty()) raise<numeric_error>(302, "best_moment: no windows");
+  return windows[static_cast<std::size_t>(std::max_element(similarities.begin(), similarities.end()) -
+                                          similarities.begin())];
+}
+
+/// |a intersected with b| / |a united with b| in frames; 0 of two empty ones.
+inline double temporal_iou(const FrameSlice& a, const FrameSlice& b) {
+  const Index common = std::min(a.first + a.length, b.first + b.length) - std::max(a.first, b.first);
+  const Index both = std::max<Index>(0, common), either = a.length + b.length - both;
+  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
+}
+
+/// Share of the queries, 0 to 1, that are found with at least this intersection over union; the thesis takes 0.4.
+/// Throws shape_error 204, numeric_error 302 if there is none.
+inline double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
+                                    double least_iou = 0.4) {
+  detail::require_same_count("localisation_accuracy: found against wanted", std::ssize(found), std::ssize(wanted));
+  if (found.empty()) raise<numeric_error>(302, "localisation_accuracy: no queries");
+  Index right = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) right += temporal_iou(found[i], wanted[i]) >= least_iou ? 1 : 0;
+  return static_cast<double>(right) / static_cast<double>(found.size());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
