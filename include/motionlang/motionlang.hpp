@@ -117,6 +117,7 @@
 #include <motionlang/optim/ema.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
 
+#include <motionlang/features/actor_points.hpp>
 #include <motionlang/features/amass_resample.hpp>
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>
@@ -129,6 +130,7 @@
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/features/rifke.hpp>
+#include <motionlang/features/smplh_joints.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>

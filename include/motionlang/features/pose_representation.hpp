@@ -68,8 +68,8 @@ void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<
   if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
   append_rotation(out, r, to_matrix(v));
 }
-/// The matrix of the numbers. Throws shape_error 205.
-template <Scalar S>
+/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+template <ScalarLike S>
 Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
   if (std::ssize(n) != size(r)) {
     raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",

@@ -109,6 +109,22 @@ struct Body {
   std::optional<HandPoses<B>> left_hand, right_hand;
 };
 
+/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have their mean pose.
+/// Throws config_error 106 if the body has no such hands, shape_error 204 for another number of joints.
+template <Backend B>
+Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations) {
+  const Index n = rotations.size(0), given = rotations.size(1), joints = body.model.joints();
+  if (given == joints) return rotations;
+  if (!body.left_hand || !body.right_hand)
+    raise<config_error>(106, "with_mean_hands: ", given, " rotations for a body of ", joints, " joints without hands");
+  if (given + 30 != joints)
+    raise<shape_error>(204, "with_mean_hands: rotations ", rotations.shape(), " for ", joints, " joints with 30 of hands");
+  auto mean = [&](const HandPoses<B>& hand) {
+    return broadcast_to<3>(rotation_rows(reshape<3>(hand.mean, {1, 15, 3})), {n, 15, 9});
+  };
+  return concat(1, rotations, mean(*body.left_hand), mean(*body.right_hand));
+}
+
 /// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others (fingers, say) as
 /// they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames, none means zeros.
 /// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204

@@ -72,27 +72,34 @@ void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest re
 
 }  // namespace detail
 
-/// Rotation vectors (N, J, 3) as the matrices that a body model takes: (N, J, 9), row by row. Differentiable, also at 0.
-template <Backend B>
-Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
-  const Index n = axis_angles.size(0), j = axis_angles.size(1);
+/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of makes a Matrix3 from
+/// a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
+template <Backend B, class F>
+Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
+  const Index n = rotations.size(0), j = rotations.size(1), width = rotations.size(2);
   if constexpr (AutodiffBackend<B>) {
-    const auto flat = reshape<2>(axis_angles, {n * j, 3});
-    auto component = [&](Index c) { return slice(flat, 1, c, c + 1); };
-    const auto m = to_matrix(AxisAngle<Tensor<B, 2>>{{component(0), component(1), component(2)}}).m;
+    const auto flat = reshape<2>(rotations, {n * j, width});
+    std::vector<Tensor<B, 2>> numbers;
+    for (Index c = 0; c < width; ++c) numbers.push_back(slice(flat, 1, c, c + 1));
+    const auto m = matrix_of(std::span<const Tensor<B, 2>>(numbers)).m;
     return reshape<3>(concat(std::span<const Tensor<B, 2>>(m), 1), {n, j, 9});
   } else {
     using S = typename B::scalar;
-    const S* const from = axis_angles.span().data();
+    const std::span<const S> from = rotations.span();
     return detail::written_tensor<B, 3>({n, j, 9}, [&](S* to) {
       parallel_for(n, [&](Index pose) {
         for (Index i = pose * j; i < (pose + 1) * j; ++i) {
-          const auto m = to_matrix(AxisAngle<S>{{from[3 * i], from[3 * i + 1], from[3 * i + 2]}}).m;
+          const auto m = matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
           std::copy_n(m.begin(), 9, to + 9 * i);
         }
       });
     });
   }
+}
+/// The same of rotation vectors (N, J, 3). Differentiable, also at 0.
+template <Backend B>
+Tensor<B, 3> rotation_rows(const Tensor<B, 3>& axis_angles) {
+  return rotation_rows(axis_angles, [](const auto& v) { return to_matrix(AxisAngle{Vec3{v[0], v[1], v[2]}}); });
 }
 
 template <Backend B>

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// From rotations to the joints that TEMOS, TEACH and SINC compare: an SMPL-H body, and the joints of a set.
+#pragma once
+
+#include <motionlang/features/joint_sets.hpp>
+#include <motionlang/kinematics/body.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// One sequence on a body of shape 0. name: a set of joint_sets.hpp, or "vertices".
+/// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
+/// translation  (frames, 3)
+/// result       (frames, points, 3)
+/// Source       TEMOS, transforms/rots2joints/smplh.py; spec temos.md 4.3
+/// Throws       config_error 103 for an unknown name, 106, shape_error 204, 205
+template <Backend B>
+Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tensor<B, 3>& rotations,
+                          const Tensor<B, 2>& translation) {
+  using S = typename B::scalar;
+  const Index frames = rotations.size(0);
+  const auto posed = body.model(Tensor<B, 2>::zeros({frames, body.model.shapedirs.size(1)}),
+                                with_mean_hands(body, rotations), translation);
+  if (name == "vertices") return posed.vertices;
+  auto vectors = [](std::span<const S> numbers) {
+    std::vector<Vec3<S>> out;
+    for (std::size_t i = 0; i < numbers.size(); i += 3) out.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+    return out;
+  };
+  const auto points = vectors(concat(1, posed.joints, posed.extra).span()), trans = vectors(translation.span());
+  const auto joints = select_joints<S>(name, points, trans);
+  std::vector<S> out;
+  for (const auto& p : joints) out.insert(out.end(), {p.x, p.y, p.z});
+  return Tensor<B, 3>::from(out, {frames, std::ssize(joints) / std::max<Index>(frames, 1), 3});
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
