@@ -150,6 +150,7 @@
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/diffusion/schedule.hpp>
 
+#include <motionlang/text/bag_of_words.hpp>
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/bert_tokenizer.hpp>
 #include <motionlang/text/caption_encoder.hpp>
@@ -166,6 +167,7 @@
 #include <motionlang/text/tokenizer.hpp>
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
+#include <motionlang/text/word_piece_tokens.hpp>
 
 #include <motionlang/compose/alignment.hpp>
 #include <motionlang/compose/babel_segment.hpp>

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands where TEMOS and
+/// TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the pieces.
+///
+///     WordPieceTokens<B> tokens(WordPiece::learn(captions, 800), 128, rng);
+///     const auto latent = tmr.encode_text(tokens(captions).tokens);
+#pragma once
+
+#include <motionlang/nn/embedding.hpp>
+#include <motionlang/text/text_encoder.hpp>
+#include <motionlang/text/tokenizer.hpp>
+#include <motionlang/text/word_piece.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct WordPieceTokens {
+  Embedding<B> embedding;  // (pieces, width)
+  WordPiece tokenizer;
+
+  static constexpr auto fields() {
+    using M = WordPieceTokens;
+    return motionlang::fields("embedding", &M::embedding, "tokenizer", &M::tokenizer);
+  }
+  WordPieceTokens() = default;
+  WordPieceTokens(WordPiece pieces, Index width, Rng auto& rng)
+      : embedding(pieces.size(), width, rng), tokenizer(std::move(pieces)) {}
+
+  Index width() const { return embedding.weight.size(1); }
+
+  /// A row for every piece, with those of begin and end.
+  TextFeatures<B> operator()(std::span<const std::string> texts) const {
+    const TokenBatch batch = tokenize(tokenizer, texts);
+    return {{embedding(batch.ids), Offsets(std::span<const Index>(batch.lengths))}};
+  }
+  template <Backend C>
+  requires std::same_as<C, B> TextFeatures<C> encode(std::span<const std::string> texts)
+  const { return (*this)(texts); }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
