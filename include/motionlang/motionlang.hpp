@@ -73,6 +73,7 @@
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/kinematics/mirror_joints.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
@@ -121,6 +122,7 @@
 #include <motionlang/features/amass_resample.hpp>
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/features/guo_clip.hpp>
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/features/humanml3d_source.hpp>
@@ -140,6 +142,7 @@
 #include <motionlang/vae/text_motion.hpp>
 #include <motionlang/vae/tmr_encoder.hpp>
 
+#include <motionlang/diffusion/any_denoiser.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/gaussian.hpp>
 #include <motionlang/diffusion/guidance.hpp>
@@ -191,6 +194,8 @@
 
 #include <motionlang/metrics/accuracy.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/metrics/bert_score.hpp>
+#include <motionlang/metrics/captions.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/metrics/gru_classifier.hpp>

@@ -4,6 +4,7 @@
 ///     shape      the result has the sequences and the width of x
 ///     batch      a sequence has the same bits alone and in a batch, on one thread and on two
 ///     tape       the values on a tape equal those without, up to rounding, and every parameter gets a gradient
+///     texts      encoded before the first step they give the same bits (EncodesText)
 ///     numbers    one step and one text for each sequence, else shape_error 204
 #pragma once
 
@@ -35,6 +36,8 @@ void denoiser_laws() {
   const auto together = model(x, t, text);
   CHECK(together.rows.shape() == x.rows.shape());
   CHECK(together.offsets == x.offsets);
+  if constexpr (ml::EncodesText<decltype(model), B>)
+    CHECK(tensors::same_bits(model(x, t, model.encode(text)).rows, together.rows));
   for (int threads : {1, 2}) {
     const Threads set(threads);
     for (Index s = 0; s < n; ++s) {

@@ -120,7 +120,7 @@ class Collage {
         {concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
         text.end_position};
     all.end_position.insert(all.end_position.end(), null.end_position.begin(), null.end_position.end());
-    batch_text_ = gather(all, which);
+    batch_text_ = encoded_text<B>(*denoiser_, gather(all, which));
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {
     std::vector<Index> lengths;
@@ -137,7 +137,7 @@ class Collage {
   Stitcher<B> stitch_;
   std::vector<Index> batch_rows_, base_;  // base_: for every row of the crops, where its unconditional result is
   Offsets batch_offsets_;
-  TextFeatures<B> batch_text_;
+  decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
 };
 
 /// The whole reverse process. noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape

@@ -32,4 +32,22 @@ concept Denoiser = Module<D> &&
   { d.traits() } -> std::same_as<DenoiserTraits>;
 };
 
+/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
+///     d(x, t, d.encode(text)) == d(x, t, text)
+/// Models   MotionDiffuseDenoiser, AnyDenoiser
+template <class D, class B>
+concept EncodesText = Denoiser<D, B> &&
+    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
+  { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
+};
+
+/// The texts as they are passed to a denoiser at every step.
+template <Backend B, Denoiser<B> D>
+auto encoded_text(const D& denoiser, TextFeatures<B> text) {
+  if constexpr (EncodesText<D, B>)
+    return denoiser.encode(text);
+  else
+    return text;
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

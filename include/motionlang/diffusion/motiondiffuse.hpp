@@ -172,6 +172,7 @@ struct MotionDiffuseDenoiser {
     return {.prediction = Prediction::eps, .crop_frames = config.num_frames, .uses_lengths = !config.no_eff};
   }
 
+  /// What depends on the text alone: the same at every step.
   struct EncodedText {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width
@@ -219,17 +220,20 @@ struct MotionDiffuseDenoiser {
     return x.with(joint_embed(x.rows) + gather(sequence_embedding, position));
   }
 
-  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& = {}) const {
-    if (text.count() != x.count() || static_cast<Index>(t.size()) != x.count()) {
-      raise<shape_error>(204, "MotionDiffuseDenoiser: ", x.count(), " sequences, ", text.count(), " texts, ", t.size(),
-                         " steps");
+    if (text.xf_out.count() != x.count() || static_cast<Index>(t.size()) != x.count()) {
+      raise<shape_error>(204, "MotionDiffuseDenoiser: ", x.count(), " sequences, ", text.xf_out.count(), " texts, ",
+                         t.size(), " steps");
     }
-    const EncodedText encoded = encode(text);
-    const auto emb = time_embedding(t) + encoded.xf_proj;
+    const auto emb = time_embedding(t) + text.xf_proj;
     auto h = embed_frames(x);
-    for (const auto& block : temporal_decoder_blocks) h = block(h, encoded.xf_out, emb);
+    for (const auto& block : temporal_decoder_blocks) h = block(h, text.xf_out, emb);
     return out(h);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+                          const Context& context = {}) const {
+    return (*this)(x, t, encode(text), context);
   }
 };
 

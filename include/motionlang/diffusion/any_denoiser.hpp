@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+/// One of the three published denoisers, where which one it is shows only when a file is read.
+#pragma once
+
+#include <motionlang/diffusion/mdm.hpp>
+#include <motionlang/diffusion/mdm_smpl.hpp>
+#include <motionlang/diffusion/motiondiffuse.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Exactly one of the members is set. The names of its parameters stand behind that of the member.
+template <Backend B>
+struct AnyDenoiser {
+  std::optional<MdmSmplDenoiser<B>> mdm_smpl{};
+  std::optional<MdmDenoiser<B>> mdm{};
+  std::optional<MotionDiffuseDenoiser<B>> motiondiffuse{};
+
+  static constexpr auto fields() {
+    using M = AnyDenoiser;
+    return motionlang::fields("mdm_smpl", &M::mdm_smpl, "mdm", &M::mdm, "motiondiffuse", &M::motiondiffuse);
+  }
+
+  DenoiserTraits traits() const {
+    return mdm_smpl ? mdm_smpl->traits() : mdm ? mdm->traits() : motiondiffuse->traits();
+  }
+
+  /// Texts as they are, and what MotionDiffuse makes of them before the first step.
+  struct EncodedText {
+    TextFeatures<B> text;
+    std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> encoded{};
+  };
+  EncodedText encode(const TextFeatures<B>& text) const {
+    EncodedText out{text, {}};
+    if (motiondiffuse) out.encoded = motiondiffuse->encode(text);
+    return out;
+  }
+
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
+                          const Context& context = {}) const {
+    if (mdm_smpl) return (*mdm_smpl)(x, t, text.text, context);
+    if (mdm) return (*mdm)(x, t, text.text, context);
+    return (*motiondiffuse)(x, t, *text.encoded, context);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+                          const Context& context = {}) const {
+    return (*this)(x, t, encode(text), context);
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
