@@ -93,7 +93,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(name, about);
   add_input(*c, *o);
-  c->add_option("output", o->out, "The picture; beside the motion unless given");
+  c->add_option("output,-o,--output", o->out, "The picture; beside the motion unless given");
   c->callback([o, extension] {
     if (o->out.empty()) o->out = std::filesystem::path(o->in).replace_extension(extension).string();
     run(*o);
@@ -108,8 +108,8 @@ void add_convert(CLI::App& app) {
       "convert", "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
   add_input(*c, *o);
   c->add_option("output", o->out,
-                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg (film strip); "
-                "of weights .safetensors")
+                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg or .png (film "
+                "strip); of weights .safetensors")
       ->required();
   c->add_option("--tensors", o->tensors,
                 "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
@@ -135,7 +135,7 @@ void add_convert(CLI::App& app) {
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
     run(*o);
   });
-  add_picture(app, "strip", "Draws a film strip (SVG) of a motion", ".svg");
+  add_picture(app, "strip", "Draws a film strip (SVG or PNG) of a motion", ".svg");
   add_picture(app, "view", "Writes a page (HTML) on which a motion can be watched", ".html");
 }
 

@@ -81,9 +81,11 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
     ml::write_viewer(path, motion);
   else if (kind == ".svg")
     ml::write_film_strip(path, motion);
+  else if (kind == ".png")
+    ml::write_png(path, ml::film_strip_picture(motion));
   else
     ml::raise<ml::config_error>(103, path.string(),
-                                ": motions are written to .bvh, .glb, .npz, .npy, .html and .svg, not '", kind, "'");
+                                ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
 }
 
 RigWriter rig_writer(const RigOptions& options) {

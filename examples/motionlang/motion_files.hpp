@@ -40,7 +40,7 @@ inline std::filesystem::path asf_beside(const std::filesystem::path& amc) {
 /// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
-/// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg (film strip).
+/// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
 

@@ -123,7 +123,7 @@ TEST_CASE("generate writes every output, and the same bytes for the same seed") 
   const auto first = w.generate("a", {"--seed", "4", "--threads", "1"});
   REQUIRE_MESSAGE(first.code == 0, first.text);
   const auto a = w.files("a");
-  for (const char* extension : {".bvh", ".glb", ".npz", ".npy", ".svg", ".html"})
+  for (const char* extension : {".bvh", ".glb", ".npz", ".npy", ".svg", ".png", ".html"})
     CHECK_MESSAGE(a.contains(std::string("two") + extension), extension);
   CHECK(a.size() == 6);
   CHECK(ml::read_bvh_motion(w / "a/two.bvh").frames() == 20);
@@ -229,7 +229,7 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
 
   const auto unknown = w.run({"convert", "walk.bvh", "walk.fbx"});
   CHECK(unknown.code == 1);
-  CHECK_MESSAGE(contains(unknown.text, "written to .bvh, .glb, .npz, .npy, .html and .svg, not '.fbx'"), unknown.text);
+  CHECK_MESSAGE(contains(unknown.text, "written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '.fbx'"), unknown.text);
   const auto empty = w.run({"convert", "walk.bvh", "none.bvh", "--from", "5"});
   CHECK(empty.code == 1);
   CHECK_MESSAGE(contains(empty.text, "nothing of the 2 s is between 5 and"), empty.text);
@@ -344,7 +344,7 @@ TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same comm
     std::sort(out.begin(), out.end());
     return out;
   };
-  CHECK(names() == std::vector<std::string>{"checkpoint.safetensors"});
+  CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg"});
   const auto whole = train("20");
   REQUIRE_MESSAGE(whole.code == 0, whole.text);
   CHECK(contains(whole.text, "going on at step"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
-/// of a timeline below. An SVG file without anything from outside.
+/// of a timeline below. An SVG file without anything from outside, or pixels.
 #pragma once
 
 #include <array>    // colours
@@ -10,24 +10,20 @@
 #include <tuple>    // legend
 
 #include <motionlang/io/detail/figure_pose.hpp>
-#include <motionlang/io/detail/markup.hpp>
-#include <motionlang/io/file.hpp>
+#include <motionlang/io/detail/film_strip_drawing.hpp>
 #include <motionlang/io/track.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct FilmStripOptions {
-  int poses = 0;        // 0: as many as fit, from 5 to 12
-  double width = 1280;  // pixels; the height follows
-  std::string title{};  // "": the name of the motion
+  int poses = 0;          // 0: as many as fit, from 5 to 12
+  double width = 1280;    // pixels; the height follows
+  std::string title{};    // "": the name of the motion
+  double resolution = 2;  // of PNG: pixels for each of these
 };
 
 namespace detail {
-
-struct Point2 {
-  double x = 0, y = 0;
-};
 
 /// Parallel projection of the world, seen slightly from above. Depth grows away from the viewer.
 struct ObliqueView {
@@ -63,7 +59,7 @@ struct ObliqueView {
   }
 };
 
-/// Builds the picture; the y axis of SVG points down.
+/// Lays the picture out and draws it on a surface; the y axis points down.
 class FilmStrip {
  public:
   FilmStrip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options)
@@ -79,36 +75,32 @@ class FilmStrip {
     measure();
   }
 
-  std::string svg() {
-    std::string body = backdrop() + path();
-    for (int i = 0; i < poses_; ++i) body += pose(i);
-    body += time_labels() + track_rows();
-    const double height = tracks_top() + row * static_cast<double>(tracks_.size()) + (tracks_.empty() ? 0 : 10) + 8;
-    const std::string size = concat_text(fixed(options_.width), " ", fixed(height));
-    return concat_text("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ", size, "\" width=\"",
-                       fixed(options_.width), "\" height=\"", fixed(height), "\" role=\"img\">\n<title>",
-                       escape_markup(title()), "</title>\n", style,
-                       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", body, "</svg>\n");
+  double height() const {
+    return tracks_top() + row * static_cast<double>(tracks_.size()) + (tracks_.empty() ? 0 : 10) + 8;
+  }
+  std::string title() const { return options_.title.empty() ? motion_.name : options_.title; }
+
+  template <class Surface>
+  void draw(Surface& on) const {
+    backdrop(on);
+    path(on);
+    for (int i = 0; i < poses_; ++i) pose(on, i);
+    time_labels(on);
+    track_rows(on);
   }
 
  private:
   static constexpr double margin = 24, header = 44, row = 26, bar = 20;
-  static constexpr std::string_view style =
-      "<style>text{font:12px system-ui,-apple-system,'Segoe UI',sans-serif;fill:#4a5260}"
-      ".title{font-size:15px;font-weight:600;fill:#20242c}.bar{fill:#fff;font-weight:500}.small{font-size:11px}</"
-      "style>\n"
-      "<defs><radialGradient id=\"shadow\"><stop offset=\"0\" stop-color=\"#20242c\" stop-opacity=\".34\"/>"
-      "<stop offset=\".55\" stop-color=\"#20242c\" stop-opacity=\".16\"/><stop offset=\"1\" stop-color=\"#20242c\" "
-      "stop-opacity=\"0\"/></radialGradient><linearGradient id=\"floor\" x2=\"0\" y2=\"1\"><stop offset=\"0\" "
-      "stop-color=\"#eef1f5\" stop-opacity=\"0\"/><stop offset=\"1\" "
-      "stop-color=\"#e9edf2\"/></linearGradient></defs>\n";
   /// By side (middle, left, right): fill near the viewer and far from them. Distinguishable for colour-blind readers.
-  static constexpr std::array<std::array<int, 3>, 3> near_colour{{{98, 108, 122}, {230, 97, 44}, {38, 118, 186}}};
-  static constexpr std::array<int, 3> far_colour{150, 158, 170};
-  static constexpr std::array<std::string_view, 6> bar_colour{"#2b6cb0", "#b4531a", "#2f7d4f",
-                                                              "#7a4aa8", "#a63a5e", "#7d6a12"};
+  static constexpr std::array<Rgb, 3> near_colour{{{98, 108, 122}, {230, 97, 44}, {38, 118, 186}}};
+  static constexpr Rgb far_colour{150, 158, 170};
+  static constexpr std::array<Rgb, 6> bar_colour{{{0x2b, 0x6c, 0xb0},
+                                                  {0xb4, 0x53, 0x1a},
+                                                  {0x2f, 0x7d, 0x4f},
+                                                  {0x7a, 0x4a, 0xa8},
+                                                  {0xa6, 0x3a, 0x5e},
+                                                  {0x7d, 0x6a, 0x12}}};
 
-  std::string title() const { return options_.title.empty() ? motion_.name : options_.title; }
   double time_of(int i) const { return poses_ > 1 ? last_ * i / (poses_ - 1) : 0; }
   Index frame_of(int i) const { return static_cast<Index>(std::lround(time_of(i) * motion_.fps)); }
   /// The x axis is time: the first pose stands in the middle of the first cell, the last in the middle of the last.
@@ -149,32 +141,27 @@ class FilmStrip {
     labels_ = floor_ + 0.16 * figure_.size * scale_ + 14;
   }
 
-  std::string backdrop() const {
+  template <class Surface>
+  void backdrop(Surface& on) const {
     const double top = floor_y(farthest_) - 34, bottom = labels_ - 18;
-    std::string out =
-        concat_text("<text class=\"title\" x=\"", fixed(margin), "\" y=\"28\">", escape_markup(title()), "</text>\n");
-    out += concat_text("<rect x=\"0\" y=\"", fixed(top), "\" width=\"100%\" height=\"", fixed(bottom - top),
-                       "\" fill=\"url(#floor)\"/>\n");
+    on.text({margin, 28}, title(), TextRole::title, TextAnchor::start);
+    on.floor(top, bottom - top);
     for (const auto& [side, name, x] :
          {std::tuple{Side::left, "left", 104.0}, std::tuple{Side::right, "right", 52.0}}) {
-      out += concat_text("<circle cx=\"", fixed(options_.width - x), "\" cy=\"23\" r=\"5\" fill=\"", colour(side, 0),
-                         "\"/><text class=\"small\" x=\"", fixed(options_.width - x + 9), "\" y=\"27\">", name,
-                         "</text>\n");
+      on.disc({options_.width - x, 23}, 5, colour(side, 0));
+      on.text({options_.width - x + 9, 27}, name, TextRole::small, TextAnchor::start);
     }
-    return out;
   }
 
   /// Where the root goes over the floor; its shadow line.
-  std::string path() const {
-    std::string d;
+  template <class Surface>
+  void path(Surface& on) const {
+    std::vector<Point2> points;
     const Index step = std::max<Index>(1, motion_.frames() / 400);
     for (Index frame = 0; frame < motion_.frames(); frame += step) {
-      const double t = static_cast<double>(frame) / motion_.fps;
-      d += concat_text(frame == 0 ? "M" : "L", fixed(x_of(t)), " ", fixed(floor_y(depth_of_root(frame))));
+      points.push_back({x_of(static_cast<double>(frame) / motion_.fps), floor_y(depth_of_root(frame))});
     }
-    return concat_text("<path d=\"", d,
-                       "\" fill=\"none\" stroke=\"#9aa3b0\" stroke-width=\"1.5\" stroke-dasharray=\"1 5\" ",
-                       "stroke-linecap=\"round\"/>\n");
+    on.dotted_line(points);
   }
 
   /// Cones that are drawn as one shape: the trunk with the head, or all of one joint.
@@ -203,15 +190,14 @@ class FilmStrip {
   }
 
   /// One figure with its shadow; limbs far from the viewer first.
-  std::string pose(int i) const {
+  template <class Surface>
+  void pose(Surface& on, int i) const {
     const Index frame = frame_of(i);
     const Vec3<double>& root = motion_.root_at(frame);
     const double x = x_of(time_of(i)), y = floor_y(depth_of_root(frame)), lift = root.y - ground_;
     const double spread = 0.26 * figure_.size * scale_;
-    std::string out =
-        concat_text("<g class=\"pose\">\n<ellipse cx=\"", fixed(x), "\" cy=\"", fixed(y), "\" rx=\"", fixed(spread),
-                    "\" ry=\"", fixed(0.36 * spread), "\" fill=\"url(#shadow)\" opacity=\"",
-                    fixed(std::clamp(1.6 - lift / (0.7 * figure_.size), 0.25, 1.0), 2), "\"/>\n");
+    on.begin_pose();
+    on.shadow({x, y}, spread, 0.36 * spread, std::clamp(1.6 - lift / (0.7 * figure_.size), 0.25, 1.0));
     JointTransforms<double> world;
     motion_.world(frame, world);
     auto project = [&](const Vec3<double>& p) {
@@ -221,74 +207,38 @@ class FilmStrip {
     };
     for (const Piece& piece : pieces(world, root)) {
       const double shade = std::clamp(piece.distance / (0.35 * figure_.size), 0.0, 1.0);
-      std::string shapes;
+      std::vector<RoundCone2> shapes;
       for (const RoundCone* c : piece.cones) {
         const auto [from, to] = cone_ends(world, *c);
-        shapes += outline(project(from), c->radius_from * scale_, project(to), c->radius_to * scale_);
+        shapes.push_back({project(from), c->radius_from * scale_, project(to), c->radius_to * scale_});
       }
-      const std::string fill = colour(piece.cones.front()->side, shade);
-      out += concat_text("<path d=\"", shapes, "\" stroke=\"#fff\" stroke-width=\"1.8\"/><path d=\"", shapes,
-                         "\" fill=\"", fill, "\"/>\n");
+      on.piece(shapes, colour(piece.cones.front()->side, shade));
     }
-    return out + "</g>\n";
-  }
-
-  /// The hull of two circles: two arcs and the tangents between them.
-  static std::string outline(Point2 a, double ra, Point2 b, double rb) {
-    const double dx = b.x - a.x, dy = b.y - a.y, distance = std::hypot(dx, dy);
-    auto arc = [](double r, bool large, Point2 to) {
-      return concat_text("A", fixed(r), " ", fixed(r), " 0 ", large ? 1 : 0, " 1 ", fixed(to.x), " ", fixed(to.y));
-    };
-    if (distance <= std::abs(ra - rb) + 1e-9) {  // one circle holds the other
-      const double r = std::max(ra, rb);
-      const Point2 c = ra > rb ? a : b;
-      return concat_text("M", fixed(c.x - r), " ", fixed(c.y), arc(r, false, {c.x + r, c.y}),
-                         arc(r, false, {c.x - r, c.y}), "Z");
-    }
-    const double axis = std::atan2(dy, dx), tangent = std::acos((ra - rb) / distance);
-    auto on = [&](Point2 c, double r, double angle) {
-      return Point2{c.x + r * std::cos(angle), c.y + r * std::sin(angle)};
-    };
-    const Point2 a1 = on(a, ra, axis + tangent), a2 = on(a, ra, axis - tangent);
-    const Point2 b1 = on(b, rb, axis + tangent), b2 = on(b, rb, axis - tangent);
-    const bool a_large = tangent < std::numbers::pi / 2;
-    return concat_text("M", fixed(a1.x), " ", fixed(a1.y), arc(ra, a_large, a2), "L", fixed(b2.x), " ", fixed(b2.y),
-                       arc(rb, !a_large, b1), "Z");
+    on.end_pose();
   }
 
   /// distance   0 near the root or before it, 1 far behind it
-  static std::string colour(Side side, double distance) {
-    std::string out = "#";
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int near = near_colour[static_cast<std::size_t>(side)][k];
-      const int c = static_cast<int>(std::lround(near + 0.55 * distance * (far_colour[k] - near)));
-      constexpr std::string_view hex = "0123456789abcdef";
-      out += hex[static_cast<std::size_t>(c / 16)];
-      out += hex[static_cast<std::size_t>(c % 16)];
-    }
-    return out;
+  static Rgb colour(Side side, double distance) {
+    const Rgb& near = near_colour[static_cast<std::size_t>(side)];
+    const auto one = [&](int n, int far) { return static_cast<int>(std::lround(n + 0.55 * distance * (far - n))); };
+    return {one(near.r, far_colour.r), one(near.g, far_colour.g), one(near.b, far_colour.b)};
   }
 
-  std::string time_labels() const {
-    std::string out;
+  template <class Surface>
+  void time_labels(Surface& on) const {
     for (int i = 0; i < poses_; ++i) {
       const double x = x_of(time_of(i));
-      if (!tracks_.empty()) {
-        out += concat_text("<path d=\"M", fixed(x), " ", fixed(labels_ + 6), "V",
-                           fixed(tracks_top() + row * static_cast<double>(tracks_.size())),
-                           "\" stroke=\"#d5dae1\" stroke-width=\"1\"/>\n");
-      }
-      out += concat_text("<text text-anchor=\"middle\" x=\"", fixed(x), "\" y=\"", fixed(labels_), "\">",
-                         fixed(static_cast<double>(frame_of(i)) / motion_.fps, 2), " s</text>\n");
+      if (!tracks_.empty()) on.guide(x, labels_ + 6, tracks_top() + row * static_cast<double>(tracks_.size()));
+      on.text({x, labels_}, fixed(static_cast<double>(frame_of(i)) / motion_.fps, 2) + " s", TextRole::usual,
+              TextAnchor::middle);
     }
-    return out;
   }
 
   double tracks_top() const { return labels_ + (tracks_.empty() ? 4 : 14); }
 
   /// A bar for every text, with the text in it or, if it is too long, beside it.
-  std::string track_rows() const {
-    std::string out;
+  template <class Surface>
+  void track_rows(Surface& on) const {
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       const Track& track = tracks_[i];
       const double x = x_of(track.start), width = std::max(3.0, x_of(track.end) - x);
@@ -299,13 +249,10 @@ class FilmStrip {
       const bool inside = letters + 16 < width;
       const bool after = !inside && x + width + letters + 12 < options_.width;
       const double text_x = inside ? x + 8 : after ? x + width + 6 : x - 6;
-      out += concat_text("<rect x=\"", fixed(x), "\" y=\"", fixed(y), "\" width=\"", fixed(width), "\" height=\"",
-                         fixed(bar), "\" rx=\"5\" fill=\"", bar_colour[i % bar_colour.size()], "\"/>\n<text x=\"",
-                         fixed(text_x), "\" y=\"", fixed(y + 14.5), "\"", inside ? " class=\"bar\"" : "",
-                         inside || after ? "" : " text-anchor=\"end\"", ">", escape_markup(track.text),
-                         "<tspan opacity=\".75\">", escape_markup(parts), "</tspan></text>\n");
+      on.bar({x, y}, width, bar, bar_colour[i % bar_colour.size()]);
+      on.text({text_x, y + 14.5}, track.text, inside ? TextRole::bar : TextRole::usual,
+              inside || after ? TextAnchor::start : TextAnchor::end, parts);
     }
-    return out;
   }
 
   const Motion& motion_;
@@ -323,21 +270,45 @@ class FilmStrip {
 
 }  // namespace detail
 
+namespace detail {
+
+inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options) {
+  motion.validate();
+  if (motion.frames() == 0) raise<config_error>(101, "film strip: motion '", motion.name, "' has no frames");
+  if (!(options.width >= 100)) raise<config_error>(101, "film strip: width ", options.width);
+  return FilmStrip(motion, tracks, options);
+}
+
+}  // namespace detail
+
 /// The picture as SVG text.
 /// tracks   shown below the poses, one row each; times in seconds from the start of the motion
 /// Throws   shape_error 205, numeric_error 301 if the motion is not valid; config_error 101 without any frame, or for a
 ///          width below 100
 inline std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
-  motion.validate();
-  if (motion.frames() == 0) raise<config_error>(101, "film strip: motion '", motion.name, "' has no frames");
-  if (!(options.width >= 100)) raise<config_error>(101, "film strip: width ", options.width);
-  return detail::FilmStrip(motion, tracks, options).svg();
+  const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
+  detail::SvgSurface surface(options.width, strip.height(), strip.title());
+  strip.draw(surface);
+  return surface.finish();
 }
 
-/// Throws io_error 401, and what film_strip_svg throws.
-inline void write_film_strip(const FilePath& path, const Motion& motion,
-                             std::span<const Track> tracks = {}, const FilmStripOptions& options = {}) {
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture wider
+/// than 20,000 pixels.
+inline Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
+                                  const FilmStripOptions& options = {}) {
+  const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
+  if (!(options.resolution > 0 && options.resolution * options.width <= 20000)) {
+    raise<config_error>(101, "film strip: width ", options.width, " at ", options.resolution, " pixels each");
+  }
+  detail::PixelSurface surface(options.width, strip.height(), options.resolution);
+  strip.draw(surface);
+  return surface.finish();
+}
+
+/// SVG; for pixels write_png(path, film_strip_picture(motion)). Throws io_error 401, and what film_strip_svg throws.
+inline void write_film_strip(const FilePath& path, const Motion& motion, std::span<const Track> tracks = {},
+                             const FilmStripOptions& options = {}) {
   write_file(path, film_strip_svg(motion, tracks, options));
 }
 

@@ -1,6 +1,7 @@
 // The body of a skeleton, and the film strip: poses, labels, tracks, and what must not get into an SVG file.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -126,6 +127,55 @@ TEST_CASE("one frame, one joint, many joints, all skeletons") {
   check_sound(ml::film_strip_svg(standing(chain(300), 2)));
   check_sound(ml::film_strip_svg(standing(ml::kit21_skeleton(), 9)));
   check_sound(ml::film_strip_svg(standing(ml::humanml3d22_skeleton(), 9)));
+}
+
+TEST_CASE("a film strip in pixels shows what the SVG does") {
+  const ml::Motion motion = synthetic::walk({.frames = 120, .turn = 0.3});
+  const std::vector<ml::Track> tracks{{"walking", 0, 6, {"legs"}}, {"\u00E9t\u00E9 \xFF", 2, 5}};
+  const ml::FilmStripOptions options{.poses = 6, .width = 600, .resolution = 1.5};
+  const ml::Picture picture = ml::film_strip_picture(motion, tracks, options);
+  CHECK(picture.width == 900);
+  CHECK(picture.rgb.size() == static_cast<std::size_t>(3 * picture.width * picture.height));
+  const std::string svg = ml::film_strip_svg(motion, tracks, options);
+  const double height = std::stod(svg.substr(svg.find(" height=\"") + 9));
+  CHECK(picture.height == static_cast<ml::Index>(std::ceil(1.5 * height)));
+  // every pose has pixels of both sides' own colours, in its own cell
+  const auto count = [&](int r, int g, int b, double from, double to) {
+    int n = 0;
+    for (std::size_t i = 0; i < picture.rgb.size(); i += 3) {
+      const double x = static_cast<double>((i / 3) % 900) / 900;
+      n += x >= from && x < to && picture.rgb[i] == r && picture.rgb[i + 1] == g && picture.rgb[i + 2] == b;
+    }
+    return n;
+  };
+  for (int cell = 0; cell < 6; ++cell) {
+    CAPTURE(cell);
+    CHECK(count(98, 108, 122, cell / 6.0, (cell + 1) / 6.0) > 100);
+  }
+  CHECK(count(230, 97, 44, 0, 1) > 300);
+  CHECK(count(38, 118, 186, 0, 1) > 300);
+  CHECK(count(0x2b, 0x6c, 0xb0, 0, 1) > 5000);  // the bar of the first text
+  CHECK(count(255, 255, 255, 0, 1) > 100000);
+  CHECK_THROWS_WITH_AS(ml::film_strip_picture(motion, {}, {.resolution = 0}), doctest::Contains("101"),
+                       ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::film_strip_picture(motion, {}, {.resolution = 99}), doctest::Contains("101"),
+                       ml::config_error);
+  CHECK(ml::film_strip_picture(standing(chain(300), 2), {}, {.width = 100, .resolution = 1}).width == 100);
+}
+
+TEST_CASE("letters of the picture's font") {
+  for (char c = '!'; c <= '~'; ++c) {
+    const ml::detail::StrokedText letter = ml::detail::stroke_text(std::string(1, c));
+    CAPTURE(c);
+    CHECK(!letter.strokes.empty());
+    for (const auto& stroke : letter.strokes) {
+      CHECK(!stroke.empty());
+      for (const auto& p : stroke) CHECK((p.x <= 8 && p.y <= 14));
+    }
+  }
+  CHECK(ml::detail::stroke_text("il").width < ml::detail::stroke_text("mw").width);
+  CHECK(ml::detail::stroke_text(" ").strokes.empty());
+  CHECK(ml::detail::stroke_text("\u4E2D").strokes.size() == 1);  // a box
 }
 
 TEST_CASE("what cannot be drawn is an error") {
