@@ -72,11 +72,21 @@ class GloVe {
   Index size() const { return static_cast<Index>(row_.size()); }
   Index width() const { return width_; }
   bool contains(const std::string& word) const { return row_.contains(word); }
-  std::span<const float> vector(const std::string& word) const {
+  /// Its row; of an unknown word that of "unk". This is the number of the word in TM2T.
+  Index id(const std::string& word) const {
     const auto found = row_.find(word);
-    const std::size_t row = found == row_.end() ? row_.at("unk") : found->second,
-                      width = static_cast<std::size_t>(width_);
-    return std::span(vectors_).subspan(row * width, width);
+    return static_cast<Index>(found == row_.end() ? row_.at("unk") : found->second);
+  }
+  /// The word of a row; behind the last row "pad". Throws shape_error 203 for other numbers.
+  std::string word(Index id) const {
+    if (id == size()) return "pad";
+    for (const auto& [word, row] : row_) {
+      if (static_cast<Index>(row) == id) return word;
+    }
+    raise<shape_error>(203, "GloVe: word ", id, " of ", size());
+  }
+  std::span<const float> vector(const std::string& word) const {
+    return std::span(vectors_).subspan(static_cast<std::size_t>(id(word) * width_), static_cast<std::size_t>(width_));
   }
   /// The tag that counts: of an unknown word `other`, else the one of the word's list, else the given one.
   SpeechTag tag(const TaggedWord& w) const {

@@ -56,6 +56,16 @@ TEST_CASE("words and tags") {
   CHECK(ml::speech_tag("Desc_VIP") == desc);
 }
 
+TEST_CASE("numbers of words, and words of numbers") {
+  const auto g = small();
+  CHECK(g.id("man") == 4);
+  CHECK(g.id("unheard") == 2);
+  CHECK(g.word(4) == "man");
+  CHECK(g.word(9) == "pad");
+  CHECK_ERROR(g.word(10), "[motionlang.shape.203]");
+  CHECK_ERROR(g.word(-1), "[motionlang.shape.203]");
+}
+
 TEST_CASE("rows of a text: sos, words, eos; at most twenty words") {
   const auto g = small();
   const std::vector<std::string> texts{"a/DET man/NOUN walk/VERB", ""};

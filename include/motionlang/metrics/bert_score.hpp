@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+/// BERTScore of descriptions from token embeddings. The language model stays outside: TM2T takes layer 17 of
+/// roberta-large, sentences stripped and with a leading blank.
+///
+///     BertWeights weights;
+///     for (...) weights.add(reference_ids);                              // every reference of the test set
+///     const BertScore s = bert_score(candidate, references, weights, tm2t_bert_baseline);
+///
+/// With unit embeddings x_i of the candidate and y_j of a reference and weights w of their tokens:
+///     P = sum_i w_i max_j x_i . y_j / sum_i w_i,   R = sum_j w_j max_i x_i . y_j / sum_j w_j,   F = 2 P R / (P + R)
+///     w = log((N + 1) / (c + 1)),   c = references with this token, of N
+///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
+/// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
+///         bert-score; spec evaluation-guo.md 6.5
+/// Differs from the package: pairs with padding count as similarity 0 there, which shows only where all similarities of a
+///         token are negative; here there is no padding
+#pragma once
+
+#include <algorithm>  // max
+#include <map>        // counts
+#include <set>        // tokens of a sentence
+
+#include <motionlang/metrics/rows.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Weights of tokens. Those of every sentence, as its start and end, have 0.
+class BertWeights {
+ public:
+  void add(std::span<const Index> reference) {
+    for (const Index id : std::set<Index>(reference.begin(), reference.end())) ++with_[id];
+    ++references_;
+  }
+  double operator()(Index id) const {
+    const auto found = with_.find(id);
+    const Index count = found == with_.end() ? 0 : found->second;
+    return std::log(static_cast<double>(references_ + 1) / static_cast<double>(count + 1));
+  }
+
+ private:
+  std::map<Index, Index> with_;
+  Index references_ = 0;
+};
+
+/// A sentence: its tokens and one row for each.
+template <Scalar S>
+struct BertSentence {
+  std::vector<Index> ids;
+  Rows<S> embeddings;
+};
+
+struct BertScore {
+  double precision = 0, recall = 0, f = 0;
+};
+/// roberta-large, layer 17, English.
+inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575};
+
+/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a side
+/// whose tokens have no weight is 0.
+/// Throws shape_error 204 unless every token has its row and all rows the same width
+template <Scalar S>
+BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights) {
+  for (const BertSentence<S>* s : {&candidate, &reference})
+    detail::require_same_count("bert_score: tokens against rows", std::ssize(s->ids), s->embeddings.size());
+  if (candidate.ids.size() <= 2 || reference.ids.size() <= 2) return {};
+  const auto similarity = cosine_similarities(candidate.embeddings, reference.embeddings);
+  auto side = [&](const std::vector<Index>& ids, std::size_t others, auto at) {
+    double sum = 0, all = 0;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      double best = at(i, std::size_t{0});
+      for (std::size_t j = 1; j < others; ++j) best = std::max(best, at(i, j));
+      sum += weights(ids[i]) * best, all += weights(ids[i]);
+    }
+    return all > 0 ? sum / all : 0;
+  };
+  const std::size_t n = candidate.ids.size(), m = reference.ids.size();
+  BertScore out;
+  out.precision = side(candidate.ids, m, [&](std::size_t i, std::size_t j) { return similarity[i * m + j]; });
+  out.recall = side(reference.ids, n, [&](std::size_t j, std::size_t i) { return similarity[i * m + j]; });
+  const double sum = out.precision + out.recall;
+  out.f = sum != 0 ? 2 * out.precision * out.recall / sum : 0;
+  return out;
+}
+
+/// Of several references. Throws shape_error 204, numeric_error 302 of none
+template <Scalar S>
+BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
+                     const BertWeights& weights, const BertScore& baseline = {}) {
+  if (references.empty()) raise<numeric_error>(302, "bert_score: no reference");
+  BertScore out = bert_score(candidate, references.front(), weights);
+  for (const BertSentence<S>& r : references.subspan(1)) {
+    const BertScore s = bert_score(candidate, r, weights);
+    out = {std::max(out.precision, s.precision), std::max(out.recall, s.recall), std::max(out.f, s.f)};
+  }
+  auto rescaled = [](double x, double b) { return (x - b) / (1 - b); };
+  return {rescaled(out.precision, baseline.precision), rescaled(out.recall, baseline.recall),
+          rescaled(out.f, baseline.f)};
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
