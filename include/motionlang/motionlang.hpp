@@ -174,6 +174,10 @@
 
 #include <motionlang/compose/alignment.hpp>
 #include <motionlang/compose/babel_segment.hpp>
+#include <motionlang/search/nearest.hpp>
+#include <motionlang/search/unit_rows.hpp>
+#include <motionlang/search/vector_scan.hpp>
+
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/compose/body_part_lexicon.hpp>

@@ -1,6 +1,7 @@
-"""The peer in PyTorch: the same work as bench_denoiser, bench_kinematics, bench_body and bench_text, with random weights.
+"""The peer in PyTorch (for search also faiss): the same work as bench_denoiser, bench_kinematics, bench_body, bench_text and bench_search,
+with random weights.
 
-usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text]
+usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss]
 Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster.
 """
 import os, sys, time
@@ -200,7 +201,39 @@ def clip_text():
                 report("clip_text", f"B={b} T=77", name, run, 3)
 
 
+def gallery(queries):
+    """1,000,000 vectors of length 1, and some queries."""
+    torch.manual_seed(1)
+    return F.normalize(torch.randn(1000000, 256), dim=1), F.normalize(torch.randn(queries, 256), dim=1)
+
+
+def search():
+    rows, queries = gallery(1000)
+
+    def nearest(chunk=20000):
+        scores, places = [], []
+        for at in range(0, len(rows), chunk):
+            s, i = (queries @ rows[at : at + chunk].t()).topk(10, 1)
+            scores.append(s), places.append(i + at)
+        s, i = torch.cat(scores, 1).topk(10, 1)
+        return s, torch.cat(places, 1).gather(1, i)
+
+    with torch.no_grad():
+        report("search", "1 query 1e6x256", "torch", lambda: (rows @ queries[0]).topk(10), 3)
+        report("search", "1000 queries 1e6x256", "torch", nearest, 3)
+
+
+def search_faiss():
+    import faiss
+    rows, queries = (t.numpy() for t in gallery(1000))
+    faiss.omp_set_num_threads(int(THREADS))
+    index = faiss.IndexFlatIP(256)
+    index.add(rows)
+    report("search_faiss", "1 query 1e6x256", "faiss", lambda: index.search(queries[:1], 10), 3)
+    report("search_faiss", "1000 queries 1e6x256", "faiss", lambda: index.search(queries, 10), 3)
+
+
 WORKS = {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl,
-         "distilbert": distilbert, "clip_text": clip_text}
+         "distilbert": distilbert, "clip_text": clip_text, "search": search, "search_faiss": search_faiss}
 for wanted in sys.argv[2:] or WORKS:
     WORKS[wanted]()

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+/// Bodies of vector_scan.hpp: the split of the work over threads, and who is compared exactly.
+#pragma once
+
+#include <motionlang/backend/detail/kernel_ops_impl.hpp>
+#include <motionlang/search/detail/scan_kernels.hpp>
+#include <motionlang/search/vector_scan.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// The nearest so far to a group of queries, as one thread has seen them.
+template <class S>
+class Candidates {
+ public:
+  Candidates(const RowScan<S>& scan, std::span<const S> queries, Index k, double error)
+      : scan_(scan),
+        queries_(queries),
+        error_(error),
+        best_(queries.size() / static_cast<std::size_t>(scan.width), NearestK(k)),
+        limits_(best_.size(), -std::numeric_limits<S>::infinity()) {}
+
+  /// A fast score that is not above the limit of its query is not worth an exact one.
+  S limit(Index query) const { return limits_[static_cast<std::size_t>(query)]; }
+  void compare(Index query, Index row) {
+    const auto q = static_cast<std::size_t>(query);
+    best_[q].offer(
+        {row, exact_cosine(queries_.data() + query * scan_.width, scan_.rows.data() + row * scan_.width, scan_.width)});
+    limits_[q] = static_cast<S>(best_[q].least() - error_);
+  }
+  void merge(const Candidates& other) {
+    for (std::size_t q = 0; q < best_.size(); ++q) {
+      for (const Neighbour& n : other.best_[q].unordered()) best_[q].offer(n);
+    }
+  }
+  std::vector<Neighbour> take(Index query) { return best_[static_cast<std::size_t>(query)].take(); }
+
+ private:
+  const RowScan<S>& scan_;
+  std::span<const S> queries_;
+  double error_;
+  std::vector<NearestK> best_;
+  std::vector<S> limits_;
+};
+
+/// Few queries: the gallery is read once, each row by all of them.
+template <class S>
+void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::span<const S> queries, Index first,
+                   Index last, Candidates<S>& candidates) {
+  constexpr Index block = 128;
+  S scores[block];
+  const Index width = scan.width, count = std::ssize(queries) / width;
+  for (Index top = first; top < last; top += block) {
+    const Index rows = std::min(block, last - top);
+    for (Index q = 0; q < count; ++q) {
+      if (scan.halves.empty())
+        kernel.dot_rows(scan.rows.data() + top * width, rows, width, queries.data() + q * width, scores);
+      else
+        kernel.dot_half_rows(scan.halves.data() + top * width, rows, width, queries.data() + q * width, scores);
+      for (Index r = -1; (r = kernel.first_above(scores, r + 1, rows, candidates.limit(q))) < rows;)
+        candidates.compare(q, top + r);
+    }
+  }
+}
+
+/// Distance of rows of the gallery where a block of them is copied: of those that are a power of two apart, few fit into a cache.
+inline Index scan_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
+
+/// Many queries, in panels: scores of a block of rows with one panel at a time.
+template <class S>
+void scan_with_panels(const RowScan<S>& scan, const Panels<S>& panels, Index first, Index last, S* scratch,
+                      Candidates<S>& candidates) {
+  const Kernels<S>& kernel = *panels.kernels;
+  const ScanKernels<S>& scanner = scan_kernels(kernel);
+  const Index width = scan.width, pitch = scan_pitch(width), w = kernel.panel_width, block = kernel.row_block;
+  S *scores = scratch + kernel.gemm_scratch, *maxima = scores + block * w, *gallery = maxima + w;
+  for (Index top = first; top < last; top += block) {
+    const Index rows = std::min(block, last - top);
+    for (Index r = 0; r < rows; ++r) {
+      if (scan.halves.empty())
+        std::memcpy(gallery + r * pitch, scan.rows.data() + (top + r) * width,
+                    static_cast<std::size_t>(width) * sizeof(S));
+      else
+        scanner.widen_row(scan.halves.data() + (top + r) * width, width, gallery + r * pitch);
+    }
+    for (Index j = 0; j * w < panels.n; ++j) {
+      const Index columns = std::min(w, panels.n - j * w);
+      const Gemm<S> product{.m = rows,
+                            .n = w,
+                            .k = width,
+                            .a = gallery,
+                            .lda = pitch,
+                            .panels = panels.data() + j * w * width,
+                            .c = scores,
+                            .ldc = w};
+      kernel.gemm_block(product, 0, rows, 0, 1, scratch);
+      scanner.panel_maxima(scores, rows, maxima);
+      for (Index c = 0; c < columns; ++c) {
+        if (!(maxima[c] > candidates.limit(j * w + c))) continue;
+        for (Index r = 0; r < rows; ++r) {
+          if (scores[r * w + c] > candidates.limit(j * w + c)) candidates.compare(j * w + c, top + r);
+        }
+      }
+    }
+  }
+}
+
+template <std::same_as<float> S>
+std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k) const {
+  constexpr Index group = 1024, few = 8;  // queries: those that share a cache, and those that are not worth a product
+  const Kernels<S>& kernel = kernels<S>();
+  const Index total = std::ssize(queries) / width, threads = thread_count();
+  // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the limit.
+  const double error = 1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error);
+  std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
+  if (k == 0) return out;
+  const Index blocks = parts(count, kernel.row_block),
+              tasks = std::min(blocks, std::max(8 * threads, parts(blocks, 64)));
+  for (Index begin = 0; begin < total; begin += group) {
+    const Index n = std::min(group, total - begin);
+    const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
+    std::vector<S> ordered(mine.begin(), mine.end());
+    if (!halves.empty()) {
+      for (Index q = 0; q < n; ++q)
+        scan_kernels(kernel).split_pairs(mine.data() + q * width, width, ordered.data() + q * width);
+    }
+    std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
+    const auto for_rows = [&](auto f) {
+      parallel_for(tasks, [&](Index i) {
+        f(blocks * i / tasks * kernel.row_block, std::min(count, blocks * (i + 1) / tasks * kernel.row_block),
+          seen[static_cast<std::size_t>(thread_number())]);
+      });
+    };
+    if (n <= few) {
+      for_rows([&](Index first, Index last, Candidates<S>& c) {
+        scan_with_few<S>(*this, scan_kernels(kernel), ordered, first, last, c);
+      });
+    } else {
+      const Panels<S> panels = pack_panels<S>(ordered.data(), width, n, 1, width);
+      const Scratch<S> scratch(kernel.gemm_scratch + (kernel.row_block + 1) * kernel.panel_width +
+                               kernel.row_block * scan_pitch(width));
+      for_rows([&](Index first, Index last, Candidates<S>& c) {
+        scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
+      });
+    }
+    for (std::size_t t = 1; t < seen.size(); ++t) seen[0].merge(seen[t]);
+    for (Index q = 0; q < n; ++q) out[static_cast<std::size_t>(begin + q)] = seen[0].take(q);
+  }
+  return out;
+}
+
+template <std::same_as<float> S>
+double RowScan<S>::to_halves(std::span<const S> rows, Index width, std::uint16_t* halves) {
+  constexpr Index at_once = 256;
+  const Index count = std::ssize(rows) / width;
+  std::vector<double> worst(static_cast<std::size_t>(parts(count, at_once)));
+  parallel_for(std::ssize(worst), [&](Index part) {
+    for (Index r = part * at_once; r < std::min(count, (part + 1) * at_once); ++r) {
+      double square = 0;
+      for (Index i = r * width; i < (r + 1) * width; ++i) {
+        halves[i] = float_to_bfloat16(rows[static_cast<std::size_t>(i)]);
+        const double d =
+            static_cast<double>(rows[static_cast<std::size_t>(i)]) - static_cast<double>(bfloat16_to_float(halves[i]));
+        square += d * d;
+      }
+      auto& w = worst[static_cast<std::size_t>(part)];
+      w = std::max(w, std::sqrt(square));
+    }
+  });
+  return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail

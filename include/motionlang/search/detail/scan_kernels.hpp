@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// The kernels of a scan over vectors, beside those of backend/detail/kernels.hpp and chosen like them.
+#pragma once
+
+#include <motionlang/backend/detail/kernels.hpp>
+#include <motionlang/core/half.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Entry points of one instruction set.
+template <class S>
+struct ScanKernels {
+  void (*dot_rows)(const S* rows, Index count, Index width, const S* query, S* out);
+  void (*dot_half_rows)(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out);
+  void (*split_pairs)(const S* query, Index width, S* pairs);
+  void (*widen_row)(const std::uint16_t* x, Index width, S* y);
+  void (*panel_maxima)(const S* c, Index rows, S* out);
+  Index (*first_above)(const S* x, Index from, Index n, S limit);
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+#define MOTIONLANG_ISA portable
+#include <motionlang/search/detail/scan.inc>
+#undef MOTIONLANG_ISA
+
+#ifdef MOTIONLANG_WIDE_KERNELS
+MOTIONLANG_TARGET_PUSH("avx2,fma")
+#define MOTIONLANG_ISA avx2
+#include <motionlang/search/detail/scan.inc>
+#undef MOTIONLANG_ISA
+MOTIONLANG_TARGET_POP
+
+MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+#define MOTIONLANG_ISA avx512
+#include <motionlang/search/detail/scan.inc>
+#undef MOTIONLANG_ISA
+MOTIONLANG_TARGET_POP
+#endif
+#undef MOTIONLANG_INLINE
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Those of the same instruction set as `kernels`, whose panels they read.
+template <class S>
+const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
+#ifdef MOTIONLANG_WIDE_KERNELS
+  if (&kernels == kernels_for<S>(Isa::avx512)) return avx512::scan_table<S>();
+  if (&kernels == kernels_for<S>(Isa::avx2)) return avx2::scan_table<S>();
+#else
+  static_cast<void>(kernels);
+#endif
+  return portable::scan_table<S>();
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate searches.
+#pragma once
+
+#include <algorithm>  // heaps, sort
+#include <limits>     // infinity
+#include <span>       // vectors
+#include <vector>     // answers
+
+#include <motionlang/core/concepts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// A vector of the gallery and its cosine with the query.
+struct Neighbour {
+  Index index = 0;
+  float score = 0;
+  bool operator==(const Neighbour&) const = default;
+};
+/// Whether a stands before b in an answer: the higher score, and of equal ones the lower index.
+inline bool is_nearer(const Neighbour& a, const Neighbour& b) {
+  return a.score != b.score ? a.score > b.score : a.index < b.index;
+}
+
+/// The k nearest of those that were offered, in whatever order.
+class NearestK {
+ public:
+  explicit NearestK(Index k) : k_(static_cast<std::size_t>(k)) {}
+
+  void offer(const Neighbour& n) {
+    if (heap_.size() < k_) {
+      heap_.push_back(n);
+    } else if (is_nearer(n, heap_.front())) {
+      std::pop_heap(heap_.begin(), heap_.end(), is_nearer);
+      heap_.back() = n;
+    } else {
+      return;
+    }
+    std::push_heap(heap_.begin(), heap_.end(), is_nearer);
+  }
+  /// Nobody below this score can still come in; -infinity while there are fewer than k.
+  float least() const { return heap_.size() < k_ ? -std::numeric_limits<float>::infinity() : heap_.front().score; }
+  std::span<const Neighbour> unordered() const { return heap_; }
+  /// Nearest first. Nothing is left behind.
+  std::vector<Neighbour> take() {
+    std::sort(heap_.begin(), heap_.end(), is_nearer);
+    return std::move(heap_);
+  }
+
+ private:
+  std::size_t k_;
+  std::vector<Neighbour> heap_;  // the farthest in front
+};
+
+/// A gallery of vectors of length 1 that finds the nearest ones to queries.
+/// Scores   are those of exact_cosine, whoever searches: equal vectors have equal scores
+/// Order    is_nearer
+/// Models   VectorScan (all of the nearest), VectorGraph (most of them, sooner)
+class VectorSearch {
+ public:
+  virtual ~VectorSearch() = default;
+  /// Vectors, and numbers of each.
+  virtual Index count() const = 0;
+  virtual Index width() const = 0;
+  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they are whole,
+  /// config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
+  virtual std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const = 0;
+
+ protected:
+  VectorSearch() = default;
+  VectorSearch(const VectorSearch&) = default;
+  VectorSearch& operator=(const VectorSearch&) = default;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+/// Exact search: every vector of the gallery is compared with every query.
+///
+///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
+///     for (const Neighbour& n : gallery.search(query, 10)[0]) ...
+///
+/// Many queries are a matrix product whose scores are looked at while they lie in the first-level cache; few are read past the gallery
+/// once. These fast scores (float sums in the kernel's order, or rows in bfloat16) only say who cannot be among the k nearest: what lies
+/// within their error bound of the k-th is compared by exact_cosine. So an answer does not depend on the processor, on the number of
+/// threads, on the other queries, or on the storage.
+///
+///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)|
+///
+/// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any order
+#pragma once
+
+#include <cstdint>  // bfloat16
+#include <memory>   // owner of the rows
+
+#include <motionlang/search/nearest.hpp>
+#include <motionlang/search/unit_rows.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class ScanStorage {
+  float32,   // the rows as they are
+  bfloat16,  // a copy of half the size is scanned; the rows themselves are read for the best ones only
+};
+
+namespace detail {
+
+/// The scan itself. A template, so that motionlang::instantiated can compile it once.
+template <std::same_as<float> S>
+struct RowScan {
+  std::span<const S> rows;                // (count, width)
+  std::span<const std::uint16_t> halves;  // the same in bfloat16, or empty
+  Index count = 0, width = 0;
+  double half_error = 0;  // largest |x - bfloat16(x)|
+
+  /// queries (n, width) of length 1
+  std::vector<std::vector<Neighbour>> nearest(std::span<const S> queries, Index k) const;
+  /// Rounds rows to bfloat16. Returns the largest |x - bfloat16(x)|.
+  static double to_halves(std::span<const S> rows, Index width, std::uint16_t* halves);
+};
+
+}  // namespace detail
+
+class VectorScan : public VectorSearch {
+ public:
+  /// rows   (count, width) of length 1
+  /// owner  keeps them alive; without one they have to outlive the object
+  /// Throws shape_error 205, config_error 101, numeric_error 302 (require_unit_rows)
+  VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner = {},
+             ScanStorage storage = ScanStorage::float32)
+      : owner_(std::move(owner)) {
+    require_unit_rows("VectorScan", rows, width);
+    scan_ = {rows, {}, static_cast<Index>(rows.size()) / width, width};
+    if (storage == ScanStorage::float32) return;
+    const std::shared_ptr<std::uint16_t[]> halves(new std::uint16_t[rows.size()]);
+    scan_.half_error = detail::RowScan<float>::to_halves(rows, width, halves.get());
+    scan_.halves = {halves.get(), rows.size()};
+    halves_ = halves;
+  }
+
+  Index count() const override { return scan_.count; }
+  Index width() const override { return scan_.width; }
+  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override {
+    if (k < 0) raise<config_error>(101, "VectorScan: the ", k, " nearest");
+    detail::whole_rows("VectorScan: queries", queries.size(), width());
+    return scan_.nearest(unit_rows(queries, width()), std::min(k, count()));
+  }
+
+ private:
+  detail::RowScan<float> scan_;
+  std::shared_ptr<const void> owner_, halves_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+
+#ifdef MOTIONLANG_INSTANTIATED
+extern template struct motionlang::detail::RowScan<float>;
+#else
+#include <motionlang/search/detail/row_scan_impl.hpp>
+#endif
