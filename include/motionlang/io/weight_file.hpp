@@ -58,6 +58,8 @@ class WeightFile : public TensorSet {
   ///         execute code, 406 if it holds no tensors or `options.path` leads nowhere
   static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
                                std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
+  /// The files of a folder. Throws io_error 404 if there are none, and what open_weights throws.
+  static WeightFile from_run(const RunFolder& run, const WeightOptions& options = {});
 
  private:
   friend class detail::WeightReader;
@@ -67,7 +69,6 @@ class WeightFile : public TensorSet {
 
   static WeightFile from_safetensors(SafetensorsFile file);
   static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
-  static WeightFile from_run(const RunFolder& run, const WeightOptions& options);
   /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
   void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);
   void sort_tensors() {
