@@ -185,6 +185,7 @@
 #include <motionlang/compose/combine.hpp>
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/intervals.hpp>
+#include <motionlang/compose/mtt_timelines.hpp>
 #include <motionlang/compose/options.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/simultaneous_segments.hpp>
@@ -206,6 +207,7 @@
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
+#include <motionlang/metrics/mtt.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
 #include <motionlang/metrics/stgcn.hpp>
