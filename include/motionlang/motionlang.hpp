@@ -137,6 +137,13 @@
 #include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>
 
+#include <motionlang/vae/actor_autoregressive.hpp>
+#include <motionlang/vae/actor_decoder.hpp>
+#include <motionlang/vae/actor_encoder.hpp>
+#include <motionlang/vae/actor_fully_connected.hpp>
+#include <motionlang/vae/actor_gru.hpp>
+#include <motionlang/vae/actor_latents.hpp>
+#include <motionlang/vae/actor_losses.hpp>
 #include <motionlang/vae/temos_encoder.hpp>
 #include <motionlang/vae/temos_gru.hpp>
 #include <motionlang/vae/text_motion.hpp>
@@ -213,6 +220,7 @@
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/summary.hpp>
 
+#include <motionlang/systems/actor.hpp>
 #include <motionlang/systems/stmc.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>

@@ -44,6 +44,19 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return sum(detail::huber(a.rows - b)) * (1.0 / n);
 }
 
+/// mse of the steps from frame to frame. Throws shape_error 204 unless both have the same frames.
+template <Backend B>
+Tensor<B, 0> velocity_mse(const Sequences<B>& a, const Sequences<B>& b) {
+  if (!(a.offsets == b.offsets))
+    raise<shape_error>(204, "velocity_mse: sequences of other lengths: ", a.rows.shape(), ", ", b.rows.shape());
+  PoolVector<Index> from, to;
+  for (Index s = 0; s < a.count(); ++s) {
+    for (Index r = a.offsets.begin(s); r + 1 < a.offsets.end(s); ++r) from.push_back(r), to.push_back(r + 1);
+  }
+  auto steps = [&](const Sequences<B>& x) { return gather(x.rows, to) - gather(x.rows, from); };
+  return mse(steps(a), steps(b));
+}
+
 /// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).
 template <Backend B>
 Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {

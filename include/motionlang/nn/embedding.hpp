@@ -22,4 +22,16 @@ struct Embedding {
   Tensor<B, 2> operator()(std::span<const Index> ids) const { return gather(weight, ids); }
 };
 
+/// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
+template <Backend B>
+Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
+  std::vector<typename B::scalar> rows(labels.size() * static_cast<std::size_t>(classes));
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] < 0 || labels[i] >= classes)
+      raise<shape_error>(203, "one_hot: label ", labels[i], " of ", classes, " classes");
+    rows[i * static_cast<std::size_t>(classes) + static_cast<std::size_t>(labels[i])] = 1;
+  }
+  return Tensor<B, 2>::from(rows, {std::ssize(labels), classes});
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

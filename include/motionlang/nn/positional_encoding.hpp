@@ -66,4 +66,17 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
+/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence has one row: 0
+/// instead of a division by 0.
+template <Backend B>
+Tensor<B, 2> relative_time(const Offsets& offsets) {
+  std::vector<typename B::scalar> time;
+  for (Index s = 0; s < offsets.count(); ++s) {
+    const auto last = static_cast<double>(std::max<Index>(1, offsets.length(s) - 1));
+    for (Index t = 0; t < offsets.length(s); ++t)
+      time.push_back(static_cast<typename B::scalar>(static_cast<double>(t) / last));
+  }
+  return Tensor<B, 2>::from(time, {offsets.rows(), 1});
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

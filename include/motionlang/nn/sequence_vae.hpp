@@ -79,16 +79,14 @@ Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& fram
 
 namespace detail {
 
-/// A post-norm layer for the first n rows of each sequence alone: they attend to all rows.
+/// A post-norm layer for rows that attend to `x` and are not attended to: tokens behind the last layer, padding.
 template <Backend B>
-Sequences<B> layer_of_first_rows(const TransformerEncoderLayer<B>& layer, const Sequences<B>& x, Index n,
-                                 const Context& context) {
-  if (layer.norm_first || layer.causal)
-    raise<config_error>(101, "encode_tokens: layers have to be post-norm, not causal");
+Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
+                              const Sequences<B>& x, const Context& context) {
+  if (layer.norm_first || layer.causal) raise<config_error>(101, "encoder: layers have to be post-norm, not causal");
   auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, layer.dropout_p, context); };
-  const auto tokens = first_rows(x, n);
-  const auto y = layer.norm1(drop(layer.self_attn.cross(tokens.rows, tokens.offsets, x, context)), tokens.rows);
-  return tokens.with(layer.norm2(drop(layer.linear2(drop(layer.linear1(y, layer.activation)))), y));
+  const auto y = layer.norm1(drop(layer.self_attn.cross(readers.rows, readers.offsets, x, context)), readers.rows);
+  return readers.with(layer.norm2(drop(layer.linear2(drop(layer.linear1(y, layer.activation)))), y));
 }
 
 }  // namespace detail
@@ -101,7 +99,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
   auto x = sequence.with(dropout(sequence.rows, dropout_p, context));
   for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
     const ModuleScope scope("layers.", i);
-    if (i + 1 == encoder.layers.size()) return detail::layer_of_first_rows(encoder.layers[i], x, n, context);
+    if (i + 1 == encoder.layers.size()) return detail::layer_of_readers(encoder.layers[i], first_rows(x, n), x, context);
     x.rows = encoder.layers[i](x.rows, x.offsets, context);
   }
   return first_rows(x, n);

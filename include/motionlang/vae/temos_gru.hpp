@@ -62,14 +62,8 @@ struct TemosGruDecoder {
 
   /// z (sequences, width)
   Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& = {}) const {
-    std::vector<typename B::scalar> time;
-    for (Index s = 0; s < lengths.count(); ++s) {
-      const double last = static_cast<double>(std::max<Index>(1, lengths.length(s) - 1));
-      for (Index t = 0; t < lengths.length(s); ++t)
-        time.push_back(static_cast<typename B::scalar>(static_cast<double>(t) / last));
-    }
-    const auto when = Tensor<B, 2>::from(time, {lengths.rows(), 1});
-    return final_layer(gru(emb_layer(Sequences<B>(concat(1, repeat_for_rows(z, lengths), when), lengths))));
+    const auto rows = concat(1, repeat_for_rows(z, lengths), relative_time<B>(lengths));
+    return final_layer(gru(emb_layer(Sequences<B>(rows, lengths))));
   }
 };
 

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and features/actor_points.hpp.
+///
+///     const std::vector<Index> actions{3, 7}, durations{60, 90};
+///     const auto motions = generate(actor, actions, durations, rng, {.samples = 5});   // motions[2 sample + action]
+///     const auto cleaned = denoise(actor, motions, labels);
+///
+/// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021); spec actor.md
+#pragma once
+
+#include <motionlang/features/actor_points.hpp>
+#include <motionlang/vae/actor_autoregressive.hpp>
+#include <motionlang/vae/actor_decoder.hpp>
+#include <motionlang/vae/actor_encoder.hpp>
+#include <motionlang/vae/actor_fully_connected.hpp>
+#include <motionlang/vae/actor_gru.hpp>
+#include <motionlang/vae/actor_latents.hpp>
+#include <motionlang/vae/actor_losses.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The rows of thesis table 3.4, which mix.
+enum class ActorEncoderKind { tokens, average, gru, fully_connected };
+enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive };
+
+/// Published sizes; 13 classes for NTU-13, 40 for UESTC.
+struct ActorConfig {
+  Index njoints = 25, nfeats = 6;  // rows of a frame, and numbers of each: a translation is a row
+  Index num_classes = 12;
+  Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
+  double dropout = 0.1;
+  Activation activation = Activation::gelu;
+  ActorEncoderKind encoder = ActorEncoderKind::tokens;
+  ActorDecoderKind decoder = ActorDecoderKind::transformer;
+  ActorConditioning conditioning = ActorConditioning::action_bias;  // of the transformer decoder
+  bool concatenate_time = true;                                     // gru and autoregressive: frames know the time
+  Index num_frames = 60;                                            // of fully connected networks
+  Index max_len = 5000;
+  bool operator==(const ActorConfig&) const = default;
+};
+
+/// The names are those of the published checkpoints, which hold tables of positions besides.
+template <Backend B>
+struct Actor {
+  std::optional<ActorEncoder<B>> encoder;
+  std::optional<ActorAverageEncoder<B>> average_encoder;
+  std::optional<ActorGruEncoder<B>> gru_encoder;
+  std::optional<ActorFullyConnectedEncoder<B>> fc_encoder;
+  std::optional<ActorDecoder<B>> decoder;
+  std::optional<ActorGruDecoder<B>> gru_decoder;
+  std::optional<ActorFullyConnectedDecoder<B>> fc_decoder;
+  std::optional<ActorAutoregressiveDecoder<B>> autoregressive_decoder;
+  ActorConfig config;
+
+  static constexpr auto fields() {
+    using M = Actor;
+    return motionlang::fields("encoder", &M::encoder, "encoder", &M::average_encoder, "encoder", &M::gru_encoder,
+                              "encoder", &M::fc_encoder, "decoder", &M::decoder, "decoder", &M::gru_decoder, "decoder",
+                              &M::fc_decoder, "decoder", &M::autoregressive_decoder, "config", &M::config);
+  }
+  static std::string official_key(const std::string& path) { return gru_key(path); }
+
+  Actor() = default;
+  Actor(const ActorConfig& c, Rng auto& rng) : config(c) {
+    const Index features = c.njoints * c.nfeats, classes = c.num_classes, width = c.latent_dim;
+    const TransformerConfig t{.d_model = width,
+                              .heads = c.num_heads,
+                              .d_ff = c.ff_size,
+                              .layers = c.num_layers,
+                              .activation = c.activation,
+                              .dropout = c.dropout};
+    if (c.encoder == ActorEncoderKind::tokens) encoder.emplace(features, classes, t, c.max_len, rng);
+    if (c.encoder == ActorEncoderKind::average) average_encoder.emplace(features, t, c.max_len, rng);
+    if (c.encoder == ActorEncoderKind::gru)
+      gru_encoder.emplace(features, classes, width, c.num_layers, c.concatenate_time, rng);
+    if (c.encoder == ActorEncoderKind::fully_connected) fc_encoder.emplace(features, c.num_frames, classes, width, rng);
+    if (c.decoder == ActorDecoderKind::transformer)
+      decoder.emplace(features, classes, t, c.max_len, c.conditioning, rng);
+    if (c.decoder == ActorDecoderKind::gru)
+      gru_decoder.emplace(features, classes, width, c.num_layers, c.concatenate_time, rng);
+    if (c.decoder == ActorDecoderKind::fully_connected) fc_decoder.emplace(features, c.num_frames, classes, width, rng);
+    if (c.decoder == ActorDecoderKind::autoregressive)
+      autoregressive_decoder.emplace(features, classes, t, c.max_len, c.concatenate_time, rng);
+  }
+
+  /// x: frames of `actor_features`, row by row; one action per motion. Throws shape_error 203 for an action that is no class.
+  LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {}) const {
+    if (average_encoder) return (*average_encoder)(x, context);
+    if (gru_encoder) return (*gru_encoder)(x, actions);
+    if (fc_encoder) return (*fc_encoder)(x, actions, config.num_classes);
+    return (*encoder)(x, actions, context);
+  }
+  /// z (motions, latent_dim) to motions of these lengths.
+  Sequences<B> decode(const Tensor<B, 2>& z, std::span<const Index> actions, const Offsets& lengths,
+                      const Context& context = {}) const {
+    if (gru_decoder) return (*gru_decoder)(z, actions, lengths);
+    if (fc_decoder) return (*fc_decoder)(z, actions, lengths, config.njoints * config.nfeats);
+    if (autoregressive_decoder) return (*autoregressive_decoder)(z, actions, lengths);
+    return (*decoder)(z, actions, lengths, context);
+  }
+  /// decode for a training step, where an autoregressive decoder reads the true frames before each frame.
+  Sequences<B> teach(const Tensor<B, 2>& z, std::span<const Index> actions, const Sequences<B>& x,
+                     const Context& context = {}) const {
+    return autoregressive_decoder ? autoregressive_decoder->teach(z, actions, x, context)
+                                  : decode(z, actions, x.offsets, context);
+  }
+};
+
+/// Motions in the order sample, action. durations: frames for each action, or for each motion.
+/// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
+/// Throws  shape_error 203 for an action that is no class, 204 for another number of durations, config_error 101
+template <Backend B, class G>
+Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std::span<const Index> durations, G& rng,
+                      const ActorSampling& o = {}) {
+  const auto n = std::ssize(actions), given = std::ssize(durations);
+  if (given != n && given != n * o.samples)
+    raise<shape_error>(204, "generate: ", given, " durations for ", n, " actions and ", o.samples, " samples of each");
+  const Shape shape{o.noise_rows(n), actor.config.latent_dim};
+  std::vector<typename B::scalar> noise(static_cast<std::size_t>(shape.count()));
+  rng.normal(std::span<typename B::scalar>(noise));
+  const auto z = actor_latents(Tensor<B, 2>::from(noise, shape), n, o);
+  std::vector<Index> labels, lengths;
+  for (Index i = 0; i < n * o.samples; ++i) {
+    labels.push_back(actions[static_cast<std::size_t>(i % n)]);
+    lengths.push_back(durations[static_cast<std::size_t>(i % given)]);
+  }
+  return actor.decode(z, labels, Offsets(lengths));
+}
+
+/// Motions as the model understands them, without their noise: encoded and decoded. Source  thesis 3.3.4
+template <Backend B>
+Sequences<B> denoise(const Actor<B>& actor, const Sequences<B>& motions, std::span<const Index> actions) {
+  return actor.decode(actor.encode(motions, actions).mu, actions, motions.offsets);
+}
+
+/// Motions between two of one action: `steps` latents on the line from one to the other, all of `length` frames.
+template <Backend B>
+Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_motions, Index action, Index steps,
+                                 Index length) {
+  const PoolVector<Index> both(2, action), all(static_cast<std::size_t>(steps), action);
+  const auto mu = actor.encode(two_motions, both).mu;
+  return actor.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), all,
+                      Offsets::equal(steps, length));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

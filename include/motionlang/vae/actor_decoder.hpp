@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+/// ACTOR's decoder: a latent, an action and a duration become a motion.
+#pragma once
+
+#include <motionlang/nn/embedding.hpp>
+#include <motionlang/nn/sequence_vae.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// How action and time enter the decoder; all but the first are ablations (thesis table 3.4 c; spec actor.md 2.8).
+enum class ActorConditioning {
+  action_bias,    // memory z + b_y, queries are sinusoidal positions
+  concat_bias,    // memory of two rows, z and b_y
+  zandtime,       // memory W [z, one-hot y]
+  time_encoding,  // as action_bias, but every number of query t is t / (length - 1)
+};
+
+/// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.2; spec actor.md 2.6
+template <Backend B>
+struct ActorDecoder {
+  std::optional<Tensor<B, 2>> actionBiases;  // (classes, width)
+  std::optional<Linear<B>> ztimelinear;      // of zandtime
+  TransformerDecoder<B> seqTransDecoder;
+  Linear<B> finallayer;
+  PositionTable<B> positions;
+  ActorConditioning conditioning = ActorConditioning::action_bias;
+  double dropout_p = 0.1;
+
+  static constexpr auto fields() {
+    using M = ActorDecoder;
+    return motionlang::fields("actionBiases", &M::actionBiases, "ztimelinear", &M::ztimelinear, "seqTransDecoder",
+                              &M::seqTransDecoder, "finallayer", &M::finallayer, "positions", &M::positions,
+                              "conditioning", &M::conditioning, "dropout_p", &M::dropout_p);
+  }
+  ActorDecoder() = default;
+  ActorDecoder(Index nfeats, Index classes, const TransformerConfig& c, Index max_len, ActorConditioning how,
+               Rng auto& rng)
+      : finallayer(c.d_model, nfeats, rng), positions(max_len, c.d_model), conditioning(how), dropout_p(c.dropout) {
+    if (how == ActorConditioning::zandtime)
+      ztimelinear.emplace(c.d_model + classes, c.d_model, rng);
+    else
+      actionBiases = normal_init<B, 2>({classes, c.d_model}, 1, rng);
+    seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
+  }
+
+  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class.
+  Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
+    const auto one = Offsets::equal(z.size(0), 1);
+    if (ztimelinear) return {(*ztimelinear)(concat(1, z, one_hot<B>(labels, ztimelinear->in() - z.size(1)))), one};
+    const auto bias = gather(*actionBiases, labels);
+    if (conditioning == ActorConditioning::concat_bias)
+      return concat_tokens(Sequences<B>(z, one), Sequences<B>(bias, one));
+    return {z + bias, one};
+  }
+  Sequences<B> queries(const Offsets& lengths) const {
+    if (conditioning != ActorConditioning::time_encoding) return position_queries(positions.rows(), lengths);
+    const Index width = finallayer.in();
+    return {broadcast_to<2>(relative_time<B>(lengths), {lengths.rows(), width}), lengths};
+  }
+  /// Throws shape_error 203, 204.
+  Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
+                          const Context& context = {}) const {
+    auto x = queries(lengths);
+    x.rows = dropout(x.rows, dropout_p, context);
+    return finallayer(seqTransDecoder(x, memory(z, labels), context));
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
