@@ -19,7 +19,7 @@ namespace program {
 namespace {
 
 struct Options {
-  std::string in, out, tensors;
+  std::string in, out, tensors, features;
   MotionReadOptions read;
   RigOptions rig;
   double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
@@ -72,19 +72,24 @@ void run(const Options& o) {
   for (const ml::Motion& m : motions) {
     const ml::Motion made = edited(m, o);
     const auto path = motions.size() == 1 ? std::filesystem::path(o.out) : name_of(o.out, made.name, taken);
-    write_motion(path, made, o.scale);
+    o.features.empty() ? write_motion(path, made, o.scale) : write_features(path, made, o.features);
     std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), made.frames(), made.fps,
                 made.seconds(), made.skeleton.size());
   }
 }
 
 void add_input(CLI::App& c, Options& o) {
-  c.add_option("input", o.in, "Motion: .bvh, .amc, .npz (AMASS) or .glb (every animation); for convert also weights")
+  c.add_option("input", o.in, "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features) or .glb (every animation); for convert also "
+                "weights")
       ->required()
       ->check(CLI::ExistingPath);
   c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  c.add_option("--rate", o.read.npy_fps, "Frames per second of an .npy file; as published unless given")
+      ->check(CLI::PositiveNumber);
+  c.add_option("--up", o.read.up, "Axis that points up in an .npy file with joints; found unless given")
+      ->check(CLI::IsMember({"y", "z"}));
   c.add_option("--asf", o.read.asf, "Skeleton of an AMC file; the file of its subject beside it unless given")
       ->check(CLI::ExistingFile);
 }
@@ -124,6 +129,8 @@ void add_convert(CLI::App& app) {
   c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the result is this file with the motion added")
       ->check(CLI::ExistingFile);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
+  c->add_option("--features", o->features,
+                "Writes features to .npy: guoh3d (HumanML3D), rifke (TMR), smplvelp (TEMOS) or smplrifke (STMC)");
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
   c->add_flag("--smooth", o->smooth, "Without trembling");

@@ -7,7 +7,9 @@
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
+#include <motionlang/io/motion_npy.hpp>
 #include <motionlang/io/viewer.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
 namespace program {
@@ -56,10 +58,14 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
         ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf))));
   else if (kind == ".npz")
     motions.push_back(ml::read_amass(path).motion);
+  else if (kind == ".npy")
+    motions.push_back(ml::read_motion_npy(path, {options.npy_fps, options.up == "y"   ? ml::UpAxis::y
+                                                                  : options.up == "z" ? ml::UpAxis::z
+                                                                                      : ml::UpAxis::found}));
   else if (kind == ".glb")
     motions = every_animation(path, options.fps);
   else
-    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz and .glb, not '", kind,
+    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy and .glb, not '", kind,
                                 "'");
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
@@ -86,6 +92,15 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
   else
     ml::raise<ml::config_error>(103, path.string(),
                                 ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
+}
+
+void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features) {
+  if (kind_of(path) != ".npy")
+    ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
+  const ml::MotionFeatures& f = ml::motion_features(features);
+  const std::vector<double> rows = f.from_motion(ml::resample(on_smpl(motion), f.fps));
+  const std::vector<float> narrow(rows.begin(), rows.end());
+  ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {std::ssize(rows) / f.width, f.width}));
 }
 
 RigWriter rig_writer(const RigOptions& options) {

@@ -17,6 +17,8 @@ namespace ml = motionlang;
 struct MotionReadOptions {
   double scale = 0.01;  // metres per unit of a BVH file
   double fps = 30;      // of a GLB file, whose keys have times of their own
+  double npy_fps = 0;   // of an .npy file, which has none; 0: as published
+  std::string up{};     // axis of an .npy file with positions, "y" or "z"; "": found
   std::string asf{};    // skeleton of an AMC file; "": the file of its subject beside it, 01.asf for 01_02.amc
 };
 
@@ -36,13 +38,17 @@ inline std::filesystem::path asf_beside(const std::filesystem::path& amc) {
   return amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
 }
 
-/// The motions of a file: .bvh, .amc, .npz (AMASS), .glb (every animation). Each has a name.
+/// The motions of a file: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb (every animation). Each has a name.
 /// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
+
+/// The motion's features as the systems have them, one row for each frame, to an .npy file: on SMPL's joints, at the rate of the
+/// features. Throws config_error 103 for a name that is none (motion_features) and for another extension.
+void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features);
 
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {

@@ -3,7 +3,7 @@
 ///
 ///     const Motion clip = motion_from_joints(humanml3d22_skeleton(), joints, 20);
 ///
-/// Bones get the mean length that they have in the clip. Each joint is turned so that its bones at rest come nearest to where they
+/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them. Each joint is turned so that its bones at rest come nearest to where they
 /// are seen, with as little twist against its parent as that leaves open; positions along bones of constant length are met.
 /// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG 2016), eq. 7,
 ///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
@@ -53,13 +53,42 @@ inline double misfit(std::span<const SeenVector> vectors, const Quaternion<doubl
   return sum;
 }
 
+/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths. Each round
+/// turns the bones of every frame onto those at rest and takes the means.
+/// rest   (bones); seen (frames, bones)
+inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
+                                                    std::span<const Vec3<double>> seen) {
+  constexpr int rounds = 10;
+  constexpr std::size_t most_frames = 200;
+  const std::size_t n = rest.size(), frames = seen.size() / n, step = std::max<std::size_t>(1, frames / most_frames);
+  const std::vector<Vec3<double>> at_rest = rest;
+  auto turn = Quaternion<double>::identity();
+  std::vector<SeenVector> pairs(n);
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Vec3<double>> sum(n);
+    for (std::size_t f = 0; f < frames; f += step) {
+      for (std::size_t k = 0; k < n; ++k) pairs[k] = {rest[k], seen[f * n + k]};
+      turn = fit_rotation(pairs, turn);
+      for (std::size_t k = 0; k < n; ++k) sum[k] = sum[k] + rotate(inverse(turn), seen[f * n + k]);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!(norm(sum[k]) > 0)) return at_rest;
+      pairs[k] = {(norm(at_rest[k]) / norm(sum[k])) * sum[k], at_rest[k]};
+    }
+    const Quaternion<double> back = fit_rotation(pairs, Quaternion<double>::identity());
+    for (std::size_t k = 0; k < n; ++k) rest[k] = rotate(back, pairs[k].rest);
+  }
+  return rest;
+}
+
 }  // namespace detail
 
 /// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at rest
 /// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
 /// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a count or a rate that is none,
 ///           numeric_error 301 for a position that is not finite
-inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count, double fps) {
+inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count,
+                                 double fps) {
   if (count < 1 || count > skeleton.size())
     raise<config_error>(101, "motion_from_joints: ", count, " joints for a skeleton of ", skeleton.size());
   const auto n = static_cast<std::size_t>(count), frames = joints.size() / n;
@@ -79,6 +108,16 @@ inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<
     const double rest = norm(skeleton.offsets[j]);
     if (rest > 0 && frames > 0)
       out.skeleton.offsets[j] = (length / static_cast<double>(frames) / rest) * skeleton.offsets[j];
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    if (children[j].size() < 2 || frames == 0) continue;
+    std::vector<Vec3<double>> rest, seen;
+    for (const std::size_t c : children[j]) rest.push_back(out.skeleton.offsets[c]);
+    for (std::size_t f = 0; f < frames; ++f) {
+      for (const std::size_t c : children[j]) seen.push_back(joints[f * n + c] - joints[f * n + j]);
+    }
+    rest = detail::bones_of_one_joint(std::move(rest), seen);
+    for (std::size_t k = 0; k < rest.size(); ++k) out.skeleton.offsets[children[j][k]] = rest[k];
   }
   const auto all = static_cast<std::size_t>(skeleton.size());
   std::vector<Quaternion<double>> world(all);

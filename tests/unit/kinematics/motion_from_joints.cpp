@@ -82,3 +82,15 @@ TEST_CASE("errors, and clips of no frames") {
   joints[5].x = std::nan("");
   CHECK_ERROR(ml::motion_from_joints(s, joints, 20), "[motionlang.numeric.301]");
 }
+
+TEST_CASE("another build of the figure: bones at a joint lie to one another as they do in the clip") {
+  ml::Skeleton broad = ml::humanml3d22_skeleton();
+  broad.offsets[static_cast<std::size_t>(broad["left_hip"])] = {0.06, -0.11, -0.02};
+  broad.offsets[static_cast<std::size_t>(broad["right_hip"])] = {-0.06, -0.11, -0.02};
+  broad.offsets[static_cast<std::size_t>(broad["left_collar"])] = {0.13, 0.05, -0.04};
+  broad.offsets[static_cast<std::size_t>(broad["right_collar"])] = {-0.12, 0.06, -0.04};
+  const ml::Motion m = acrobat(broad, 60);
+  const auto joints = m.positions();
+  const ml::Motion again = ml::motion_from_joints(ml::humanml3d22_skeleton(), joints, 20);
+  CHECK(largest_distance(again.positions(), joints) < 2e-3);
+}

@@ -4,6 +4,7 @@
 #include <map>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
 #include "../../support/rigs.hpp"
@@ -216,6 +217,26 @@ TEST_CASE("tables are recognised by the names of joints") {
   CHECK(ml::detect_skeleton_table(ml::humanml3d22_skeleton()).name == "SMPL");
 }
 
+TEST_CASE("MMM: there and back, limbs and trunk keep their directions") {
+  CHECK(ml::detect_skeleton_table(ml::kit21_skeleton()).name == "MMM");
+  const ml::Motion walk = synthetic::walk({.frames = 40, .turn = 0.4});
+  const ml::Motion mmm = ml::retarget(walk, ml::kit21_skeleton());
+  const ml::Motion again = ml::retarget(mmm);
+  for (const auto& [from, to] : {std::pair("left_hip", "left_knee"),
+                                 {"right_knee", "right_ankle"},
+                                 {"left_shoulder", "left_elbow"},
+                                 {"right_elbow", "right_wrist"},
+                                 {"neck", "head"},
+                                 {"left_ankle", "left_foot"}}) {
+    CAPTURE(from);
+    CHECK(bone_angle(walk, again, from, to) < 0.5);
+  }
+  // as its reader makes clips: from positions alone
+  const ml::Motion fitted = ml::retarget(ml::motion_from_joints(ml::kit21_skeleton(), mmm.positions(), 20));
+  CHECK(bone_angle(walk, fitted, "left_hip", "left_knee") < 1);
+  CHECK(bone_angle(walk, fitted, "right_elbow", "right_wrist") < 1);
+}
+
 TEST_CASE("what is missing is named") {
   ml::Skeleton s = ml::smpl24_skeleton();
   s.names[static_cast<std::size_t>(s["left_knee"])] = "kneecap";
@@ -223,8 +244,10 @@ TEST_CASE("what is missing is named") {
   CHECK_THROWS_WITH_AS(ml::SkeletonMap(s, ml::smpl24_skeleton(), ml::skeleton_table("CMU Daz")),
                        Contains("[motionlang.config.103] SkeletonMap: CMU Daz needs a joint 'hip'"), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::skeleton_table("CMU Max"), Contains("[motionlang.config.103]"), ml::config_error);
-  CHECK_THROWS_WITH_AS(ml::SkeletonMap(ml::smpl24_skeleton(), ml::kit21_skeleton()),
-                       Contains("no table fits a skeleton of 21 joints (root 'root')"), ml::config_error);
+  ml::Skeleton nameless = ml::kit21_skeleton();
+  for (std::string& name : nameless.names) name += "?";
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap(ml::smpl24_skeleton(), nameless),
+                       Contains("no table fits a skeleton of 21 joints (root 'root?')"), ml::config_error);
   ml::SkeletonTable no_hips{"no hips", {{"pelvis", "pelvis"}}};
   CHECK_THROWS_WITH_AS(ml::SkeletonMap(ml::smpl24_skeleton(), ml::smpl24_skeleton(), no_hips),
                        Contains("no hips has no 'left_hip'"), ml::config_error);
@@ -243,8 +266,8 @@ TEST_CASE("what is missing is named") {
 TEST_CASE("to every rig and back: A-poses, figures that face elsewhere, other units, prefixes") {
   const auto walk = synthetic::walk({.frames = 25, .turn = 0.5});
   const rigs::Turns a_pose{{"left_shoulder", synthetic::about_z(-0.8)}, {"right_shoulder", synthetic::about_z(0.8)},
-                     {"left_hip", synthetic::about_z(0.1)},       {"right_hip", synthetic::about_z(-0.1)},
-                     {"left_ankle", synthetic::about_z(0)},       {"right_ankle", synthetic::about_z(0)}};
+                           {"left_hip", synthetic::about_z(0.1)},       {"right_hip", synthetic::about_z(-0.1)},
+                           {"left_ankle", synthetic::about_z(0)},       {"right_ankle", synthetic::about_z(0)}};
   struct Rig {
     const char* table;
     double facing, unit;
@@ -260,7 +283,8 @@ TEST_CASE("to every rig and back: A-poses, figures that face elsewhere, other un
         Rig{"KayKit", 0, 0.5, {}, ""}, Rig{"SMPL add-on", 0, 1, a_pose, ""}}) {
     CAPTURE(rig.table);
     CAPTURE(rig.prefix);
-    const ml::Skeleton skeleton = rigs::skeleton_of(ml::skeleton_table(rig.table), rig.facing, rig.unit, rig.turns, rig.prefix);
+    const ml::Skeleton skeleton =
+        rigs::skeleton_of(ml::skeleton_table(rig.table), rig.facing, rig.unit, rig.turns, rig.prefix);
     CHECK(ml::detect_skeleton_table(skeleton).name == rig.table);
     const ml::SkeletonMap there(walk.skeleton, skeleton), back(skeleton);
     CHECK(there.report().leg_ratio == Approx(rig.unit));
