@@ -129,6 +129,7 @@
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/features/moving_parts.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/features/rifke.hpp>
@@ -136,6 +137,7 @@
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/features/tm2t_data.hpp>
 
 #include <motionlang/vae/actor_autoregressive.hpp>
 #include <motionlang/vae/actor_decoder.hpp>
@@ -219,6 +221,7 @@
 #include <motionlang/metrics/rows.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/summary.hpp>
+#include <motionlang/metrics/temos_score.hpp>
 
 #include <motionlang/systems/actor.hpp>
 #include <motionlang/systems/stmc.hpp>
