@@ -129,7 +129,6 @@
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/features/moving_parts.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/features/rifke.hpp>

@@ -1,8 +1,7 @@
-// Golden functions: SINC's TEMOS score, and body parts told from the motion of joints.
+// Golden functions: SINC's TEMOS score.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
-#include <motionlang/features/moving_parts.hpp>
 #include <motionlang/features/smplvelp.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 #include <motionlang/vae/temos_encoder.hpp>
@@ -52,25 +51,8 @@ void temos_score(Case& c) {
   c.out_scalar("score", ml::temos_score(generated, reference));
 }
 
-template <class S>
-void part_labels(Case& c) {
-  std::vector<S> speeds;
-  std::vector<int> active;
-  for (Index i = 0; c.has("in/joints_" + std::to_string(i)); ++i) {
-    const auto joints = golden::vectors<S>(c, "joints_" + std::to_string(i));
-    const auto v = ml::sinc_part_speeds(view(joints));
-    const auto parts = ml::moving_sinc_parts(v, c.config()["threshold"].as<double>());
-    speeds.insert(speeds.end(), v.begin(), v.end());
-    for (std::size_t p = 0; p < parts.size(); ++p) active.push_back(parts[p] ? 1 : 0);
-  }
-  c.out("velocity", {std::ssize(speeds) / 6, 6}, speeds);
-  c.out("active", {std::ssize(speeds) / 6, 6}, active);
-}
-
 const Registration score64{"sinc temos score", "reference<double>", temos_score<ml::ReferenceBackend<double>>};
 const Registration score32{"sinc temos score", "eigen<float>", temos_score<ml::EigenBackend<float>>};
 const Registration score_xtensor{"sinc temos score", "xtensor<float>", temos_score<ml::XtensorBackend<float>>};
-const Registration labels64{"sinc part labels from joint motion", "double", part_labels<double>};
-const Registration labels32{"sinc part labels from joint motion", "float", part_labels<float>};
 
 }  // namespace
