@@ -12,6 +12,7 @@
 
 #include "generation.hpp"
 #include "motion_files.hpp"
+#include "commands.hpp"
 #include "progress_bar.hpp"
 #include "timelines.hpp"
 
@@ -20,7 +21,9 @@ namespace program {
 namespace {
 
 struct Options {
-  std::string timeline, model = default_model().string(), out = "out", backend = "eigen";
+  std::string timeline, text, model = default_model().string(), out = "out", backend = "eigen";
+  double seconds = 5;  // of the text
+  ModelSources sources;
   GenerationSettings settings;
   RigOptions rig;
   int threads = 0;  // as many as the machine has
@@ -39,11 +42,29 @@ std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
   return tracks;
 }
 
+/// The timelines of the file, or the one text for the whole body.
+std::vector<ml::Timeline> wanted_timelines(const Options& o, double fps) {
+  if (o.text.empty()) return read_timelines(o.timeline, fps);
+  return {{{{o.text, 0, ml::frame_at(o.seconds, fps), ml::BodyParts::all()}}}};
+}
+/// The text as the name of a file, cut to a length that fits.
+std::string wanted_name(const Options& o) {
+  if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
+  constexpr std::size_t longest = 40;
+  std::string name;
+  for (const char c : o.text.substr(0, longest)) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (letter || (!name.empty() && name.back() != '_')) name += letter ? c : '_';
+  }
+  while (!name.empty() && name.back() == '_') name.pop_back();
+  return name.empty() ? "motion" : name;
+}
+
 void run(const Options& o) {
   if (o.threads > 0) ml::set_thread_count(o.threads);
   const RigWriter write_on_rig = o.rig.file.empty() ? RigWriter() : rig_writer(o.rig);
-  const auto generator = load_generator(o.backend, model_file(o.model));
-  const auto timelines = read_timelines(o.timeline, generator->fps());
+  const auto generator = load_generator(o.backend, o.model, o.sources);
+  const auto timelines = wanted_timelines(o, generator->fps());
   const GenerationSettings& settings = o.settings;
 
   std::vector<ml::Motion> motions;
@@ -52,8 +73,9 @@ void run(const Options& o) {
     motions = generator->run(timelines, settings, bar);
   }
   std::filesystem::create_directories(o.out);
-  const std::string name = std::filesystem::path(o.timeline).stem().string();
-  const std::string info = "seed " + std::to_string(settings.seed) + ", model " + model_file(o.model).stem().string();
+  const std::string name = wanted_name(o);
+  const auto model = std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
+  const std::string info = "seed " + std::to_string(settings.seed) + ", model " + model.filename().string();
   std::vector<ml::ViewerMotion> pages;
   for (std::size_t m = 0; m < motions.size(); ++m) {
     motions[m].name = motions.size() == 1 ? name : name + "_" + std::to_string(m);
@@ -64,7 +86,7 @@ void run(const Options& o) {
       write_on_rig(base.string() + ".glb", std::span(&motions[m], 1));
     else
       ml::write_glb(base.string() + ".glb", motions[m]);
-    ml::write_amass(base.string() + ".npz", motions[m]);
+    ml::write_amass(base.string() + ".npz", on_smpl(motions[m]));
     ml::write_joints_npy(base.string() + ".npy", motions[m]);
     ml::write_film_strip(base.string() + ".svg", motions[m], tracks);
     pages.push_back({motions[m], tracks});
@@ -83,10 +105,25 @@ void add_generate(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c =
       app.add_subcommand("generate", "Motion from a timeline of texts: BVH, GLB, NPZ, NPY, film strip, HTML page");
-  c->add_option("--timeline", o->timeline,
-                "File of lines 'text # start # end # body part # ...' (seconds), or 'text # duration'")
-      ->required();
-  c->add_option("--model", o->model, "Weights: a .safetensors file or a folder with one")->capture_default_str();
+  const auto what = c->add_option_group("what", "What is to be done: one of these");
+  const auto timeline = what->add_option(
+      "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), or 'text # duration'");
+  const auto text = what->add_option("--text", o->text, "One text for the whole body")->excludes(timeline);
+  what->require_option(1);
+  c->add_option("--seconds", o->seconds, "Duration of the text")
+      ->needs(text)
+      ->check(CLI::Range(0.05, 3600.0))
+      ->capture_default_str();
+  c->add_option("--model", o->model,
+                "Weights: a .safetensors file, a folder with one, or the folder that STMC, MDM or MotionDiffuse publish")
+      ->capture_default_str();
+  c->add_option("--text-encoder", o->sources.text_encoder,
+                "Of a published model: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as a folder of "
+                "Hugging Face; looked for beside the model unless given")
+      ->check(CLI::ExistingPath);
+  c->add_option("--statistics", o->sources.statistics,
+                "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")
+      ->check(CLI::ExistingDirectory);
   c->add_option("--out", o->out, "Folder for the results")->capture_default_str();
   c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the GLB result is this file with the motion added")
       ->check(CLI::ExistingFile);

@@ -1,13 +1,27 @@
 #include "generation.hpp"
 
+#include <motionlang/io/run_folder.hpp>
+
 #include "commands.hpp"
 
 namespace program {
 
-std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model) {
-  if (backend == "eigen") return load_eigen(model);
-  if (backend == "xtensor") return load_xtensor(model);
-  if (backend == "reference") return load_reference(model);
+namespace {
+
+/// A folder that is not one of ours with a single file in it.
+bool is_published(const std::filesystem::path& model) {
+  return std::filesystem::is_directory(model) && !ml::find_run(model).system.empty();
+}
+
+}  // namespace
+
+std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
+                                          const ModelSources& sources) {
+  const bool published = is_published(model);
+  if (backend == "eigen") return published ? load_published_eigen(model, sources) : load_eigen(model_file(model));
+  if (backend == "xtensor") return published ? load_published_xtensor(model, sources) : load_xtensor(model_file(model));
+  if (backend == "reference")
+    return published ? load_published_reference(model, sources) : load_reference(model_file(model));
   ml::raise<ml::config_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
 }
 

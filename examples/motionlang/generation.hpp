@@ -37,12 +37,23 @@ class Generator {
   virtual double fps() const = 0;
 };
 
-/// backend: eigen, xtensor or reference. Throws config_error 103 for another.
-std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model);
+/// What published models need from elsewhere; "": it is looked for beside them.
+struct ModelSources {
+  std::string text_encoder{};  // a folder or a file
+  std::string statistics{};    // a folder with mean and std
+};
 
-// One per backend, each in its own translation unit.
+/// model: a file of ours, a folder with one, or the folder of a published diffusion model. backend: eigen, xtensor or reference;
+/// throws config_error 103 for another.
+std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
+                                          const ModelSources& sources = {});
+
+// Two per backend, each in its own translation unit: models of ours, and published ones.
 std::unique_ptr<Generator> load_eigen(const std::filesystem::path& model);
 std::unique_ptr<Generator> load_xtensor(const std::filesystem::path& model);
 std::unique_ptr<Generator> load_reference(const std::filesystem::path& model);
+std::unique_ptr<Generator> load_published_eigen(const std::filesystem::path& run, const ModelSources& sources);
+std::unique_ptr<Generator> load_published_xtensor(const std::filesystem::path& run, const ModelSources& sources);
+std::unique_ptr<Generator> load_published_reference(const std::filesystem::path& run, const ModelSources& sources);
 
 }  // namespace program

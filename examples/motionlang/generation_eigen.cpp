@@ -1,11 +1,12 @@
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/stmc_file.hpp>
 
 #include "generation_over.hpp"
 
 namespace program {
 
 std::unique_ptr<Generator> load_eigen(const std::filesystem::path& model) {
-  return std::make_unique<GeneratorOver<ml::EigenBackend<float>>>(model);
+  return make_generator(ml::load_stmc<ml::EigenBackend<float>>(model));
 }
 
 }  // namespace program

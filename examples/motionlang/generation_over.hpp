@@ -1,20 +1,22 @@
-// The Generator over one backend.
+// The Generator over one backend, for models of any denoiser and text encoder.
 #pragma once
 
 #include <motionlang/compose/handovers.hpp>
-#include <motionlang/features/smplrifke.hpp>
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/io/safetensors.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
+#include <motionlang/systems/stmc.hpp>
+
+#include "feature_motion.hpp"
 #include "generation.hpp"
 
 namespace program {
 
-template <ml::Backend B>
+template <ml::Backend B, class D, class E>
 class GeneratorOver final : public Generator {
  public:
-  explicit GeneratorOver(const std::filesystem::path& file) : model_(ml::load_stmc<B>(file)) {}
+  explicit GeneratorOver(ml::Stmc<B, D, E> model) : model_(std::move(model)) {}
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
@@ -36,9 +38,11 @@ class GeneratorOver final : public Generator {
                                                : model_.generate_from(cut, noise_from(s.noise_file), options);
     std::vector<ml::Motion> motions;
     for (const auto& f : features) {
-      ml::Motion motion = ml::stmc_motion(f, model_.fps);
+      const std::vector<double> rows(f.span().begin(), f.span().end());
+      ml::Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+      const bool on_smpl = motion.skeleton.names == ml::smpl24_skeleton().names;
       if (s.smooth) motion = ml::smooth_motion(motion);
-      if (s.fix_feet) motion = ml::fix_feet(motion);  // last: feet that stand are to be still
+      if (s.fix_feet && on_smpl) motion = ml::fix_feet(motion);  // last: feet that stand are to be still
       motions.push_back(std::move(motion));
     }
     return motions;
@@ -57,7 +61,12 @@ class GeneratorOver final : public Generator {
     };
   }
 
-  ml::Stmc<B> model_;
+  ml::Stmc<B, D, E> model_;
 };
+
+template <ml::Backend B, class D, class E>
+std::unique_ptr<Generator> make_generator(ml::Stmc<B, D, E> model) {
+  return std::make_unique<GeneratorOver<B, D, E>>(std::move(model));
+}
 
 }  // namespace program

@@ -1,11 +1,12 @@
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/io/stmc_file.hpp>
 
 #include "generation_over.hpp"
 
 namespace program {
 
 std::unique_ptr<Generator> load_reference(const std::filesystem::path& model) {
-  return std::make_unique<GeneratorOver<ml::ReferenceBackend<double>>>(model);
+  return make_generator(ml::load_stmc<ml::ReferenceBackend<double>>(model));
 }
 
 }  // namespace program

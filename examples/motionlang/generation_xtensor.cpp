@@ -1,11 +1,12 @@
 #include <motionlang/backend/xtensor.hpp>
+#include <motionlang/io/stmc_file.hpp>
 
 #include "generation_over.hpp"
 
 namespace program {
 
 std::unique_ptr<Generator> load_xtensor(const std::filesystem::path& model) {
-  return std::make_unique<GeneratorOver<ml::XtensorBackend<double>>>(model);
+  return make_generator(ml::load_stmc<ml::XtensorBackend<double>>(model));
 }
 
 }  // namespace program

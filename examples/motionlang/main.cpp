@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   program::add_judge(app);
   program::add_convert(app);
   program::add_doctor(app);
+  program::add_embed(app);
   try {
     app.parse(argc, argv);
     return program::ok;

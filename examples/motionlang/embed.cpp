@@ -1,0 +1,94 @@
+// motionlang embed: texts in, the vectors of a text encoder out, in the layout that TMR and STMC read.
+#include <cstdio>
+#include <map>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/core/progress.hpp>
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/io/annotations.hpp>
+#include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/io/text_encoder_folder.hpp>
+
+#include "commands.hpp"
+#include "progress_bar.hpp"
+
+namespace program {
+
+namespace {
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+
+struct Options {
+  std::string texts, encoder, out, name, pooling = "none";
+  bool normalize = false, empty = true;
+  ml::Index batch = 32;
+};
+
+/// annotations.json (TMR, STMC), or a text on each line.
+std::vector<std::string> read_texts(const Options& o) {
+  std::vector<std::string> texts;
+  if (o.empty) texts.emplace_back();  // "" is the unconditional text of diffusion models
+  if (o.texts.ends_with(".json")) {
+    const auto file = ml::AnnotationFile::open(o.texts);
+    for (const std::string& id : file.ids()) {
+      for (const ml::Annotation& a : file.load(id).annotations) texts.push_back(a.text);
+    }
+    return texts;
+  }
+  const std::string contents = ml::read_file(o.texts);
+  ml::detail::for_each_line(contents, [&](std::string_view line, ml::Index) {
+    if (!ml::detail::trim(line).empty()) texts.emplace_back(line);
+  });
+  return texts;
+}
+
+void run(Options o) {
+  const std::map<std::string, ml::Pooling> poolings{
+      {"none", ml::Pooling::none}, {"mean", ml::Pooling::mean}, {"first", ml::Pooling::first}, {"end", ml::Pooling::end}};
+  ml::TextEncoderOptions options{.text = {.pooling = poolings.at(o.pooling), .normalize = o.normalize}};
+  options.limits.truncate = true;
+  const auto encoder = ml::load_text_encoder<B>(o.encoder, options);
+  if (o.name.empty()) o.name = std::filesystem::path(o.encoder).lexically_normal().filename().string();
+  const auto texts = read_texts(o);
+  const std::string probe = texts.empty() ? "" : texts.front();
+  ml::EmbeddingCache cache(encoder.encode<B>(std::span(&probe, 1)).tokens.width());
+  {
+    ProgressBar bar("embedding");
+    const ml::Progress progress = bar;
+    const auto count = static_cast<ml::Index>(texts.size());
+    for (ml::Index at = 0; at < count; at += o.batch) {
+      const auto part = std::span(texts).subspan(static_cast<std::size_t>(at),
+                                                 static_cast<std::size_t>(std::min(o.batch, count - at)));
+      cache.add<B>(encoder, part);
+      progress(at + static_cast<ml::Index>(part.size()), count);
+    }
+  }
+  cache.write(o.out, o.name, o.pooling == "none");
+  std::printf("%s/%s: %td texts, rows of %td numbers\n", o.out.c_str(), o.name.c_str(), cache.count(), cache.width());
+}
+
+}  // namespace
+
+void add_embed(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand(
+      "embed", "Writes the vectors of texts to NAME.npy, NAME_slice.npy and NAME_index.json, as TMR and STMC read them");
+  c->add_option("texts", o->texts, "A text on each line, or an annotations.json")->required()->check(CLI::ExistingFile);
+  c->add_option("--encoder", o->encoder,
+                "Folder of Hugging Face (distilbert, bert, mpnet, clip), or OpenAI's ViT-B-32.pt with its vocabulary beside it")
+      ->required()
+      ->check(CLI::ExistingPath);
+  c->add_option("-o,--out", o->out, "Folder for the files")->required();
+  c->add_option("--name", o->name, "Of the encoder in the names of the files, 'ViT-B/32' in a sub-folder; that of its folder unless given");
+  c->add_option("--pooling", o->pooling,
+                "none: a row for each token (TMR's token_embeddings); mean, first: one for each text; end: CLIP's (STMC)")
+      ->check(CLI::IsMember({"none", "mean", "first", "end"}))
+      ->capture_default_str();
+  c->add_flag("--normalize", o->normalize, "Vectors of texts get the length 1 (TMR's sent_embeddings)");
+  c->add_flag("--empty,!--no-empty", o->empty, "Also the text \"\", the unconditional one")->capture_default_str();
+  c->add_option("--batch", o->batch, "Texts at a time")->check(CLI::Range(1, 4096))->capture_default_str();
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program

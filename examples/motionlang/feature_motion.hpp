@@ -1,0 +1,19 @@
+// Generated features as motions that can be written to files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <motionlang/kinematics/motion.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+/// rows      (frames, features), not normalised, of one of these layouts:
+///           smplrifke (205): rotations of SMPL, facing as published; guoh3dfeats of 22 joints (263): SMPL's skeleton with the
+///           lengths and the directions of the predicted positions; of 21 joints (251): KIT's skeleton, in metres
+/// Throws    config_error 103 for another layout
+ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
+
+}  // namespace program
