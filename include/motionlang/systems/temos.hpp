@@ -29,6 +29,7 @@ struct TemosConfig {
   bool vae = true;
   TemosNetwork motion_encoder = TemosNetwork::transformer, motion_decoder = TemosNetwork::transformer;
   Index max_len = 5000;
+  bool operator==(const TemosConfig&) const = default;
 };
 
 /// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen, and read on its
@@ -40,17 +41,20 @@ struct Temos {
   std::optional<TemosGruEncoder<B>> gru_encoder;
   std::optional<SequenceDecoder<B>> motiondecoder;
   std::optional<TemosGruDecoder<B>> gru_decoder;
+  TemosConfig config;
 
   static constexpr auto fields() {
     using M = Temos;
     return motionlang::fields("textencoder", &M::textencoder, "motionencoder", &M::motionencoder, "motionencoder",
-                              &M::gru_encoder, "motiondecoder", &M::motiondecoder, "motiondecoder", &M::gru_decoder);
+                              &M::gru_encoder, "motiondecoder", &M::motiondecoder, "motiondecoder", &M::gru_decoder,
+                              "config", &M::config);
   }
   static std::string official_key(const std::string& path) { return gru_key(path); }
 
   Temos() = default;
   /// Throws config_error 101 for a model without decoder.
-  Temos(const TemosConfig& c, Rng auto& rng) : textencoder(c.text_dim, c.vae, transformer(c), c.max_len, rng) {
+  Temos(const TemosConfig& c, Rng auto& rng)
+      : textencoder(c.text_dim, c.vae, transformer(c), c.max_len, rng), config(c) {
     if (c.motion_encoder == TemosNetwork::transformer)
       motionencoder.emplace(c.nfeats, c.vae, transformer(c), c.max_len, rng);
     if (c.motion_encoder == TemosNetwork::gru) gru_encoder.emplace(c.nfeats, c.vae, c.latent_dim, c.num_layers, rng);
@@ -61,7 +65,7 @@ struct Temos {
       motiondecoder.emplace(c.nfeats, transformer(c), c.max_len, rng);
   }
 
-  bool has_motion_encoder() const { return motionencoder || gru_encoder; }
+  bool has_motion_encoder() const { return config.motion_encoder != TemosNetwork::none; }
 
   /// tokens: the last states of the language model, with those of [CLS] and [SEP].
   LatentGaussian<B> encode_text(const Sequences<B>& tokens, const Context& context = {}) const {

@@ -24,6 +24,7 @@ struct TmrConfig {
   Activation activation = Activation::gelu;
   bool vae = true;
   Index max_len = 5000;
+  bool operator==(const TmrConfig&) const = default;
 };
 
 /// The names are those of the published checkpoints.
@@ -31,17 +32,19 @@ template <Backend B>
 struct Tmr {
   TmrEncoder<B> motion_encoder, text_encoder;
   SequenceDecoder<B> motion_decoder;
+  TmrConfig config;
 
   static constexpr auto fields() {
     using M = Tmr;
     return motionlang::fields("motion_encoder", &M::motion_encoder, "text_encoder", &M::text_encoder, "motion_decoder",
-                              &M::motion_decoder);
+                              &M::motion_decoder, "config", &M::config);
   }
   Tmr() = default;
   Tmr(const TmrConfig& c, Rng auto& rng)
       : motion_encoder(c.motion_nfeats, c.vae, transformer(c), c.max_len, rng),
         text_encoder(c.text_nfeats, c.vae, transformer(c), c.max_len, rng),
-        motion_decoder(c.motion_nfeats, transformer(c), c.max_len, rng) {}
+        motion_decoder(c.motion_nfeats, transformer(c), c.max_len, rng),
+        config(c) {}
 
   /// tokens: the last states of the language model, with those of [CLS] and [SEP].
   LatentGaussian<B> encode_text(const Sequences<B>& tokens, const Context& context = {}) const {
@@ -53,7 +56,7 @@ struct Tmr {
   }
   /// Either: the width says which. Throws config_error 101 if both modalities have it, shape_error 204 if none has.
   LatentGaussian<B> encode(const Sequences<B>& x, const Context& context = {}) const {
-    const Index motion = motion_encoder.projection.in(), text = text_encoder.projection.in();
+    const Index motion = config.motion_nfeats, text = config.text_nfeats;
     if (motion == text) raise<config_error>(101, "Tmr: motions and texts are both ", text, " wide: say which is meant");
     if (x.width() != motion && x.width() != text)
       raise<shape_error>(204, "Tmr: features ", x.rows.shape(), "; motions are ", motion, " wide, texts ", text);

@@ -1,64 +1,20 @@
 // The names, shapes and numbers of parameters of the published models, at their published sizes.
 // Source: spec mdm.md 2.1, 3.5 and 4.4, written down from the checkpoints.
-#include <doctest/doctest.h>
-
-#include <map>
-
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/diffusion/mdm.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>
 #include <motionlang/diffusion/motiondiffuse.hpp>
 
+#include <doctest/doctest.h>
+
+#include "../../support/state_dict_keys.hpp"
+
 namespace ml = motionlang;
 using ml::Index, ml::Shape;
 using B = ml::EigenBackend<float>;
+using keys::Keys, keys::keys_of;
 
 namespace {
-
-/// Shapes of tensors by name; "{8}" in a name stands for 0 ... 7.
-struct Keys {
-  std::map<std::string, std::string> shapes{};
-
-  void add(const std::string& name, const Shape& shape) {
-    const auto brace = name.find('{');
-    if (brace == name.npos) {
-      CHECK_MESSAGE(shapes.emplace(name, to_string(shape)).second, name);
-      return;
-    }
-    for (int i = 0; i < name[brace + 1] - '0'; ++i)
-      add(name.substr(0, brace) + std::to_string(i) + name.substr(brace + 3), shape);
-  }
-  void linear(const std::string& name, Index out, Index in) {
-    add(name + ".weight", {out, in});
-    add(name + ".bias", {out});
-  }
-  void norm(const std::string& name, Index width) {
-    add(name + ".weight", {width});
-    add(name + ".bias", {width});
-  }
-  void attention(const std::string& name, Index width) {
-    add(name + ".in_proj_weight", {3 * width, width});
-    add(name + ".in_proj_bias", {3 * width});
-    linear(name + ".out_proj", width, width);
-  }
-  void transformer(const std::string& layers, Index width, Index d_ff) {
-    attention(layers + ".self_attn", width);
-    linear(layers + ".linear1", d_ff, width);
-    linear(layers + ".linear2", width, d_ff);
-    norm(layers + ".norm1", width);
-    norm(layers + ".norm2", width);
-  }
-};
-
-template <class M>
-Keys keys_of(const M& model) {
-  Keys keys;
-  ml::visit_tensors(model, [&](std::string path, const auto& t) {
-    if constexpr (requires { M::official_key(path); }) path = M::official_key(path);
-    keys.add(path, t.shape());
-  });
-  return keys;
-}
 
 Keys mdm_keys(Index frame_input = 263) {
   Keys k;
@@ -103,9 +59,7 @@ TEST_CASE("MDM") {
   SUBCASE("decoder") {
     const ml::MdmDenoiser<B> model({.arch = ml::MdmArch::trans_dec}, zeros);
     auto k = mdm_keys();
-    k.transformer("seqTransDecoder.layers.{8}", 512, 1024);
-    k.attention("seqTransDecoder.layers.{8}.multihead_attn", 512);
-    k.norm("seqTransDecoder.layers.{8}.norm3", 512);
+    k.transformer_decoder("seqTransDecoder.layers.{8}", 512, 1024);
     CHECK(keys_of(model).shapes == k.shapes);
     CHECK(k.shapes.size() == 156 - 2);
     CHECK(ml::parameter_count(model) == 26'293'511);

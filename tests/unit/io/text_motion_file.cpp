@@ -1,0 +1,67 @@
+// Checkpoints of TEMOS and TMR: sizes from shapes, what is passed over, what is refused.
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/text_motion_file.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/small_text_motion.hpp"
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+using tensors::same_bits;
+namespace small = small_text_motion;
+
+namespace {
+
+/// A file in memory: all tensors of a model, and others.
+template <ml::Module M>
+ml::SafetensorsFile file_of(const M& model, std::initializer_list<const char*> others = {}) {
+  ml::TensorStore store;
+  store.add_module(model);
+  const std::vector<float> numbers(4);
+  for (const char* name : others) store.add<float>(name, {4}, numbers, ml::DType::F32);
+  const auto bytes = std::make_shared<std::vector<std::byte>>(ml::safetensors_bytes(store.views()));
+  return ml::SafetensorsFile::from_bytes(*bytes, "model.ckpt", bytes);
+}
+
+}  // namespace
+
+TEST_CASE("TEMOS: the variants are known by their tensors; tables, language model and sums of losses are passed over") {
+  auto c = small::temos_config;
+  c.max_len = 5000;
+  for (int variant = 0; variant < 4; ++variant) {
+    c.vae = variant != 1;
+    c.motion_encoder = variant == 2   ? ml::TemosNetwork::gru
+                       : variant == 3 ? ml::TemosNetwork::none
+                                      : ml::TemosNetwork::transformer;
+    c.motion_decoder = variant == 2 ? ml::TemosNetwork::gru : ml::TemosNetwork::transformer;
+    const auto model = small::temos<B>(c);
+    const auto loaded = ml::load_temos<B>(
+        file_of(model, {"motiondecoder.sequence_pos_encoding.pe", "textencoder.sequence_pos_encoding.pe",
+                        "textencoder.text_model.embeddings.LayerNorm.bias", "_losses.losses_train.total"}),
+        c.num_heads);
+    CHECK(loaded.config == c);
+    const auto mu = model.encode_text(small::texts<B>()).mu;
+    CHECK(same_bits(loaded.encode_text(small::texts<B>()).mu, mu));
+    CHECK(same_bits(loaded.decode(mu, ml::Offsets{3, 1, 2}).rows, model.decode(mu, ml::Offsets{3, 1, 2}).rows));
+  }
+}
+
+TEST_CASE("TMR") {
+  auto c = small::tmr_config;
+  c.max_len = 5000;
+  for (bool vae : {true, false}) {
+    c.vae = vae;
+    const auto model = small::tmr<B>(c);
+    const auto loaded = ml::load_tmr<B>(file_of(model), c.num_heads);
+    CHECK(loaded.config == c);
+    CHECK(same_bits(loaded.encode_motion(small::motions<B>(263)).mu, model.encode_motion(small::motions<B>(263)).mu));
+  }
+}
+
+TEST_CASE("what is not of the model is refused, and so are heads that do not fit") {
+  const auto model = small::tmr<B>();
+  CHECK_ERROR(ml::load_tmr<B>(file_of(model, {"motion_encoder.extra"}), 2), "[motionlang.io.406]");
+  CHECK_ERROR(ml::load_tmr<B>(file_of(model.text_encoder), 2), "[motionlang.io.406]");
+  CHECK_ERROR(ml::load_temos<B>(file_of(model), 2), "[motionlang.io.406]");
+  CHECK_ERROR(ml::load_tmr<B>(file_of(model), 3), "[motionlang.config.101]");
+}
