@@ -61,6 +61,14 @@ TEST_CASE("embeddings pick rows; a symbol that does not exist is refused") {
   CHECK_ERROR(e(beyond), "[motionlang.shape.203]");
 }
 
+TEST_CASE("one-hot rows of labels; how far a frame is through its sequence") {
+  const std::vector<Index> labels{2, 0}, beyond{3}, negative{-1};
+  CHECK(ml::one_hot<B>(labels, 3).to_vector() == Values{0, 0, 1, 1, 0, 0});
+  CHECK_ERROR(ml::one_hot<B>(beyond, 3), "[motionlang.shape.203]");
+  CHECK_ERROR(ml::one_hot<B>(negative, 3), "[motionlang.shape.203]");
+  CHECK(ml::relative_time<B>(Offsets{3, 1, 0, 2}).to_vector() == Values{0, 0.5, 1, 0, 0, 1});
+}
+
 TEST_CASE("layer norm of a residual is the norm of the sum") {
   const ml::LayerNorm<B> norm(4);
   const auto x = normal<B, 2>({3, 4}, 1), r = normal<B, 2>({3, 4}, 2);
