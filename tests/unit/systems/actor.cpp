@@ -3,59 +3,18 @@
 #include <map>
 
 #include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
 #include <motionlang/optim/adamw.hpp>
-#include <motionlang/systems/actor.hpp>
 
 #include "../../support/check_error.hpp"
-#include "../../support/tensors.hpp"
+#include "../../support/small_actor.hpp"
 
 namespace ml = motionlang;
 using ml::ActorConditioning, ml::ActorConfig, ml::ActorDecoderKind, ml::ActorEncoderKind, ml::ActorSampling;
 using ml::Index, ml::NoiseSharing, ml::Offsets;
-using B = ml::EigenBackend<float>;
+using small_actor::B, small_actor::model_of, small_actor::motions, small_actor::small, small_actor::variants;
 using A = ml::Autodiff<B>;
 using Matrix = ml::Tensor<B, 2>;
 using tensors::distance, tensors::normal, tensors::same_bits;
-
-namespace {
-
-ActorConfig small() {
-  return {.njoints = 3, .num_classes = 4, .latent_dim = 16, .ff_size = 24, .num_layers = 2, .num_frames = 5};
-}
-ml::Actor<B> model_of(const ActorConfig& config) {
-  ml::Philox rng{.seed = 1};
-  return {config, rng};
-}
-ml::Sequences<B> motions(std::initializer_list<Index> lengths) {
-  const Offsets offsets(lengths);
-  return {normal<B, 2>({offsets.rows(), 18}, 2), offsets};
-}
-
-/// All variants of the thesis' table 3.4, and mixtures of their encoders and decoders.
-std::vector<ActorConfig> variants() {
-  std::vector<ActorConfig> out;
-  auto add = [&](ActorEncoderKind encoder, ActorDecoderKind decoder,
-                 ActorConditioning conditioning = ActorConditioning::action_bias, bool time = true) {
-    ActorConfig c = small();
-    c.encoder = encoder, c.decoder = decoder, c.conditioning = conditioning, c.concatenate_time = time;
-    out.push_back(c);
-  };
-  add(ActorEncoderKind::tokens, ActorDecoderKind::transformer);
-  add(ActorEncoderKind::tokens, ActorDecoderKind::transformer, ActorConditioning::concat_bias);
-  add(ActorEncoderKind::tokens, ActorDecoderKind::transformer, ActorConditioning::zandtime);
-  add(ActorEncoderKind::tokens, ActorDecoderKind::transformer, ActorConditioning::time_encoding);
-  add(ActorEncoderKind::average, ActorDecoderKind::transformer);
-  add(ActorEncoderKind::gru, ActorDecoderKind::gru);
-  add(ActorEncoderKind::gru, ActorDecoderKind::gru, ActorConditioning::action_bias, false);
-  add(ActorEncoderKind::tokens, ActorDecoderKind::gru);
-  add(ActorEncoderKind::gru, ActorDecoderKind::transformer);
-  add(ActorEncoderKind::fully_connected, ActorDecoderKind::fully_connected);
-  add(ActorEncoderKind::tokens, ActorDecoderKind::autoregressive);
-  return out;
-}
-
-}  // namespace
 
 TEST_CASE("ACTOR: names and sizes of the published model of HumanAct12") {
   ml::NoInit zeros;

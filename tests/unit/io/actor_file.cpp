@@ -1,0 +1,106 @@
+// Checkpoints of ACTOR and of its classifiers: sizes from shapes, options beside them, what is passed over, what is refused.
+#include <fstream>
+
+#include <motionlang/io/actor_file.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/small_actor.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+using ml::Index;
+using small_actor::B;
+using tensors::same_bits;
+
+namespace {
+
+/// A file in memory: all tensors of a model, and others.
+template <ml::Module M>
+ml::SafetensorsFile file_of(const M& model, std::initializer_list<const char*> others = {}) {
+  ml::TensorStore store;
+  store.add_module(model);
+  const std::vector<float> numbers(4);
+  for (const char* name : others) store.add<float>(name, {4}, numbers, ml::DType::F32);
+  const auto bytes = std::make_shared<std::vector<std::byte>>(ml::safetensors_bytes(store.views()));
+  return ml::SafetensorsFile::from_bytes(*bytes, "checkpoint_0100.pth.tar", bytes);
+}
+
+}  // namespace
+
+TEST_CASE("ACTOR: networks are known by their tensors, the rest by the options; tables of positions are passed over") {
+  const std::vector<Index> actions{1, 3};
+  for (ml::ActorConfig config : small_actor::variants()) {
+    if (!config.concatenate_time) continue;  // does not show in published files, which always have it
+    config.ff_size =
+        config.encoder == ml::ActorEncoderKind::gru && config.decoder == ml::ActorDecoderKind::gru ? 1024 : 24;
+    const bool fixed = config.decoder == ml::ActorDecoderKind::fully_connected;
+    if (fixed) config.num_layers = 0, config.ff_size = 1024;
+    const auto model = small_actor::model_of(config);
+    std::vector<ml::FileValue> options{{"num_frames", std::int64_t{5}}, {"pose_rep", std::string("rot6d")}};
+    if (config.conditioning == ml::ActorConditioning::concat_bias)
+      options.push_back({"ablation", std::string("concat_bias")});
+    if (config.conditioning == ml::ActorConditioning::time_encoding)
+      options.push_back({"ablation", std::string("time_encoding")});
+    const auto loaded = ml::load_actor<B>(
+        file_of(model, {"encoder.sequence_pos_encoder.pe", "decoder.sequence_pos_encoder.pe", "decoder.pe.pe"}),
+        options);
+    CHECK(loaded.config == config);
+    const auto x = fixed ? small_actor::motions({5, 5}) : small_actor::motions({4, 7});
+    const auto mu = model.encode(x, actions).mu;
+    CHECK(same_bits(loaded.encode(x, actions).mu, mu));
+    CHECK(same_bits(loaded.decode(mu, actions, x.offsets).rows, model.decode(mu, actions, x.offsets).rows));
+  }
+}
+
+TEST_CASE("ACTOR: a run folder") {
+  const TemporaryFolder folder;
+  auto config = small_actor::small();
+  config.njoints = 6, config.nfeats = 3, config.num_heads = 2, config.num_frames = 60;
+  const auto model = small_actor::model_of(config);
+  for (const char* name : {"checkpoint_0100.pth.tar", "checkpoint_0200.pth.tar"}) {
+    ml::TensorStore store;
+    store.add_module(name[12] == '2' ? model : small_actor::model_of([&] {
+      auto other = config;
+      other.num_classes = 9;
+      return other;
+    }()));
+    ml::write_safetensors((folder / name).string(), store.views());  // the format is known by content
+  }
+  std::ofstream(folder / "opt.yaml") << "pose_rep: rotvec\nglob: false\nglob_rot:\n- 3\n- 0.5\n- 0\ntranslation: true\n"
+                                        "num_heads: 2\nnum_layers: 2\nvertstrans: true\n";
+  CHECK(ml::load_actor<B>(folder.path).config == config);
+  auto first = config;
+  first.num_classes = 9;
+  CHECK(ml::load_actor<B>(folder / "checkpoint_0100.pth.tar").config == first);
+  const auto o = ml::actor_point_options(ml::find_run(folder.path).options);
+  CHECK(o.features.rotations == ml::PoseRepresentation::rotvec);
+  CHECK_FALSE(o.features.global);
+  CHECK(o.features.translation);
+  CHECK(o.translate);
+  CHECK(o.global_rotation == ml::Vec3<double>{3, 0.5, 0});
+  const TemporaryFolder empty;
+  CHECK_ERROR(ml::load_actor<B>(empty.path), "[motionlang.io.401]");
+}
+
+TEST_CASE("ACTOR: what does not fit is refused") {
+  const auto model = small_actor::model_of(small_actor::small());
+  CHECK_ERROR(ml::load_actor<B>(file_of(model, {"encoder.extra"})), "[motionlang.io.406]");
+  CHECK_ERROR(ml::load_actor<B>(file_of(*model.decoder)), "[motionlang.io.406]");
+  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"num_heads", std::int64_t{3}}}), "[motionlang.config.101]");
+  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"num_heads", std::string("four")}}), "[motionlang.config.107]");
+  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"ablation", std::string("shuffle")}}), "[motionlang.io.404]");
+  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"pose_rep", std::string("euler")}}), "[motionlang.config.103]");
+  CHECK_ERROR(ml::actor_point_options({{"glob", std::int64_t{1}}}), "[motionlang.config.107]");
+}
+
+TEST_CASE("classifiers of ACTOR's motions") {
+  ml::Philox rng{.seed = 3};
+  const ml::GruClassifier<B> gru({.input_size = 18, .hidden_size = 8, .num_classes = 5}, rng);
+  const ml::StGcn<B> graph({.in_channels = 3, .num_classes = 4, .channels = {4, 6, 6}, .strides = {1, 2, 1}}, rng);
+  const auto x = small_actor::motions({4, 7});
+  CHECK(same_bits(ml::load_gru_classifier<B>(file_of(gru))(x).logits, gru(x).logits));
+  const ml::Sequences<B> y(tensors::normal<B, 2>({20, 72}, 4), ml::Offsets{20});
+  CHECK(same_bits(std::as_const(graph)(y).logits, ml::load_stgcn<B>(file_of(graph))(y).logits));
+  CHECK_ERROR(ml::load_stgcn<B>(file_of(gru)), "[motionlang.io.406]");
+  CHECK_ERROR(ml::load_gru_classifier<B>(file_of(graph)), "[motionlang.io.406]");
+}
