@@ -35,15 +35,20 @@ ml::RetrievalProtocol protocol_of(const std::string& name) {
   return name == "normal" ? normal : name == "threshold" ? threshold : name == "nsim" ? nsim : guo;
 }
 
+std::vector<std::string> strings_of(const ml::JsonView& text, const std::string& name) {
+  return text.contains(name) ? text[name].as<std::vector<std::string>>() : std::vector<std::string>{};
+}
+
 template <class S>
 void retrieval_protocols(Case& c) {
-  const auto x = c.values<S>("in/text_latents"), y = c.values<S>("in/motion_latents"), e = c.values<S>("in/sent_emb");
+  const auto x = c.values<S>("in/text_latents"), y = c.values<S>("in/motion_latents");
+  const auto e = c.has("in/sent_emb") ? c.values<S>("in/sent_emb") : std::vector<S>{};
   const ml::Rows texts(x, c.shape("in/text_latents")[1]), motions(y, c.shape("in/motion_latents")[1]),
-      sentences(e, c.shape("in/sent_emb")[1]);
-  const ml::RetrievalOptions options{.threshold = c.config()["threshold"].as<double>(),
-                                     .batch = c.config()["batch"].as<Index>(),
-                                     .ids = c.text()["keyids"].as<std::vector<std::string>>(),
-                                     .nsim_ids = c.text()["nsim_keyids"].as<std::vector<std::string>>()};
+      sentences(e, c.has("in/sent_emb") ? c.shape("in/sent_emb")[1] : 1);
+  const ml::RetrievalOptions options{.threshold = c.config().value_or("threshold", 0.95),
+                                     .batch = c.config().value_or("batch", Index{32}),
+                                     .ids = strings_of(c.text(), "keyids"),
+                                     .nsim_ids = strings_of(c.text(), "nsim_keyids")};
   for (const auto& protocol : c.config()["protocols"].as<std::vector<std::string>>()) {
     const auto table = ml::retrieve(protocol_of(protocol), texts, motions, sentences, options);
     for (const auto& [name, value] : named(ml::rounded(table))) c.out_scalar(protocol + "/" + name, value);

@@ -37,11 +37,12 @@ GaussianStatistics gaussian_statistics(const Rows<S>& rows) {
   for (Index i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < d; ++j) x[j] = static_cast<double>(rows[i][j]) - out.mean[j];
     for (std::size_t j = 0; j < d; ++j) {
-      for (std::size_t k = j; k < d; ++k) out.covariance[j * d + k] += x[j] * x[k] / (n - 1);
+      for (std::size_t k = j; k < d; ++k) out.covariance[j * d + k] += x[j] * x[k];
     }
   }
   for (std::size_t j = 0; j < d; ++j) {
-    for (std::size_t k = 0; k < j; ++k) out.covariance[j * d + k] = out.covariance[k * d + j];
+    for (std::size_t k = j; k < d; ++k)
+      out.covariance[k * d + j] = out.covariance[j * d + k] = out.covariance[j * d + k] / (n - 1);
   }
   return out;
 }

@@ -16,6 +16,7 @@
 #include <algorithm>  // sort, lower_bound
 #include <array>      // depths
 #include <cstdint>    // flags
+#include <limits>     // infinity
 #include <numeric>    // iota
 #include <string>     // ids
 #include <utility>    // names with values
@@ -35,12 +36,11 @@ enum class RetrievalDirection { text_to_motion, motion_to_text };
 /// threshold  from 0 to 1, as scores are; TMR takes 0.95
 template <Scalar S>
 std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold) {
-  std::vector<std::uint8_t> out;
-  for (Index i = 0; i < sentences.size(); ++i) {
-    for (Index j = 0; j < sentences.size(); ++j) {
-      out.push_back(i == j || detail::dot_product(sentences[i], sentences[j]) > 2 * threshold - 1 ? 1 : 0);
-    }
-  }
+  const Index n = sentences.size();
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(n * n));
+  detail::each_dot_product(sentences, sentences, [&](Index i, Index j, double product) {
+    out[static_cast<std::size_t>(i * n + j)] = i == j || product > 2 * threshold - 1 ? 1 : 0;
+  });
   return out;
 }
 
@@ -54,27 +54,33 @@ std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirect
   detail::require_square("retrieval_ranks", similarities);
   const Index n = similarities.size();
   if (!alike.empty()) detail::require_same_count("retrieval_ranks: pairs of texts", std::ssize(alike), n * n);
-  const auto values = similarities.values();
+  const bool by_text = direction == RetrievalDirection::text_to_motion;
   auto at = [&](Index query, Index answer) {
-    const Index place = direction == RetrievalDirection::text_to_motion ? query * n + answer : answer * n + query;
-    return values[static_cast<std::size_t>(place)];
+    const Index place = by_text ? query * n + answer : answer * n + query;
+    return similarities.values()[static_cast<std::size_t>(place)];
   };
-  std::vector<double> ranks;
+  std::vector<S> right;
   for (Index i = 0; i < n; ++i) {
-    S right = at(i, i);
-    if (!alike.empty()) {
-      for (Index j = 0; j < n; ++j) {
-        if (alike[static_cast<std::size_t>(i * n + j)] != 0) right = std::max(right, at(i, j));
-      }
+    right.push_back(at(i, i));
+    for (Index j = 0; j < n && !alike.empty(); ++j) {
+      if (alike[static_cast<std::size_t>(i * n + j)] != 0) right.back() = std::max(right.back(), at(i, j));
     }
-    Index closer = 0, equal = 0, farther = 0;
-    for (Index j = 0; j < n; ++j) {
-      const S s = at(i, j);
-      closer += s > right ? 1 : 0, equal += s == right ? 1 : 0, farther += s < right ? 1 : 0;
+  }
+  std::vector<Index> closer(right.size(), 0), equal(right.size(), 0), farther(right.size(), 0);
+  for (Index row = 0; row < n; ++row) {  // as the table lies, in both directions
+    for (Index column = 0; column < n; ++column) {
+      const auto query = static_cast<std::size_t>(by_text ? row : column);
+      const S s = similarities[row][static_cast<std::size_t>(column)];
+      closer[query] += s > right[query] ? 1 : 0;
+      equal[query] += s == right[query] ? 1 : 0;
+      farther[query] += s < right[query] ? 1 : 0;
     }
-    if (closer + equal + farther != n)
+  }
+  std::vector<double> ranks;
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    if (closer[i] + equal[i] + farther[i] != n)
       raise<numeric_error>(301, "retrieval_ranks: a similarity of query ", i, " is NaN");
-    ranks.push_back(static_cast<double>(closer) + static_cast<double>(equal - 1) / 2);
+    ranks.push_back(static_cast<double>(closer[i]) + static_cast<double>(equal[i] - 1) / 2);
   }
   return ranks;
 }
@@ -253,30 +259,29 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
   std::stable_sort(by_id.begin(), by_id.end(), [&](Index a, Index b) {
     return ids[static_cast<std::size_t>(a)] < ids[static_cast<std::size_t>(b)];
   });
-  auto row = [&](std::size_t k) { return sentences[by_id[k]]; };
+  const auto ordered_values = rows_at(sentences, by_id);
+  const Rows ordered(ordered_values, sentences.width());
 
-  std::array<std::size_t, 2> pair{0, 1};
-  double least = detail::dot_product(row(0), row(1));
-  for (std::size_t i = 0; i < by_id.size(); ++i) {
-    for (std::size_t j = i + 1; j < by_id.size(); ++j) {
-      if (const double s = detail::dot_product(row(i), row(j)); s < least) least = s, pair = {i, j};
-    }
-  }
+  std::pair<Index, Index> pair{0, 1};
+  double least = std::numeric_limits<double>::infinity();
+  detail::each_dot_product(ordered, ordered, [&](Index i, Index j, double s) {
+    if (i < j && (s < least || (s == least && std::pair(i, j) < pair))) least = s, pair = {i, j};
+  });
   std::vector<bool> chosen(by_id.size(), false);
   std::vector<double> sums(by_id.size(), 0);
   std::vector<Index> out;
-  auto choose = [&](std::size_t k) {
-    chosen[k] = true;
-    out.push_back(by_id[k]);
-    for (std::size_t i = 0; i < by_id.size(); ++i) sums[i] += detail::dot_product(row(i), row(k));
+  auto choose = [&](Index k) {
+    chosen[static_cast<std::size_t>(k)] = true;
+    out.push_back(by_id[static_cast<std::size_t>(k)]);
+    for (Index i = 0; i < n; ++i) sums[static_cast<std::size_t>(i)] += detail::dot_product(ordered[i], ordered[k]);
   };
-  choose(pair[0]), choose(pair[1]);
+  choose(pair.first), choose(pair.second);
   while (std::ssize(out) < count) {
     std::size_t best = by_id.size();
     for (std::size_t k = 0; k < by_id.size(); ++k) {
       if (!chosen[k] && (best == by_id.size() || sums[k] < sums[best])) best = k;
     }
-    choose(best);
+    choose(static_cast<Index>(best));
   }
   return out;
 }
