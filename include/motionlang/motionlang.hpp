@@ -62,6 +62,7 @@
 #include <motionlang/kinematics/body.hpp>
 #include <motionlang/kinematics/body_joints.hpp>
 #include <motionlang/kinematics/body_model.hpp>
+#include <motionlang/kinematics/body_motion.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
 #include <motionlang/kinematics/chains.hpp>
@@ -182,10 +183,6 @@
 
 #include <motionlang/compose/alignment.hpp>
 #include <motionlang/compose/babel_segment.hpp>
-#include <motionlang/search/nearest.hpp>
-#include <motionlang/search/unit_rows.hpp>
-#include <motionlang/search/vector_scan.hpp>
-
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/compose/body_part_lexicon.hpp>
@@ -226,3 +223,9 @@
 #include <motionlang/systems/stmc.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>
+
+#include <motionlang/search/motion_index.hpp>
+#include <motionlang/search/motion_search.hpp>
+#include <motionlang/search/nearest.hpp>
+#include <motionlang/search/unit_rows.hpp>
+#include <motionlang/search/vector_scan.hpp>

@@ -6,8 +6,8 @@
 #   - what fwd.hpp declares is defined somewhere
 cmake_minimum_required(VERSION 3.24)
 
-set(levels "core" "tensor geometry" "backend kinematics nn loss optim" "features vae diffusion text search" "compose"
-           "metrics" "systems" "io")
+set(levels "core" "tensor geometry" "backend kinematics nn loss optim" "features vae diffusion text" "compose"
+           "metrics" "systems search" "io")
 set(level 0)
 foreach(folders ${levels})
   string(REPLACE " " ";" folders ${folders})

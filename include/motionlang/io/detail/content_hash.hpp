@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// A checksum of many bytes at the speed of memory. Against accidents, not against forgery.
+#pragma once
+
+#include <cstdint>  // words
+#include <cstring>  // memcpy
+#include <span>     // bytes
+#include <string>   // hexadecimal digits
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone, so one changed
+/// word always changes the result.
+inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
+  constexpr std::uint64_t prime = 0x100000001B3u;
+  std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
+  const std::uint64_t size = bytes.size();
+  for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
+    std::memcpy(words, bytes.data(), sizeof words);
+    for (int i = 0; i < 4; ++i) lanes[i] = (lanes[i] ^ words[i]) * prime;
+  }
+  std::uint64_t h = before;
+  for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
+  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
+  h = (h ^ size) * prime;
+  return h ^ h >> 32;
+}
+
+inline std::string hexadecimal(std::uint64_t value) {
+  std::string out(16, '0');
+  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = "0123456789abcdef"[value & 15u];
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail

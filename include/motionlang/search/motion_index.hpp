@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each clip, for each of
+/// its moments (windows over its frames) and for each of its captions. Reading and writing: io/motion_index_file.hpp; searching:
+/// motion_search.hpp.
+#pragma once
+
+#include <cstdint>  // times of files
+#include <memory>   // owner of mapped rows
+#include <string>   // paths
+
+#include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/search/unit_rows.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Where the vectors come from.
+struct IndexModel {
+  std::string id;                // of the weights: vectors of different models cannot be compared
+  std::string path;              // of the model, to find it again
+  std::string text_encoder{};    // that it needs beside it, "" if none
+  Index width = 0;               // of a vector
+  double fps = 0;                // frames per second that the model sees
+  std::vector<Index> windows{};  // lengths of moments in such frames; none: only whole clips
+  Index stride = 0;              // frames from one moment to the next
+  bool operator==(const IndexModel&) const = default;
+};
+
+/// A clip: a file of motion, one of several motions in it, or a part of it.
+struct IndexedClip {
+  std::string path;                      // of the file
+  std::string name{};                    // of the motion in the file, where there are several
+  std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
+  double start = 0, end = 0;             // seconds in the file
+  double fps = 0;                        // of the file
+  Index frames = 0;                      // from start to end, in the file
+  std::vector<std::string> captions{};
+  std::string license{};
+  bool operator==(const IndexedClip&) const = default;
+};
+
+/// A clip with its vectors, which may have any length but 0.
+struct EncodedClip {
+  IndexedClip clip;
+  std::vector<float> vector;             // (width)
+  std::vector<FrameSlice> moments{};     // in frames of the model, from the start of the clip
+  std::vector<float> moment_vectors{};   // (moments, width)
+  std::vector<float> caption_vectors{};  // (captions, width); or none
+};
+
+/// Rows in memory of their own or in a mapped file.
+class VectorTable {
+ public:
+  VectorTable() = default;
+  VectorTable(std::span<const float> mapped, std::shared_ptr<const void> owner)
+      : mapped_(mapped), owner_(std::move(owner)) {}
+
+  std::span<const float> rows() const { return owner_ == nullptr ? std::span<const float>(own_) : mapped_; }
+  void append(std::span<const float> rows) {
+    if (owner_ != nullptr) {
+      own_.assign(mapped_.begin(), mapped_.end());
+      owner_.reset();
+    }
+    own_.insert(own_.end(), rows.begin(), rows.end());
+  }
+
+ private:
+  std::vector<float> own_;
+  std::span<const float> mapped_;
+  std::shared_ptr<const void> owner_;
+};
+
+class MotionIndex {
+ public:
+  struct Moment {
+    Index clip = 0;
+    FrameSlice frames;
+    bool operator==(const Moment&) const = default;
+  };
+
+  /// Without clips. Throws config_error 101 for sizes and rates that are none.
+  explicit MotionIndex(IndexModel model) : model_(std::move(model)) {
+    const auto positive = [](Index n) { return n > 0; };
+    if (model_.width < 1 || !(model_.fps > 0 && std::isfinite(model_.fps)) ||
+        !std::all_of(model_.windows.begin(), model_.windows.end(), positive) ||
+        (!model_.windows.empty() && model_.stride < 1))
+      raise<config_error>(101, "MotionIndex: vectors of ", model_.width, " numbers, ", model_.fps,
+                          " frames per second, ", model_.windows.size(), " windows, stride ", model_.stride);
+  }
+  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error 302.
+  MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
+              VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows)
+      : MotionIndex(std::move(model)) {
+    clips_ = std::move(clips), moments_ = std::move(moments);
+    clip_rows_ = std::move(clip_rows), moment_rows_ = std::move(moment_rows), caption_rows_ = std::move(caption_rows);
+    for (std::size_t i = 0; i < clips_.size(); ++i)
+      caption_clips_.insert(caption_clips_.end(), clips_[i].captions.size(), static_cast<Index>(i));
+    require_rows(where, "clips", clips_.size(), clip_rows_);
+    require_rows(where, "moments", moments_.size(), moment_rows_);
+    require_rows(where, "captions", caption_clips_.size(), caption_rows_);
+    Index last = 0;
+    for (const Moment& m : moments_) {
+      if (m.clip < last || m.clip >= count() || m.frames.first < 0 || m.frames.length < 1)
+        raise<io_error>(403, where, ": a moment of ", m.frames.length, " frames at ", m.frames.first, " of clip ",
+                        m.clip, " among ", count());
+      last = m.clip;
+    }
+  }
+
+  const IndexModel& model() const { return model_; }
+  Index count() const { return std::ssize(clips_); }
+  std::span<const IndexedClip> clips() const { return clips_; }
+  /// In the order of their clips.
+  std::span<const Moment> moments() const { return moments_; }
+  /// The clip of every caption, in order.
+  std::span<const Index> caption_clips() const { return caption_clips_; }
+  /// Rows of length 1: (clips, width), (moments, width), (captions, width).
+  std::span<const float> clip_rows() const { return clip_rows_.rows(); }
+  std::span<const float> moment_rows() const { return moment_rows_.rows(); }
+  std::span<const float> caption_rows() const { return caption_rows_.rows(); }
+
+  /// Throws config_error 102 if vectors of that model would not be comparable.
+  void require_model(std::string_view id, std::string_view path) const {
+    if (id != model_.id)
+      raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
+                          "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
+  }
+  /// Behind the others. Throws shape_error 205 if the vectors do not fit, numeric_error 301, 302 (unit_rows); then nothing has changed.
+  void add(EncodedClip c) {
+    const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
+      if (values.size() != wanted * static_cast<std::size_t>(model_.width))
+        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': ", values.size(), " numbers for ", wanted,
+                           " vectors of ", model_.width);
+      return unit_rows(values, model_.width);
+    };
+    const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
+               captions = rows(c.caption_vectors, c.clip.captions.size());
+    clip_rows_.append(clip), moment_rows_.append(moments), caption_rows_.append(captions);
+    for (const FrameSlice& m : c.moments) moments_.push_back({count(), m});
+    caption_clips_.insert(caption_clips_.end(), c.clip.captions.size(), count());
+    clips_.push_back(std::move(c.clip));
+  }
+  /// Takes the clips away for which f(clip) holds, with their moments and captions. Returns how many.
+  template <class F>
+  Index remove_if(F f) {
+    std::vector<Index> number(clips_.size(), -1);  // of those that stay
+    MotionIndex kept(model_);
+    for (std::size_t i = 0; i < clips_.size(); ++i) {
+      if (f(std::as_const(clips_[i]))) continue;
+      number[i] = kept.count();
+      kept.clip_rows_.append(row(clip_rows_, i));
+      kept.clips_.push_back(std::move(clips_[i]));
+    }
+    const Index removed = count() - kept.count();
+    for (std::size_t i = 0; i < moments_.size(); ++i) {
+      const Index clip = number[static_cast<std::size_t>(moments_[i].clip)];
+      if (clip < 0) continue;
+      kept.moment_rows_.append(row(moment_rows_, i));
+      kept.moments_.push_back({clip, moments_[i].frames});
+    }
+    for (std::size_t i = 0; i < caption_clips_.size(); ++i) {
+      const Index clip = number[static_cast<std::size_t>(caption_clips_[i])];
+      if (clip < 0) continue;
+      kept.caption_rows_.append(row(caption_rows_, i));
+      kept.caption_clips_.push_back(clip);
+    }
+    *this = std::move(kept);
+    return removed;
+  }
+  /// A file has another path now.
+  void rename(const std::string& from, const std::string& to) {
+    for (IndexedClip& c : clips_) {
+      if (c.path == from) c.path = to;
+    }
+  }
+  /// The model is found elsewhere now.
+  void move_model(std::string path, std::string text_encoder) {
+    model_.path = std::move(path), model_.text_encoder = std::move(text_encoder);
+  }
+
+ private:
+  std::span<const float> row(const VectorTable& table, std::size_t i) const {
+    const auto width = static_cast<std::size_t>(model_.width);
+    return table.rows().subspan(i * width, width);
+  }
+  void require_rows(std::string_view where, std::string_view what, std::size_t count, const VectorTable& table) const {
+    if (table.rows().size() != count * static_cast<std::size_t>(model_.width))
+      raise<io_error>(403, where, ": ", count, " ", what, ", but ", table.rows().size(), " numbers for vectors of ",
+                      model_.width);
+    require_unit_rows(where, table.rows(), model_.width);
+  }
+
+  IndexModel model_;
+  std::vector<IndexedClip> clips_;
+  std::vector<Moment> moments_;
+  std::vector<Index> caption_clips_;
+  VectorTable clip_rows_, moment_rows_, caption_rows_;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
