@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// How often a classifier names the action of a motion, as ACTOR reports it.
+/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC does.
 ///
-/// Source  ACTOR src/evaluate/action2motion/accuracy.py; spec actor.md 7.4
+/// Source  ACTOR src/evaluate/action2motion/accuracy.py; SINC (ICCV 2023), table 1; specs actor.md 7.4, sinc.md 6.5
 #pragma once
 
 #include <motionlang/metrics/rows.hpp>
@@ -38,6 +38,31 @@ inline double accuracy(std::span<const Index> confusion) {
   }
   if (all == 0) raise<numeric_error>(302, "accuracy: no samples");
   return static_cast<double>(right) / static_cast<double>(all);
+}
+
+/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that have
+/// it right, 0 to 1. SINC's figure is the mean of them.
+/// predicted  (items, answers), 0 or 1
+/// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count
+/// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another number
+template <Scalar S, Scalar T>
+std::vector<double> answer_accuracies(const Rows<S>& predicted, const Rows<T>& wanted) {
+  detail::require_same_width("answer_accuracies", predicted, wanted);
+  detail::require_same_count("answer_accuracies: predicted against wanted", predicted.size(), wanted.size());
+  std::vector<double> out;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(wanted.width()); ++k) {
+    Index right = 0, all = 0;
+    for (Index i = 0; i < wanted.size(); ++i) {
+      const T w = wanted[i][k];
+      if (w != T(0) && w != T(0.5) && w != T(1))
+        raise<numeric_error>(302, "answer_accuracies: item ", i, ", answer ", k, " is ", w);
+      if (w == T(0.5)) continue;
+      ++all, right += static_cast<double>(predicted[i][k]) == static_cast<double>(w) ? 1 : 0;
+    }
+    if (all == 0) raise<numeric_error>(302, "answer_accuracies: no item for answer ", k);
+    out.push_back(static_cast<double>(right) / static_cast<double>(all));
+  }
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -18,3 +18,15 @@ TEST_CASE("accuracy: rows are labels, equals go to the first class") {
   CHECK_ERROR(ml::accuracy(std::vector<Index>(3)), "[motionlang.shape.205]");
   CHECK_ERROR(ml::accuracy(std::vector<Index>(4)), "[motionlang.numeric.302]");
 }
+
+TEST_CASE("answer_accuracies: optional answers do not count") {
+  const std::vector<double> predicted{1, 0, 0, 0, 1, 1}, wanted{1, 0.5, 1, 0, 0, 1}, wrong{1, 2, 1, 0, 0, 1};
+  const auto a = ml::answer_accuracies(ml::Rows(predicted, 2), ml::Rows(wanted, 2));
+  CHECK(a[0] == doctest::Approx(1.0 / 3));
+  CHECK(a[1] == 1);
+  CHECK_ERROR(ml::answer_accuracies(ml::Rows(predicted, 2), ml::Rows(wanted, 3)), "[motionlang.shape.204]");
+  CHECK_ERROR(ml::answer_accuracies(ml::Rows(predicted, 2), ml::Rows(wanted, 2).slice(0, 2)), "[motionlang.shape.204]");
+  CHECK_ERROR(ml::answer_accuracies(ml::Rows(predicted, 2), ml::Rows(wrong, 2)), "[motionlang.numeric.302]");
+  CHECK_ERROR(ml::answer_accuracies(ml::Rows(predicted, 2).slice(0, 1), ml::Rows(wanted, 2).slice(0, 1)),
+              "[motionlang.numeric.302]");
+}

@@ -116,6 +116,28 @@ TEST_CASE("mtt_scores: crops go to the encoder as the timeline has them") {
 }
 
 TEST_CASE("mtt_features: of all joints that the skeleton has, Z up or Y up") {
+  const auto& skeleton = ml::humanml3d_chains();
+  const auto rest = ml::chain_offsets<double>(skeleton, std::span<const double>(skeleton.lengths));
+  Joints y_up, z_up;  // stands, then goes ahead, turning its left arm (16, 18, 20)
+  for (int t = 0; t < 5; ++t) {
+    Joints pose(22);
+    for (const auto& bone : skeleton.bones()) {
+      const bool arm = bone.joint == 18 || bone.joint == 20;
+      const auto lengthwise = ml::Vec3<double>{0.1 * t, -1, 0.05 * t};
+      pose[bone.joint] =
+          pose[bone.parent] + (arm ? (skeleton.lengths[bone.joint] / norm(lengthwise)) * lengthwise : rest[bone.joint]);
+    }
+    for (const auto& p : pose) {
+      y_up.push_back({p.x, p.y + 1, p.z + 0.1 * t});
+      z_up.push_back({p.x, -p.z - 0.1 * t, p.y + 1});
+    }
+    z_up.insert(z_up.end(), 2, {});  // hands, which HumanML3D does not have
+  }
+  const auto features = ml::mtt_features(skeleton, lists::view(y_up), 22, false);
+  CHECK(features.size() == 4 * 263);
+  CHECK(lists::largest_difference(features, ml::mtt_features(skeleton, lists::view(z_up), 24)) < 1e-12);
+  CHECK(features[2] == Approx(0.1));  // ahead
+
   const Joints half(30);
   CHECK_ERROR(ml::mtt_features(ml::humanml3d_chains(), lists::view(half), 24), "[motionlang.shape.205]");
   CHECK_ERROR(ml::mtt_features(ml::humanml3d_chains(), lists::view(half), 15), "[motionlang.shape.205]");

@@ -63,6 +63,11 @@ TEST_CASE("guo_batches: NumPy's shuffle with seed 0, the rest is dropped") {
   CHECK(batches[0] == std::vector<Index>{2, 8, 4, 9});
   CHECK(batches[1] == std::vector<Index>{1, 6, 7, 3});
   CHECK(ml::guo_batches(4384).size() == 137);
+  const Index h3d[] = {2724, 3920, 1646, 775, 4283, 639, 1262, 2699}, kit[] = {449, 85, 613, 310, 299, 14, 331, 632};
+  for (std::size_t i = 0; i < 8; ++i) {  // as the published code draws them
+    CHECK(ml::guo_batches(4384)[0][i] == h3d[i]);
+    CHECK(ml::guo_batches(786)[0][i] == kit[i]);
+  }
   CHECK_ERROR(ml::guo_batches(10, 0), "[motionlang.config.101]");
 }
 
