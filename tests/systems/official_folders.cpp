@@ -1,6 +1,6 @@
 // Official run folders of the diffusion models: what they load as, what generation makes of it, and what is said when something is
 // missing or does not fit.
-#include <motionlang/io/tensor_view.hpp>
+#include <motionlang/io/diffusion_folder.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/official_folders.hpp"
@@ -161,6 +161,29 @@ TEST_CASE("options that contradict the tensors, names that do not match") {
   official::write_bytes(folder / "motion_stats/std.pt",
                         TorchArchive::of_tensor(official::view_of(official::statistics(12, 2).mean)));
   CHECK_ERROR(ml::load_diffusion_run<B>(folder.path), "tensor 'motion_stats.std' is (12), the model has 205 features");
+}
+
+TEST_CASE("packed as folders of ours they generate the same, with and without their text encoder") {
+  const TemporaryFolder folder;
+  const Sizes sizes = official::small();
+  for (const std::string system : {"stmc", "mdm", "motiondiffuse"}) {
+    const auto run = folder / system;
+    write(system, run, sizes);
+    official::write_clip(run / "clip", sizes);
+    const ml::PackOptions options{.license = "none", .provenance = "drawn", .sources = {}, .text_encoder = true};
+    const auto packed = folder / (system + "_packed");
+    ml::pack_diffusion_run<B>(ml::find_run(run), packed, options);
+    check_generates(system, packed, sizes);
+    const ml::ModelFolder model = ml::read_model_folder(packed);
+    CHECK((model.system == system && model.license == "none" && model.text_encoder == "clip"));
+    CHECK(ml::open_weights(packed / "weights.safetensors").find("clip.visual.proj") == nullptr);
+    const auto again = folder / (system + "_again");  // from a folder of ours, whose text encoder stays where it is
+    ml::pack_diffusion_run<B>(ml::find_run(packed), again, {.license = "none", .provenance = "drawn"});
+    CHECK(!fs::exists(again / "text_encoder"));
+    CHECK(ml::read_file(again / "weights.safetensors") == ml::read_file(packed / "weights.safetensors"));
+    CHECK_ERROR(ml::pack_diffusion_run<B>(ml::find_run(run), folder / "x", {.license = "", .provenance = "drawn"}),
+                "license is empty");
+  }
 }
 
 TEST_CASE("folders that hold no diffusion model") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM, MotionDiffuse.
+/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM, MotionDiffuse. And
+/// from model folders of ours that were made of them (io/diffusion_folder.hpp).
 ///
 ///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder = "ViT-B-32.pt"});
 ///     const auto features = stmc.generate(timeline, Philox{.seed = 7});        // (frames, stmc.layout.size)
@@ -293,8 +294,20 @@ inline std::filesystem::path find_text_encoder(const std::filesystem::path& mode
                   "; looked for ", tried);
 }
 
+/// The vocabulary of a model that has CLIP in its checkpoint.
+inline std::filesystem::path clip_vocabulary_of(const std::filesystem::path& model) {
+  for (const auto& folder : {model, model / "text_encoder", model / "clip", model.parent_path()}) {
+    for (const char* name : clip_vocabularies) {
+      if (file_exists(folder / name)) return folder / name;
+    }
+  }
+  raise<io_error>(401, model.string(), ": CLIP is in the checkpoint, its vocabulary is not: put "
+                  "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP) there, or name a text encoder");
+}
+
 /// The checkpoint: the entry of the file that holds the model's tensors.
 inline WeightFile run_weights(const RunFolder& run) {
+  if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // of ours
   if (run.system == "motiondiffuse") return open_weights(run.weights, {.path = "encoder"});
   const FileValue* average = run.option("use_ema");
   if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) && std::get<bool>(average->value)) {
@@ -326,7 +339,7 @@ inline RunFolder published_run(const RunFolder& run) {
     const FileValue* system = run.option("system");
     out.system = system == nullptr ? "" : to_string(*system);
     out.options.clear();
-    constexpr std::string_view below = "hyperparameters/";
+    constexpr std::string_view below = "config/";
     for (const FileValue& v : run.options) {
       if (v.path.starts_with(below)) out.options.push_back({v.path.substr(below.size()), v.value});
     }
@@ -362,6 +375,17 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
   return *found;
 }
 
+/// Of STMC; the others have none.
+template <Backend B>
+std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about) {
+  if (about.system != "stmc") return std::nullopt;
+  auto found = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."});
+  if (!found && !run.parts.empty()) found = find_normalizer<B>(statistics_of(run), about.text_width(), {"text_stats."});
+  if (!found)
+    raise<io_error>(401, run.folder.string(), ": no statistics of the texts: text_stats/mean.pt and std.pt are missing");
+  return found;
+}
+
 template <Backend B>
 AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about,
                              const DiffusionRunOptions& options) {
@@ -375,15 +399,8 @@ AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, con
                                     : about.system == "mdm"      ? clip_sentences(22)
                                                                  : clip_sentences();
   const std::string named = options.text_encoder.string();
-  if (named.empty() && motiondiffuse && weights.find("clip.token_embedding.weight") != nullptr) {
-    for (const auto& folder : {run.folder, run.folder / "text_encoder", run.folder / "clip", run.folder.parent_path()}) {
-      for (const char* name : clip_vocabularies) {
-        if (file_exists(folder / name)) return load_clip_encoder<B>(weights, folder, wanted);
-      }
-    }
-    raise<io_error>(401, run.folder.string(), ": CLIP is in the checkpoint, its vocabulary is not: put "
-                    "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP) there, or name a text encoder");
-  }
+  if (named.empty() && motiondiffuse && weights.find("clip.token_embedding.weight") != nullptr)
+    return load_clip_encoder<B>(weights, clip_vocabulary_of(run.folder).parent_path(), wanted);
   auto encoder = load_text_encoder<B>(named.empty() ? FilePath(find_text_encoder(run.folder, about.text_encoder)) : options.text_encoder,
                                       wanted);
   if (const bool clip = encoder.network.is_clip(); clip != (about.text_encoder == "clip"))
@@ -420,11 +437,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   const bool stmc = about.system == "stmc";
   Normalizer<B> motion = detail::motion_normalizer<B>(run, weights, about.width(), options);
   AnyTextEncoder<B> encoder = detail::encoder_of<B>(run, weights, about, options);
-  auto text = stmc ? detail::find_normalizer<B>(weights, about.mdm_smpl.tx_dim, {"text_normalizer."}) : std::nullopt;
-  if (stmc && !text)
-    text = detail::find_normalizer<B>(detail::statistics_of(run), about.mdm_smpl.tx_dim, {"text_stats."});
-  if (stmc && !text)
-    raise<io_error>(401, run.folder.string(), ": no statistics of the texts: text_stats/mean.pt and std.pt are missing");
+  auto text = detail::text_normalizer<B>(run, weights, about);
   AnyDenoiser<B> denoiser = detail::make_denoiser<B>(about);
   if (denoiser.mdm_smpl) detail::load_denoiser(*denoiser.mdm_smpl, weights, about.prefix);
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
