@@ -8,7 +8,7 @@
 ///     const double guo_diversity = mean_pair_distance(embeddings, disjoint_draws(embeddings.size(), 300, rng));
 ///     const double guo_modes = multimodality(embeddings, 30, disjoint_draws(30, 10, rng));
 ///
-/// Each is the mean of |x_a - x_b| over pairs; the systems differ in how they draw them.
+/// Each is the mean of |x_a - x_b| over pairs, in the unit of the features; the systems differ in how they draw them.
 /// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; references: ACTOR
 ///         src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py; specs actor.md 7.4,
 ///         evaluation-guo.md 4

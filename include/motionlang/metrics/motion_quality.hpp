@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How physical a clip looks, without a reference: foot skating, jitter, penetration of the floor, constancy of bones.
-/// Published figures use many definitions; the ones used here are written down with each function. Y up, metres.
+/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor, constancy
+/// of bones. Published figures use many definitions; the ones used here are written down with each function. Y up, metres.
 #pragma once
 
 #include <algorithm>  // max
@@ -62,6 +62,20 @@ inline FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJo
   if (contacts == 0) return {};
   const auto n = static_cast<double>(contacts);
   return {sum / n, static_cast<double>(skating) / n, n / static_cast<double>(looked_at)};
+}
+
+/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: fps = 1.
+///     |p_{f+2} - 2 p_{f+1} + p_f| fps^2,   averaged over frames and joints; 0 for fewer than three frames
+inline double mean_acceleration(const JointTracks& tracks) {
+  tracks.validate();
+  double sum = 0;
+  for (Index f = 0; f + 2 < tracks.frames(); ++f) {
+    for (Index j = 0; j < tracks.joints; ++j) {
+      sum += norm((tracks.at(f + 2, j) - tracks.at(f + 1, j)) - (tracks.at(f + 1, j) - tracks.at(f, j)));
+    }
+  }
+  const Index terms = std::max<Index>(tracks.frames() - 2, 0) * tracks.joints;
+  return terms == 0 ? 0 : sum / static_cast<double>(terms) * tracks.fps * tracks.fps;
 }
 
 /// Mean size of the third derivative of joint positions, m/s^3.

@@ -50,6 +50,15 @@ TEST_CASE("jitter: the third derivative, in metres per second cubed") {
   CHECK(ml::jitter({std::span(cubic).first(3), 1, 50}) == 0);
 }
 
+TEST_CASE("mean_acceleration: the second derivative, in metres per second squared") {
+  const auto parabola = track(20, [](double f) { return ml::Vec3{3 * f * f / 100, 0.0, 4 * f * f / 100}; });
+  CHECK(ml::mean_acceleration({parabola, 1, 10}) == Approx(10));  // x = 3 t^2, z = 4 t^2
+  CHECK(ml::mean_acceleration({parabola, 1, 1}) == Approx(0.1));
+  const auto line = track(20, [](double f) { return ml::Vec3{f, 0.0, -f}; });
+  CHECK(ml::mean_acceleration({line, 1, 10}) == Approx(0));
+  CHECK(ml::mean_acceleration({std::span(parabola).first(2), 1, 10}) == 0);
+}
+
 TEST_CASE("penetration: depth of the lowest joint") {
   const std::vector<ml::Vec3<double>> two{{0, 0.1, 0},  {0, -0.02, 0}, {0, 0.1, 0},
                                           {0, 0.05, 0}, {0, -0.04, 0}, {0, 0.1, 0}};
