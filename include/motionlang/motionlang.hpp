@@ -90,12 +90,16 @@
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 
 #include <motionlang/nn/batch_norm.hpp>
+#include <motionlang/nn/bi_gru.hpp>
 #include <motionlang/nn/conv1d.hpp>
+#include <motionlang/nn/conv_stack.hpp>
+#include <motionlang/nn/conv_transpose1d.hpp>
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/gru.hpp>
 #include <motionlang/nn/init.hpp>
 #include <motionlang/nn/layer_norm.hpp>
+#include <motionlang/nn/leaky_relu.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/nn/linear_attention.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
@@ -209,6 +213,8 @@
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/metrics/gru_classifier.hpp>
+#include <motionlang/metrics/guo_evaluator.hpp>
+#include <motionlang/metrics/guo_movement.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/motion_quality.hpp>

@@ -4,6 +4,7 @@
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/io/module_file.hpp>
+#include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
 #include "golden.hpp"
@@ -28,6 +29,16 @@ void out(Case& c, const std::string& name, const ml::Tensor<B, R>& t) {
 template <ml::Backend B, int R>
 void out_if_wanted(Case& c, const std::string& name, const ml::Tensor<B, R>& t) {
   if (c.wants(name)) out(c, name, t);
+}
+/// grad/ of every parameter; tables and statistics have none.
+template <ml::AutodiffBackend A, class M>
+void out_gradients(Case& c, const M& model, const ml::Tensor<A, 0>& loss, const std::string& prefix = "") {
+  const auto gradients = ml::backward(loss);
+  ml::visit_tensors(model, [&](const std::string& path, const auto& t) {
+    if (t.data().node == nullptr) return;
+    const auto g = gradients[t];
+    c.grad(ml::tensor_key<M>(prefix, path), g.shape(), g.span());
+  });
 }
 inline std::string three_digits(ml::Index n) {
   std::string digits = std::to_string(n);

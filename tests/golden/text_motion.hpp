@@ -3,7 +3,6 @@
 
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>
-#include <motionlang/tensor/gradient.hpp>
 
 #include "tensors.hpp"
 
@@ -77,15 +76,6 @@ void out_latent(Case& c, const ml::LatentGaussian<B>& g) {
   if (g.deterministic()) return;
   out_if_wanted(c, "logvar", g.logvar);
   out_if_wanted(c, "std", g.std());
-}
-/// grad/ of every parameter.
-template <ml::AutodiffBackend A, class M>
-void out_gradients(Case& c, const M& model, const ml::Tensor<A, 0>& loss) {
-  const auto gradients = ml::backward(loss);
-  ml::visit_tensors(model, [&](const std::string& path, const auto& t) {
-    const auto g = gradients[t];
-    c.grad(ml::tensor_key<M>("", path), g.shape(), g.span());
-  });
 }
 /// noise/NAME, or nothing in particular where the case has none (deterministic models).
 template <ml::Backend B>

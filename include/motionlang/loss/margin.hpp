@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// Contrastive loss with a Euclidean margin: what InfoNCE is compared with.
+/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other partner for each.
 #pragma once
 
 #include <motionlang/loss/false_negatives.hpp>
+#include <motionlang/loss/loss_terms.hpp>
 #include <motionlang/tensor/index.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope 0.
+template <Backend B, int R>
+Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
+  return maximum(Tensor<B, R>(margin) - sqrt(maximum(squared, Tensor<B, R>(1e-24))), Tensor<B, R>(0.0));
+}
+
+}  // namespace detail
 
 ///     d_ij = |x_i - y_j + 1e-6|,   loss = mean_i d_ii^2 + mean_{i != j, not filtered} max(0, margin - d_ij)^2
 /// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of TMR, thesis table
@@ -35,9 +46,27 @@ Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double ma
   };
   const auto difference = reshape<3>(x, {n, 1, width}) - reshape<3>(y, {1, n, width}) + 1e-6;
   const auto squared = sum(square(difference), 2);
-  // A pair at distance 0 has no direction to be pushed in: its root gets slope 0.
-  const auto short_of = maximum(Tensor<B, 2>(margin) - sqrt(maximum(squared, Tensor<B, 2>(1e-24))), Tensor<B, 2>(0.0));
+  const auto short_of = detail::short_of_margin(squared, margin);
   return mean_over(squared, positive, n) + mean_over(square(short_of), negative, negatives);
+}
+
+///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i + shift) mod n))^2
+/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn from
+///          0 ... n - 2, so that now and then, at 0, the right partner is pushed away
+/// Shapes   x, y (batch, latent) -> the two terms, of weight 1
+/// Throws   shape_error 204 if the shapes differ, config_error 101 unless margin > 0 and 0 <= shift
+template <Backend B>
+LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, Index shift, double margin = 10) {
+  const Index n = x.size(0);
+  if (y.shape() != x.shape()) raise<shape_error>(204, "shifted_margin_loss: batches of ", x.shape(), ", ", y.shape());
+  if (!(margin > 0) || shift < 0) raise<config_error>(101, "shifted_margin_loss: margin ", margin, ", shift ", shift);
+  PoolVector<Index> other;
+  for (Index i = 0; i < n; ++i) other.push_back((i + shift) % n);
+  auto squared = [&](const Tensor<B, 2>& partner) { return sum(square(x - partner + 1e-6), 1); };
+  LossTerms<B> out;
+  out.add("positive", 1, mean(squared(y)));
+  out.add("negative", 1, mean(square(detail::short_of_margin(squared(gather(y, other)), margin))));
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -13,6 +13,12 @@ Tensor<B, 0> mse(const Tensor<B, R>& a, const Tensor<B, R>& b) {
   return mean(square(a - b));
 }
 
+/// mean |a - b| over all elements.
+template <Backend B, int R>
+Tensor<B, 0> l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
+  return mean(abs(a - b));
+}
+
 namespace detail {
 /// d^2 / 2 where |d| < 1, else |d| - 1/2.
 template <Backend B, int R>
@@ -44,17 +50,22 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return sum(detail::huber(a.rows - b)) * (1.0 / n);
 }
 
+/// The differences from each frame to the next, of every sequence: (rows - sequences, width).
+template <Backend B>
+Tensor<B, 2> frame_steps(const Sequences<B>& x) {
+  PoolVector<Index> from, to;
+  for (Index s = 0; s < x.count(); ++s) {
+    for (Index r = x.offsets.begin(s); r + 1 < x.offsets.end(s); ++r) from.push_back(r), to.push_back(r + 1);
+  }
+  return gather(x.rows, to) - gather(x.rows, from);
+}
+
 /// mse of the steps from frame to frame. Throws shape_error 204 unless both have the same frames.
 template <Backend B>
 Tensor<B, 0> velocity_mse(const Sequences<B>& a, const Sequences<B>& b) {
   if (!(a.offsets == b.offsets))
     raise<shape_error>(204, "velocity_mse: sequences of other lengths: ", a.rows.shape(), ", ", b.rows.shape());
-  PoolVector<Index> from, to;
-  for (Index s = 0; s < a.count(); ++s) {
-    for (Index r = a.offsets.begin(s); r + 1 < a.offsets.end(s); ++r) from.push_back(r), to.push_back(r + 1);
-  }
-  auto steps = [&](const Sequences<B>& x) { return gather(x.rows, to) - gather(x.rows, from); };
-  return mse(steps(a), steps(b));
+  return mse(frame_steps(a), frame_steps(b));
 }
 
 /// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).

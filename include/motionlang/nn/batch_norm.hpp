@@ -70,10 +70,7 @@ struct BatchNorm {
       raise<shape_error>(204, "BatchNorm: input ", x.shape(), " for ", weight.size(0), " channels");
   }
   static void follow(Tensor<B, 1>& running, const Tensor<B, 1>& seen, double momentum, double factor = 1) {
-    if constexpr (AutodiffBackend<B>)
-      running = stop_gradient(running * (1 - momentum) + seen * (momentum * factor));
-    else
-      running = running * (1 - momentum) + seen * (momentum * factor);
+    running = stop_gradient(running * (1 - momentum) + seen * (momentum * factor));
   }
 };
 

@@ -9,6 +9,42 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+namespace detail {
+
+/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with `backwards` counted
+/// from the end. Like PyTorch's packed sequences.
+template <Backend B>
+struct TimeSteps {
+  std::vector<Tensor<B, 2>> steps;
+  PoolVector<Index> order;  // of the sequences in a step
+  PoolVector<Index> back;   // for every packed row its place among the rows of all steps
+
+  explicit TimeSteps(const Sequences<B>& x, bool backwards = false) : back(static_cast<std::size_t>(x.offsets.rows())) {
+    for (Index s = 0; s < x.count(); ++s) order.push_back(s);
+    detail::sort(order, [&](Index a, Index b) {
+      const Index la = x.offsets.length(a), lb = x.offsets.length(b);
+      return la != lb ? la > lb : a < b;
+    });
+    Index done = 0;
+    for (Index t = 0; t < x.offsets.longest(); ++t) {
+      PoolVector<Index> rows;
+      for (Index s : order) {
+        if (x.offsets.length(s) <= t) break;
+        const Index row = backwards ? x.offsets.end(s) - 1 - t : x.offsets.begin(s) + t;
+        rows.push_back(row);
+        back[static_cast<std::size_t>(row)] = done++;
+      }
+      steps.push_back(gather(x.rows, rows));
+    }
+  }
+  /// Rows of steps in the order of the sequences.
+  Tensor<B, 2> packed(const std::vector<Tensor<B, 2>>& list) const {
+    return gather(concat(std::span<const Tensor<B, 2>>(list), 0), back);
+  }
+};
+
+}  // namespace detail
+
 ///     r = sig(W_ir x + b_ir + W_hr h + b_hr),  z = sig(W_iz x + b_iz + W_hz h + b_hz),
 ///     n = tanh(W_in x + b_in + r (W_hn h + b_hn)),  h' = (1 - z) n + z h
 /// Source  Cho et al. (2014) with PyTorch's placement of r. Rows of the weights: r, z, n.
@@ -51,6 +87,15 @@ struct GruLayer {
     }
     return out;
   }
+  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the result for every row.
+  /// Throws shape_error 204.
+  Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
+    if (h0.shape() != Shape{x.count(), hidden()})
+      raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", hidden(), " units and ", x.count(), " sequences");
+    const detail::TimeSteps<B> time(x, backwards);
+    if (time.steps.empty()) return x.with(Tensor<B, 2>::zeros({0, hidden()}));
+    return x.with(time.packed((*this)(time.steps, gather(h0, time.order))));
+  }
 };
 
 /// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...: see `gru_key`.
@@ -70,39 +115,23 @@ struct Gru {
     }
     return x;
   }
-  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Like PyTorch's packed
-  /// sequences: a step takes the sequences that are that long, the longest first. Throws shape_error 204.
+  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
     if (h0 != nullptr && h0->shape() != Shape{std::ssize(layers), n, hidden}) {
       raise<shape_error>(204, "Gru: h0 ", h0->shape(), " for ", layers.size(), " layers of ", hidden, " and ", n,
                          " sequences");
     }
-    PoolVector<Index> order, back(static_cast<std::size_t>(x.offsets.rows()));
-    for (Index s = 0; s < n; ++s) order.push_back(s);
-    detail::sort(order, [&](Index a, Index b) {
-      const Index la = x.offsets.length(a), lb = x.offsets.length(b);
-      return la != lb ? la > lb : a < b;
-    });
-    std::vector<Tensor<B, 2>> steps;
-    Index done = 0;
-    for (Index t = 0; t < x.offsets.longest(); ++t) {
-      PoolVector<Index> rows;
-      for (Index s : order) {
-        if (x.offsets.length(s) <= t) break;
-        const Index row = x.offsets.begin(s) + t;
-        rows.push_back(row);
-        back[static_cast<std::size_t>(row)] = done++;
-      }
-      steps.push_back(gather(x.rows, rows));
-    }
+    const detail::TimeSteps<B> time(x);
+    auto steps = time.steps;
     if (steps.empty()) return {Tensor<B, 2>::zeros({0, hidden}), x.offsets};
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const auto layer = static_cast<Index>(i);
-      steps = layers[i](steps, h0 == nullptr ? Tensor<B, 2>::zeros({n, layers[i].hidden()})
-                                             : gather(reshape<2>(slice(*h0, 0, layer, layer + 1), {n, hidden}), order));
+      steps = layers[i](steps, h0 == nullptr
+                                   ? Tensor<B, 2>::zeros({n, layers[i].hidden()})
+                                   : gather(reshape<2>(slice(*h0, 0, layer, layer + 1), {n, hidden}), time.order));
     }
-    return x.with(gather(concat(std::span<const Tensor<B, 2>>(steps), 0), back));
+    return x.with(time.packed(steps));
   }
 };
 

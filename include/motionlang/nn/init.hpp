@@ -74,6 +74,12 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if there is one.
+template <Backend B, int R>
+Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
+  const Index kernel = shape.count(2, shape.rank());
+  return normal_init<B, R>(shape, std::sqrt(2.0 / static_cast<double>((shape[0] + shape[1]) * kernel)), rng);
+}
 template <Backend B, int R>
 Tensor<B, R> constant_init(const Shape& shape, double value) {
   Tensor<B, R> t = Tensor<B, R>::full(shape, value);

@@ -44,4 +44,19 @@ struct Linear {
   }
 };
 
+/// Linear layer without bias: y = x W^T.
+template <Backend B>
+struct LinearMap {
+  Tensor<B, 2> weight;  // (out, in)
+
+  static constexpr auto fields() { return motionlang::fields("weight", &LinearMap::weight); }
+
+  LinearMap() = default;
+  /// Initialised like the weight of Linear.
+  LinearMap(Index in, Index out, Rng auto& rng)
+      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
+};
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

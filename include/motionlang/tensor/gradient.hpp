@@ -52,10 +52,13 @@ template <AutodiffBackend A, int R>
 Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
   return Tensor<typename A::inner, R>(A::value(t.data()));
 }
-/// The same value as a constant: gradients stop here.
-template <AutodiffBackend A, int R>
-Tensor<A, R> stop_gradient(const Tensor<A, R>& t) {
-  return Tensor<A, R>(typename A::tensor{A::value(t.data()), nullptr});
+/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+template <Backend B, int R>
+Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
+  if constexpr (AutodiffBackend<B>)
+    return Tensor<B, R>(typename B::tensor{B::value(t.data()), nullptr});
+  else
+    return t;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
