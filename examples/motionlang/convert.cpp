@@ -22,6 +22,7 @@ struct Options {
   std::string in, out, tensors, features;
   MotionReadOptions read;
   RigOptions rig;
+  BodyOptions body;
   double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
   bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
 };
@@ -63,10 +64,10 @@ std::filesystem::path name_of(const std::filesystem::path& out, const std::strin
 void run(const Options& o) {
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors);
   const auto motions = read_motions(o.in, o.read);
-  if (!o.rig.file.empty()) {  // one file with all of them
+  if (!o.rig.file.empty() || !o.body.file.empty()) {  // one file with all of them
     std::vector<ml::Motion> made;
     for (const ml::Motion& m : motions) made.push_back(edited(m, o));
-    return rig_writer(o.rig)(o.out, made);
+    return o.rig.file.empty() ? write_on_body(o.out, made, o.body) : rig_writer(o.rig)(o.out, made);
   }
   std::set<std::string> taken;
   for (const ml::Motion& m : motions) {
@@ -79,8 +80,10 @@ void run(const Options& o) {
 }
 
 void add_input(CLI::App& c, Options& o) {
-  c.add_option("input", o.in, "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features) or .glb (every animation); for convert also "
-                "weights")
+  c.add_option(
+       "input", o.in,
+       "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features) or .glb (every animation); for convert also "
+       "weights")
       ->required()
       ->check(CLI::ExistingPath);
   c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
@@ -94,6 +97,13 @@ void add_input(CLI::App& c, Options& o) {
       ->check(CLI::ExistingFile);
 }
 
+void add_body(CLI::App& c, Options& o) {
+  c.add_option("--body", o.body.file, "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl")
+      ->check(CLI::ExistingFile);
+  c.add_option("--betas", o.body.betas, "Shape of the body: its first coefficients, separated by commas")
+      ->delimiter(',');
+}
+
 void add_picture(CLI::App& app, const std::string& name, const std::string& about, const std::string& extension) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(name, about);
@@ -103,6 +113,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
     if (o->out.empty()) o->out = std::filesystem::path(o->in).replace_extension(extension).string();
     run(*o);
   });
+  if (extension == ".html") add_body(*c, *o);
 }
 
 }  // namespace
@@ -110,11 +121,12 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
 void add_convert(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
-      "convert", "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
+      "convert",
+      "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
   add_input(*c, *o);
   c->add_option("output", o->out,
                 "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg or .png (film "
-                "strip); of weights .safetensors")
+                "strip), with --body .obj; of weights .safetensors")
       ->required();
   c->add_option("--tensors", o->tensors,
                 "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
@@ -128,6 +140,7 @@ void add_convert(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the result is this file with the motion added")
       ->check(CLI::ExistingFile);
+  add_body(*c, *o);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
   c->add_option("--features", o->features,
                 "Writes features to .npy: guoh3d (HumanML3D), rifke (TMR), smplvelp (TEMOS) or smplrifke (STMC)");

@@ -2,8 +2,12 @@
 
 #include <cstdio>
 
+#include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
+#include <motionlang/io/body_file.hpp>
+#include <motionlang/io/body_glb.hpp>
+#include <motionlang/io/body_viewer.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
@@ -65,8 +69,8 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else if (kind == ".glb")
     motions = every_animation(path, options.fps);
   else
-    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy and .glb, not '", kind,
-                                "'");
+    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy and .glb, not '",
+                                kind, "'");
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
   }
@@ -90,8 +94,8 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
   else if (kind == ".png")
     ml::write_png(path, ml::film_strip_picture(motion));
   else
-    ml::raise<ml::config_error>(103, path.string(),
-                                ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
+    ml::raise<ml::config_error>(
+        103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
 }
 
 void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features) {
@@ -113,6 +117,29 @@ RigWriter rig_writer(const RigOptions& options) {
     const ml::SkeletonMap map(motions.front().skeleton, rig.skeleton());
     std::printf("%s on %s\n%s\n", path.c_str(), options.file.c_str(), to_string(map.report()).c_str());
   };
+}
+
+void write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options) {
+  using B = ml::EigenBackend<float>;
+  const auto body = ml::read_body<B>(options.file, {.betas = std::ssize(options.betas), .expressions = 0});
+  const std::vector<float> betas(options.betas.begin(), options.betas.end());
+  std::vector<ml::Motion> own;
+  for (const ml::Motion& m : motions) own.push_back(on_smpl(m));
+  const std::string kind = kind_of(path);
+  if (kind == ".glb") {
+    ml::write_body_glb(path, body, std::span<const ml::Motion>(own), std::span<const float>(betas));
+  } else if (kind == ".html") {
+    std::vector<ml::ViewerMotion> shown;
+    for (ml::Motion& m : own) shown.push_back({std::move(m)});
+    ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), std::span<const float>(betas));
+  } else if (kind == ".obj" && own.size() == 1) {
+    std::printf("%td files: ", ml::write_body_objs(path, body, own.front(), std::span<const float>(betas)));
+  } else {
+    ml::raise<ml::config_error>(103, path.string(), ": ", motions.size(),
+                                " motions on a body are written to .glb and .html, one also to .obj, not '", kind, "'");
+  }
+  std::printf("%s: %zu motions on %s of %td vertices\n", path.c_str(), motions.size(), to_string(body.kind).c_str(),
+              body.model.vertices());
 }
 
 ml::Motion on_smpl(const ml::Motion& motion) {

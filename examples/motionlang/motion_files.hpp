@@ -60,6 +60,15 @@ struct RigOptions {
 using RigWriter = std::function<void(const std::filesystem::path&, std::span<const ml::Motion>)>;
 RigWriter rig_writer(const RigOptions& options);
 
+/// A body to show motions on: --body.
+struct BodyOptions {
+  std::string file{};           // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl
+  std::vector<double> betas{};  // its shape; the others are 0
+};
+/// Motions on a body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one motion). Motions on other
+/// joints than SMPL's are retargeted. Throws config_error 103 for another extension, and what the readers and writers throw.
+void write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options);
+
 /// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
 /// only put in SMPL's order and bones keep their length.
 ml::Motion on_smpl(const ml::Motion& motion);

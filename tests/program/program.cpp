@@ -9,6 +9,7 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/captioned_clips.hpp"
+#include "../support/octahedra_body.hpp"
 #include "../support/rigs.hpp"
 #include "../support/small_model.hpp"
 #include "process.hpp"
@@ -226,6 +227,16 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   CHECK(ml::read_file(w / "walk.svg").starts_with("<svg"));
   CHECK(w.run({"strip", "walk.bvh", "-o", "walk.PNG"}).code == 0);
   CHECK(ml::read_file(w / "walk.PNG").starts_with("\x89PNG"));
+  ml::write_npz(w / "body.npz", octahedra::arrays());
+  for (const char* out : {"body.glb", "body.html", "body.obj"}) {
+    const auto made = w.run({"convert", "walk.bvh", out, "--body", "body.npz", "--betas", "1"});
+    CHECK_MESSAGE(made.code == 0, made.text);
+    CHECK_MESSAGE(contains(made.text, "1 motions on SMPL of 144 vertices"), made.text);
+  }
+  CHECK(ml::read_file(w / "body_0001.obj").starts_with("v "));
+  CHECK(contains(ml::read_file(w / "body.html"), "\"triangles\""));
+  CHECK(w.run({"view", "walk.bvh", "page.html", "--body", "body.npz"}).code == 0);
+  CHECK(contains(w.run({"convert", "walk.bvh", "x.bvh", "--body", "body.npz"}).text, "on a body are written to .glb and .html"));
   for (const char* features : {"guoh3d", "rifke", "smplvelp", "smplrifke"}) {  // there, and back to another format
     CAPTURE(features);
     CHECK(w.run({"convert", "walk.bvh", "rows.npy", "--features", features}).code == 0);

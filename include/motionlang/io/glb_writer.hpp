@@ -7,6 +7,7 @@
 
 #include <motionlang/io/detail/figure_mesh.hpp>
 #include <motionlang/io/detail/glb_container.hpp>
+#include <motionlang/io/detail/skinned_mesh.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -101,22 +102,28 @@ inline void add_joints(GlbBuilder& glb, const Skeleton& skeleton) {
   }
 }
 
-/// The figure as one mesh, bound to the joints, in a node of its own at the root of the scene.
-inline void add_figure(GlbBuilder& glb, const Skeleton& skeleton, const GlbWriteOptions& options) {
-  const FigureMesh mesh = make_mesh(make_figure(skeleton), skeleton);
-  std::vector<std::uint16_t> joints;
-  std::vector<std::uint8_t> weights;
+/// The figure of a skeleton: every vertex moves with one joint.
+inline SkinnedMesh<std::uint8_t> figure_skin(const Skeleton& skeleton) {
+  FigureMesh mesh = make_mesh(make_figure(skeleton), skeleton);
+  SkinnedMesh<std::uint8_t> out{std::move(mesh.positions), std::move(mesh.normals), {}, {}, std::move(mesh.triangles)};
   for (const std::uint16_t j : mesh.joints) {
-    joints.insert(joints.end(), {j, 0, 0, 0});
-    weights.insert(weights.end(), {255, 0, 0, 0});  // of 255: the whole vertex moves with one joint
+    out.joints.insert(out.joints.end(), {j, 0, 0, 0});
+    out.weights.insert(out.weights.end(), {255, 0, 0, 0});
   }
-  const std::size_t weights_accessor = glb.add(std::span<const std::uint8_t>(weights), "VEC4", GlbBuilder::attributes);
+  return out;
+}
+
+/// A mesh bound to the joints, in a node of its own at the root of the scene.
+template <class W>
+void add_mesh(GlbBuilder& glb, const Skeleton& skeleton, const SkinnedMesh<W>& mesh, const char* name,
+              const GlbWriteOptions& options) {
+  const std::size_t weights_accessor = glb.add(std::span<const W>(mesh.weights), "VEC4", GlbBuilder::attributes);
   glb.document["accessors"][weights_accessor]["normalized"] = true;
   const nlohmann::ordered_json primitive{
       {"attributes",
        {{"POSITION", glb.add(mesh.positions, GlbBuilder::attributes, true)},
         {"NORMAL", glb.add(mesh.normals, GlbBuilder::attributes)},
-        {"JOINTS_0", glb.add(std::span<const std::uint16_t>(joints), "VEC4", GlbBuilder::attributes)},
+        {"JOINTS_0", glb.add(std::span<const std::uint16_t>(mesh.joints), "VEC4", GlbBuilder::attributes)},
         {"WEIGHTS_0", weights_accessor}}},
       {"indices", glb.add(std::span<const std::uint32_t>(mesh.triangles), "SCALAR", GlbBuilder::indices)},
       {"material", 0}};
@@ -139,9 +146,9 @@ inline void add_figure(GlbBuilder& glb, const Skeleton& skeleton, const GlbWrite
           nlohmann::ordered_json::array({options.colour.x, options.colour.y, options.colour.z, 1.0})},
          {"metallicFactor", 0.0},
          {"roughnessFactor", options.roughness}}}});
-  document["meshes"].push_back({{"name", "figure"}, {"primitives", nlohmann::ordered_json::array({primitive})}});
+  document["meshes"].push_back({{"name", name}, {"primitives", nlohmann::ordered_json::array({primitive})}});
   document["skins"].push_back(std::move(skin));
-  document["nodes"].push_back({{"name", "figure"}, {"mesh", 0}, {"skin", 0}});
+  document["nodes"].push_back({{"name", name}, {"mesh", 0}, {"skin", 0}});
   document["scenes"].push_back({{"nodes", nlohmann::ordered_json::array({0, skeleton.size()})}});
 }
 
@@ -189,15 +196,13 @@ inline void add_animation(GlbBuilder& glb, const Motion& motion, std::span<const
   glb.document["animations"].push_back(std::move(animation));
 }
 
-}  // namespace detail
-
-/// The bytes of a GLB file with one animation for every motion; all on the same skeleton.
-/// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
-///         Motion::validate throws
-inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
+/// mesh_of(skeleton) gives the mesh that the motions' skeleton moves.
+template <class F>
+std::vector<std::byte> skinned_glb(std::span<const Motion> motions, F mesh_of, const char* name,
+                                   const GlbWriteOptions& options) {
   if (motions.empty()) raise<config_error>(101, "GLB: no motion to write");
   const Skeleton& skeleton = motions.front().skeleton;
-  detail::GlbBuilder glb;
+  GlbBuilder glb;
   for (const Motion& motion : motions) {
     motion.validate();
     if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
@@ -207,17 +212,26 @@ inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const G
     }
   }
   if (skeleton.size() > 65535) raise<config_error>(101, "GLB: ", skeleton.size(), " joints");
-  detail::add_joints(glb, skeleton);
-  detail::add_figure(glb, skeleton, options);
+  add_joints(glb, skeleton);
+  add_mesh(glb, skeleton, mesh_of(skeleton), name, options);
   std::vector<int> nodes(skeleton.parents.size());
   std::iota(nodes.begin(), nodes.end(), 0);
-  for (const Motion& motion : motions) detail::add_animation(glb, motion, nodes);
+  for (const Motion& motion : motions) add_animation(glb, motion, nodes);
   return glb.finish();
 }
 
+}  // namespace detail
+
+/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead of the figure:
+/// body_glb.hpp.
+/// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
+///         Motion::validate throws
+inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
+  return detail::skinned_glb(motions, detail::figure_skin, "figure", options);
+}
+
 /// Throws io_error 401, and what glb_bytes throws.
-inline void write_glb(const FilePath& path, std::span<const Motion> motions,
-                      const GlbWriteOptions& options = {}) {
+inline void write_glb(const FilePath& path, std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
   write_file(path, glb_bytes(motions, options));
 }
 inline void write_glb(const FilePath& path, const Motion& motion, const GlbWriteOptions& options = {}) {

@@ -84,7 +84,9 @@ struct ViewerEntry {
   std::string note;
 };
 
-inline std::string viewer_page(std::span<const ViewerEntry> entries, const ViewerOptions& options) {
+/// body  null: the figure of every motion's own skeleton
+inline std::string viewer_page(std::span<const ViewerEntry> entries, const ViewerOptions& options,
+                               nlohmann::ordered_json body = {}) {
   if (entries.empty()) raise<config_error>(101, "viewer: no motion to show");
   nlohmann::ordered_json motions = nlohmann::ordered_json::array();
   for (const ViewerEntry& e : entries) {
@@ -99,8 +101,9 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
   }
   const std::string& name = entries.front().motion.name;
   const std::string title = !options.title.empty() ? options.title : name.empty() ? "Motion" : name;
-  const nlohmann::ordered_json page{
+  nlohmann::ordered_json page{
       {"title", title}, {"info", options.info}, {"autoplay", options.autoplay}, {"motions", std::move(motions)}};
+  if (!body.is_null()) page["body"] = std::move(body);
   std::string data;
   for (const char c : page.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
     data += c == '<' ? "\\u003c" : std::string(1, c);  // no tag can end the script; '<' only stands in texts

@@ -167,6 +167,51 @@ class Clip {
   }
 }
 
+/** A body of the reader's own: a surface at rest, of which every vertex follows four joints. */
+class Mesh {
+  constructor({ positions, joints, weights, triangles, offsets, parents }) {
+    const decode = (text, Type) => new Type(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+    this.positions = decode(positions, Float32Array);
+    this.joints = decode(joints, Uint16Array);
+    this.weights = Float32Array.from(decode(weights, Uint16Array), (w) => w / 65535);
+    this.triangles = decode(triangles, Uint32Array);
+    this.rest = [];
+    parents.forEach((p, joint) => this.rest.push(p < 0 ? offsets[joint] : add(this.rest[p], offsets[joint])));
+    this.makeNormals();
+    this.skinned = new Float32Array(2 * this.positions.length);  // position and normal of every vertex
+  }
+  makeNormals() {
+    const at = (v) => Array.from(this.positions.subarray(3 * v, 3 * v + 3));
+    this.normals = new Float32Array(this.positions.length);
+    for (let i = 0; i < this.triangles.length; i += 3) {
+      const corners = this.triangles.subarray(i, i + 3), [a, b, c] = Array.from(corners, at);
+      const area = cross(sub(b, a), sub(c, a));
+      for (const v of corners) for (let k = 0; k < 3; ++k) this.normals[3 * v + k] += area[k];
+    }
+  }
+  /** The surface in a pose of its joints. */
+  skin({ positions, rotations }) {
+    const turns = rotations.flatMap((q) => [[1, 0, 0], [0, 1, 0], [0, 0, 1]].flatMap((axis) => turn(q, axis)));
+    const moves = positions.flatMap((p, joint) => sub(p, turn(rotations[joint], this.rest[joint])));
+    const m = new Float32Array(12), out = this.skinned;
+    for (let v = 0; v < this.positions.length / 3; ++v) {
+      m.fill(0);
+      for (let k = 4 * v; k < 4 * v + 4; ++k) {
+        const joint = this.joints[k], w = this.weights[k];
+        if (w === 0) continue;
+        for (let i = 0; i < 9; ++i) m[i] += w * turns[9 * joint + i];
+        for (let i = 0; i < 3; ++i) m[9 + i] += w * moves[3 * joint + i];
+      }
+      const [x, y, z] = this.positions.subarray(3 * v, 3 * v + 3), [a, b, c] = this.normals.subarray(3 * v, 3 * v + 3);
+      for (let i = 0; i < 3; ++i) {
+        out[6 * v + i] = m[i] * x + m[3 + i] * y + m[6 + i] * z + m[9 + i];
+        out[6 * v + 3 + i] = m[i] * a + m[3 + i] * b + m[6 + i] * c;
+      }
+    }
+    return out;
+  }
+}
+
 /** Looks at a point from a distance; angles in radians. */
 class Camera {
   static fieldOfView = 0.6;
@@ -245,6 +290,24 @@ void main() {
     gl_Position = vec4((at - shadow.xy) / shadow.z, 0, 1);
   }
 }`;
+/** Vertices that are in their places already. */
+const meshShader = `#version 300 es
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 direction;
+uniform mat4 camera;
+uniform vec4 shadow;                    // as above
+uniform vec3 light, colour;
+out vec3 normal, world, tint;
+void main() {
+  world = position;
+  normal = direction;
+  tint = colour;
+  gl_Position = camera * vec4(world, 1);
+  if (shadow.z > 0.0) {
+    vec2 at = world.xz - light.xz / light.y * (world.y - shadow.w);
+    gl_Position = vec4((at - shadow.xy) / shadow.z, 0, 1);
+  }
+}`;
 const bodyShader = `#version 300 es
 precision highp float;
 in vec3 normal, world, tint;
@@ -294,6 +357,8 @@ void main() {
       float a = 0.785398 * float(i), r = i % 2 == 0 ? 0.006 : 0.014;
       dark += textureLod(shadowMap, uv + r * vec2(cos(a), sin(a)), 2.0).r / 8.0;
     }
+    float here = textureLod(shadowMap, uv, 1.0).r;  // sharp where the body touches the floor
+    dark = mix(dark, max(dark, here), smoothstep(0.72, 0.95, here));
   }
   c *= 1.0 - shade * dark;
   float far = smoothstep(0.15, 1.0, length(at - place.xy) / place.z);
@@ -308,6 +373,7 @@ class GlRenderer {
     this.cone = this.program(coneShader, bodyShader);
     this.floor = this.program(floorShader, gridShader);
     this.makeCone(20, 7);
+    if (page.body) this.makeMesh(new Mesh(page.body));
     this.makeFloor();
     this.makeShadowMap(512);
   }
@@ -351,6 +417,19 @@ class GlRenderer {
       gl.vertexAttribDivisor(location, 1);
     });
   }
+  makeMesh(mesh) {
+    const gl = this.gl;
+    this.mesh = mesh;
+    this.meshProgram = this.program(meshShader, bodyShader);
+    this.meshArray = gl.createVertexArray();
+    gl.bindVertexArray(this.meshArray);
+    this.fill(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
+    this.meshVertices = this.fill(gl.ARRAY_BUFFER, mesh.skinned);
+    for (const location of [0, 1]) {
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribPointer(location, 3, gl.FLOAT, false, 24, 12 * location);
+    }
+  }
   makeFloor() {
     const gl = this.gl;
     this.floorArray = gl.createVertexArray();
@@ -378,23 +457,37 @@ class GlRenderer {
     gl.bufferData(target, data, gl.STATIC_DRAW);
     return buffer;
   }
-  drawCones(count, uniforms) {
-    const gl = this.gl, { program, at } = this.cone;
+  /** The mesh, or else so many cones. */
+  drawFigure(count, uniforms) {
+    const gl = this.gl, { program, at } = this.mesh ? this.meshProgram : this.cone;
     gl.useProgram(program);
     gl.uniformMatrix4fv(at("camera"), false, uniforms.camera);
     gl.uniform4fv(at("shadow"), uniforms.shadow);
     gl.uniform3fv(at("light"), uniforms.light);
     gl.uniform3fv(at("eye"), uniforms.eye);
-    gl.bindVertexArray(this.coneArray);
-    gl.drawElementsInstanced(gl.TRIANGLES, this.coneCount, gl.UNSIGNED_SHORT, 0, count);
+    if (this.mesh) {
+      gl.uniform3fv(at("colour"), uniforms.colour);
+      gl.bindVertexArray(this.meshArray);
+      gl.drawElements(gl.TRIANGLES, this.mesh.triangles.length, gl.UNSIGNED_INT, 0);
+    } else {
+      gl.bindVertexArray(this.coneArray);
+      gl.drawElementsInstanced(gl.TRIANGLES, this.coneCount, gl.UNSIGNED_SHORT, 0, count);
+    }
+  }
+  /** Brings the surface, or the cones, of this moment to the graphics card. */
+  place({ shapes, pose, palette }) {
+    const gl = this.gl;
+    const data = this.mesh ? this.mesh.skin(pose) : new Float32Array(shapes.flatMap((s) =>
+      [...s.from, s.radiusFrom, ...s.to, s.radiusTo, ...palette.sides[s.side]]));
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.mesh ? this.meshVertices : this.instances);
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
   }
   draw(scene) {
     const gl = this.gl, { shapes, camera, palette, clip, root, width, height } = scene;
     const light = unit([0.45, 1, 0.35]), reach = 1.3 * clip.size;
     const shadow = [root[0], root[2], reach, clip.floor], matrix = camera.matrix(width / height), eye = camera.eye;
-    const data = shapes.flatMap((s) => [...s.from, s.radiusFrom, ...s.to, s.radiusTo, ...palette.sides[s.side]]);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(data), gl.DYNAMIC_DRAW);
+    const colour = palette.sides[0];
+    this.place(scene);
 
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.shadowBuffer);
     gl.viewport(0, 0, this.shadowSize, this.shadowSize);
@@ -403,7 +496,7 @@ class GlRenderer {
     gl.blendEquation(gl.MAX);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    this.drawCones(shapes.length, { camera: matrix, shadow, light, eye });
+    this.drawFigure(shapes.length, { camera: matrix, shadow, light, eye, colour });
     gl.bindTexture(gl.TEXTURE_2D, this.shadowMap);
     gl.generateMipmap(gl.TEXTURE_2D);
 
@@ -424,7 +517,7 @@ class GlRenderer {
     gl.uniform1f(at("shade"), palette.shade);
     gl.bindVertexArray(this.floorArray);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-    this.drawCones(shapes.length, { camera: matrix, shadow: [0, 0, 0, 0], light, eye });
+    this.drawFigure(shapes.length, { camera: matrix, shadow: [0, 0, 0, 0], light, eye, colour });
   }
 }
 
@@ -579,7 +672,7 @@ function render() {
   if (view.width !== width || view.height !== height) Object.assign(view, { width, height });
   if (following) camera.goal = [root[0], clip.floor + 0.52 * clip.size, root[2]];
   const palette = palettes[dark.matches ? "dark" : "light"];
-  renderer.draw({ shapes: clip.shapes(pose), camera, palette, clip, root, width, height });
+  renderer.draw({ shapes: clip.shapes(pose), pose, camera, palette, clip, root, width, height });
 
   element("scrub").value = time;
   element("clock").textContent = `${shown(time)} / ${shown(clip.seconds)} \u00b7 frame ${Math.round(time * clip.fps)}`;

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+/// A surface that follows joints, as files and pages take it.
+#pragma once
+
+#include <cstdint>  // numbers of joints
+#include <vector>   // vertices
+
+#include <motionlang/geometry/vec.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t, of which the largest is 1.
+template <class W>
+struct SkinnedMesh {
+  std::vector<Vec3<float>> positions, normals;
+  std::vector<std::uint16_t> joints;  // four for each vertex
+  std::vector<W> weights;             // four for each vertex, together 1
+  std::vector<std::uint32_t> triangles;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+/// A motion on the joints of a body of the SMPL family: what its mesh, skin and files need.
+///
+///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
+///     const PosedBody<B> posed = pose_body(body.model, own, betas);
+///
+/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Fingers have the mean pose of the body's
+/// hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the length of the legs.
+/// Source  spec body-models.md 2, 4
+#pragma once
+
+#include <motionlang/kinematics/body.hpp>
+#include <motionlang/kinematics/standard.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class BodyHands { mean, flat };
+
+/// Names of a body's joints in their order; of a body of another kind "joint_0", "joint_1", ...
+inline std::vector<std::string> body_joint_names(BodyKind kind, Index joints) {
+  std::vector<std::string> out;
+  const Skeleton& smpl = smpl24_skeleton();
+  const Index known = kind == BodyKind::other ? 0 : kind == BodyKind::smpl ? 24 : 22;
+  for (int j = 0; j < known; ++j) out.push_back(smpl.name(j));
+  if (kind == BodyKind::smplx) out.insert(out.end(), {"jaw", "left_eye", "right_eye"});
+  if (kind == BodyKind::smplh || kind == BodyKind::smplx) {
+    for (const char* side : {"left_", "right_"}) {
+      for (const char* finger : {"index", "middle", "pinky", "ring", "thumb"}) {
+        for (const char* number : {"1", "2", "3"}) out.push_back(concat_text(side, finger, number));
+      }
+    }
+  }
+  while (std::ssize(out) < joints) out.push_back(concat_text("joint_", out.size()));
+  return out;
+}
+
+/// The skeleton of a body for one shape; none means zeros. Throws shape_error 204 for another number of coefficients.
+template <Backend B>
+Skeleton body_skeleton(const Body<B>& body, std::span<const typename B::scalar> betas = {}) {
+  using S = typename B::scalar;
+  const Index coefficients = body.model.shapedirs.size(1);
+  std::vector<S> shape(betas.begin(), betas.end());
+  if (shape.empty()) shape.assign(static_cast<std::size_t>(coefficients), S(0));
+  if (std::ssize(shape) != coefficients) {
+    raise<shape_error>(204, "body_skeleton: ", shape.size(), " coefficients for a body of ", coefficients);
+  }
+  const auto rest = body.model.rest_joints(Tensor<B, 2>::from(shape, {1, coefficients}));
+  const std::vector<int>& parents = body.model.parents;
+  std::vector<Vec3<double>> places, offsets;
+  for (std::size_t j = 0; j < parents.size(); ++j) {
+    const auto* p = rest.span().data() + 3 * j;
+    places.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    offsets.push_back(parents[j] < 0 ? places[j] : places[j] - places[static_cast<std::size_t>(parents[j])]);
+  }
+  return Skeleton::from_arrays(body_joint_names(body.kind, body.model.joints()), parents, offsets);
+}
+
+/// motion   on SMPL's 24 joints or the first 22; for a body of another kind, on the first joints of the body
+/// Throws   config_error 106 if the joints are others, shape_error 204
+template <Backend B>
+Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const typename B::scalar> betas = {},
+                      BodyHands hands = BodyHands::mean) {
+  Motion out{body_skeleton(body, betas), motion.fps, {}, {}, motion.name};
+  const auto joints = static_cast<std::size_t>(out.skeleton.size());
+  const bool family = body.kind != BodyKind::other;
+  const std::size_t most = body.kind == BodyKind::smpl ? 24 : family ? 22 : joints;
+  const std::size_t common = std::min(most, motion.skeleton.parents.size());
+  const auto& own = motion.skeleton.parents;
+  if ((family && common < 22) ||
+      !std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(common), out.skeleton.parents.begin())) {
+    raise<config_error>(106, "motion_on_body: the ", own.size(), " joints of motion '", motion.name,
+                        "' are not the first ones of ", to_string(body.kind), ", ", joints, " joints");
+  }
+  std::vector<Quaternion<double>> at_rest(joints, Quaternion<double>::identity());
+  if (family && hands == BodyHands::mean) {
+    const BodyKindInfo& info = body_kinds[static_cast<std::size_t>(body.kind)];
+    for (const auto& [hand, first] :
+         {std::pair{&body.left_hand, info.left_hand}, {&body.right_hand, info.right_hand}}) {
+      for (std::size_t k = 0; *hand && first >= 0 && k < 15; ++k) {
+        const auto* v = (*hand)->mean.span().data() + 3 * k;
+        at_rest[static_cast<std::size_t>(first) + k] = to_quaternion(
+            AxisAngle<double>{{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}});
+      }
+    }
+  }
+  const auto leg = [](const Skeleton& s) { return norm(s.offset(4)) + norm(s.offset(7)); };
+  const double scale = family && leg(motion.skeleton) > 0 ? leg(out.skeleton) / leg(motion.skeleton) : 1;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    out.root.push_back(scale * motion.root_at(f));
+    const auto from = motion.rotations(f);
+    out.local.insert(out.local.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(common));
+    out.local.insert(out.local.end(), at_rest.begin() + static_cast<std::ptrdiff_t>(common), at_rest.end());
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
