@@ -87,6 +87,7 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/surface_points.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 
 #include <motionlang/nn/batch_norm.hpp>

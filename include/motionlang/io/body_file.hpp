@@ -22,7 +22,10 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 struct BodyFileOptions {
   Index betas = 10;        // coefficients of shape
-  Index expressions = 10;  // SMPL-X: coefficients of expression, which follow those of shape
+  /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
+  Index expressions = -1;
+  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of them.
+  Index shape_directions = 0;
   bool extra_points =
       true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
 };
@@ -137,9 +140,31 @@ std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* com
 }
 
 /// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old ones.
-inline Index first_expression(BodyKind kind, Index directions) {
+inline Index first_expression(BodyKind kind, Index directions, Index told) {
   if (kind != BodyKind::smplx) return directions;
-  return directions > 300 ? 300 : directions > 10 ? directions - 10 : directions;
+  if (told > 0) return std::min(told, directions);
+  return directions > 300 ? 300 : directions == 20 ? 10 : directions;
+}
+
+/// Points on triangles: one row of triangles, or several.
+inline std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const char* triangles, const char* weights,
+                                                 std::span<const std::array<Index, 3>> faces) {
+  std::vector<SurfacePoints> out;
+  if (!arrays.has(triangles)) return out;
+  std::vector<Index> shape = arrays.read(triangles).shape;
+  const auto numbers = arrays.read<std::int64_t>(triangles, shape);
+  const auto columns = static_cast<std::size_t>(shape.empty() ? 0 : shape.back());
+  shape.push_back(3);
+  const auto shares = arrays.read<double>(weights, shape);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] < 0 || numbers[i] >= std::ssize(faces)) {
+      raise<io_error>(403, arrays.file(), ": '", triangles, "' has triangle ", numbers[i], " of ", faces.size());
+    }
+    if (i % columns == 0) out.emplace_back();
+    out.back().corners.push_back(faces[static_cast<std::size_t>(numbers[i])]);
+    out.back().weights.push_back({shares[3 * i], shares[3 * i + 1], shares[3 * i + 2]});
+  }
+  return out;
 }
 
 inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
@@ -172,8 +197,10 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   model.weights = tensor(weights, vertices, joints);
 
   const auto directions = arrays.read<S>("shapedirs", {vertices, 3, -1}, &shape);
-  const Index first_expression = detail::first_expression(body.kind, shape[2]);
-  body.expressions = body.kind == BodyKind::smplx ? options.expressions : 0;
+  const Index first_expression = detail::first_expression(body.kind, shape[2], options.shape_directions);
+  const Index expressions =
+      options.expressions >= 0 ? options.expressions : std::min<Index>(10, shape[2] - first_expression);
+  body.expressions = body.kind == BodyKind::smplx ? expressions : 0;
   if (options.betas < 0 || options.betas > first_expression || body.expressions < 0 ||
       body.expressions > shape[2] - first_expression) {
     raise<config_error>(101, path.string(), ": ", options.betas, " coefficients of shape and ", body.expressions,
@@ -194,8 +221,23 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   if (options.extra_points && published) model.extra = extra_vertices(body.kind);
   body.left_hand = detail::hand_poses<B>(arrays, "hands_componentsl", "hands_meanl");
   body.right_hand = detail::hand_poses<B>(arrays, "hands_componentsr", "hands_meanr");
+  const std::span<const std::array<Index, 3>> faces(body.faces);
+  if (auto rows = detail::rows_of_points(arrays, "lmk_faces_idx", "lmk_bary_coords", faces); !rows.empty())
+    body.landmarks = std::move(rows.front());
+  body.contours = detail::rows_of_points(arrays, "dynamic_lmk_faces_idx", "dynamic_lmk_bary_coords", faces);
   model.validate();
   return body;
+}
+
+/// The poses of a hand from MANO's own file, for bodies of SMPL-H whose file has none:
+///
+///     body.left_hand = read_hand<B>("MANO_LEFT.pkl");
+/// Throws  as read_body; io_error 406 for a file without the arrays
+template <Backend B>
+HandPoses<B> read_hand(const FilePath& path) {
+  const detail::BodyArrays arrays(path);
+  if (auto hand = detail::hand_poses<B>(arrays, "hands_components", "hands_mean")) return std::move(*hand);
+  raise<io_error>(406, path.string(), ": no 'hands_components'; not a hand of MANO");
 }
 
 /// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,

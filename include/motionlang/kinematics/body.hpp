@@ -13,6 +13,7 @@
 
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/surface_points.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -107,6 +108,8 @@ struct Body {
   std::vector<std::array<Index, 3>> faces;  // vertices of every triangle, counter-clockwise from outside
   Index expressions = 0;                    // of the model's coefficients, the last ones
   std::optional<HandPoses<B>> left_hand, right_hand;
+  SurfacePoints landmarks{};              // of the face; surface_points.hpp places them
+  std::vector<SurfacePoints> contours{};  // of the face, one for each direction from which it is seen
 };
 
 /// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have their mean pose.

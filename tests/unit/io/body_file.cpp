@@ -99,6 +99,16 @@ TEST_CASE("SMPL-X: coefficients of expression follow those of shape, in old and 
           0);
   }
   CHECK_ERROR(BodyFolder().read(chain(55, 2, 20), {.betas = 10, .expressions = 11}), "the file has 10 and 10");
+  CHECK(BodyFolder().read(chain(55, 2, 400), {.betas = 10}).expressions == 10);
+  // of other numbers nothing is known: all are directions of shape, unless somebody says otherwise
+  const auto sixteen = BodyFolder().read(chain(55, 2, 16), {.betas = 16});
+  CHECK(sixteen.expressions == 0);
+  CHECK(sixteen.model.shapedirs.size(1) == 16);
+  CHECK_ERROR(BodyFolder().read(chain(55, 2, 16), {.betas = 10, .expressions = 6}), "the file has 16 and 0");
+  const auto told = BodyFolder().read(chain(55, 2, 16), {.betas = 4, .shape_directions = 12});
+  CHECK(told.expressions == 4);
+  const auto all = ml::Tensor<B, 2>::from(numbers(96), {6, 16});
+  CHECK(distance(told.model.shapedirs, ml::concat(1, ml::slice(all, 1, 0, 4), ml::slice(all, 1, 12, 16))) == 0);
 }
 
 TEST_CASE("hands") {
@@ -116,6 +126,49 @@ TEST_CASE("hands") {
     CHECK(flat.span()[i] == doctest::Approx(-numbers(90)[45 + i]));
   }
   CHECK_ERROR((*body.left_hand)(ml::Tensor<B, 2>::zeros({1, 3})), "[motionlang.shape.203]");
+}
+
+TEST_CASE("hands from MANO's own files") {
+  const BodyFolder folder;
+  ml::write_npz(folder / "MANO_LEFT.npz", {{{"hands_components", array(numbers(90), {2, 45})},
+                                           {"hands_mean", array(synthetic::wave(3, 45), {45})}}});
+  auto body = folder.read(chain(52, 2, 10), {.betas = 10});
+  CHECK(!body.left_hand);
+  body.left_hand = ml::read_hand<B>(folder / "MANO_LEFT.npz");
+  CHECK(body.left_hand->components.shape() == ml::Shape{2, 45});
+  CHECK(body.left_hand->mean.span()[7] == synthetic::wave(3, 45)[7]);
+  CHECK_ERROR(ml::read_hand<B>(folder / "body.npz"), "[motionlang.io.406]");
+}
+
+TEST_CASE("face landmarks are points on triangles, and move with the body") {
+  auto arrays = tiny();
+  const std::int64_t triangles[] = {2, 0}, rows[] = {0, 1, 2, 2, 1, 0};
+  arrays.push_back({"lmk_faces_idx", ml::NpyArray::of(std::span<const std::int64_t>(triangles), {2})});
+  arrays.push_back({"lmk_bary_coords", array({0.5, 0.25, 0.25, 0, 0, 1}, {2, 3})});
+  arrays.push_back({"dynamic_lmk_faces_idx", ml::NpyArray::of(std::span<const std::int64_t>(rows), {2, 3})});
+  arrays.push_back({"dynamic_lmk_bary_coords", array(std::vector<double>(18, 1.0 / 3), {2, 3, 3})});
+  const BodyFolder folder;
+  const auto body = folder.read(arrays);
+  REQUIRE(body.landmarks.size() == 2);
+  REQUIRE(body.contours.size() == 2);
+  CHECK(body.contours[1].corners[0] == synthetic::faces[2]);
+  const auto vertices = ml::Tensor<B, 3>::from(synthetic::wave(9, 30), {2, 5, 3});
+  const auto points = ml::surface_points(vertices, body.landmarks);
+  CHECK(points.shape() == ml::Shape{2, 2, 3});
+  const auto v = vertices.span(), p = points.span();
+  for (std::size_t n = 0; n < 2; ++n) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto at = [&](std::size_t i) { return v[15 * n + 3 * i + c]; };  // triangle 2 is (2, 3, 4)
+      CHECK(p[6 * n + c] == doctest::Approx(0.5 * at(2) + 0.25 * at(3) + 0.25 * at(4)));
+      CHECK(p[6 * n + 3 + c] == at(2));  // of triangle 0, (0, 1, 2), the last corner
+    }
+  }
+  named(arrays, "lmk_bary_coords") = array({0.5, 0.5}, {2, 1});
+  CHECK_ERROR(folder.read(arrays), "[motionlang.io.407]");
+  named(arrays, "lmk_bary_coords") = array({0.5, 0.25, 0.25, 0, 0, 1}, {2, 3});
+  const std::int64_t none[] = {2, 3};
+  named(arrays, "lmk_faces_idx") = ml::NpyArray::of(std::span<const std::int64_t>(none), {2});
+  CHECK_ERROR(folder.read(arrays), "'lmk_faces_idx' has triangle 3 of 3");
 }
 
 TEST_CASE("extra points are vertices of the published bodies only") {
