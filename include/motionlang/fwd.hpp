@@ -98,6 +98,18 @@ struct MotionDiffuseDenoiser;
 template <AutodiffBackend A>
 class AdamW;
 
+// autoencoders and their systems
+template <Backend B>
+struct LatentGaussian;
+template <Backend B>
+struct LossTerms;
+template <Backend B>
+struct Temos;
+struct TemosConfig;
+template <Backend B>
+struct Tmr;
+struct TmrConfig;
+
 // compose
 template <class T>
 struct BasicInterval;
