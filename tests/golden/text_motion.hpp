@@ -83,7 +83,7 @@ ml::Tensor<B, 2> noise(const Case& c, const std::string& name) {
   return c.has("noise/" + name) ? tensor<B, 2>(c, "noise/" + name) : ml::Tensor<B, 2>();
 }
 
-constexpr Index position_rows = 64;  // more than any case needs
+constexpr Index position_rows = 1024;  // more than any case needs
 
 /// A model with the modules that the case has weights of.
 template <ml::Backend B>
