@@ -21,6 +21,7 @@ endforeach()
 set(rules "^xtensor/"                       "^backend/detail/xtensor_impl.hpp$"
           "^(Eigen|unsupported)/"           "^backend/detail/eigen_impl.hpp$"
           "^nlohmann/json.hpp$"             "^io/json.hpp$"
+          "^hnswlib/"                       "^io/vector_graph.hpp$"
           "^(xtl|xtensor-blas|doctest)/"    "^$"
           "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
 

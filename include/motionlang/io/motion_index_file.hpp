@@ -113,6 +113,7 @@ class MotionIndexFile {
     return MotionIndexFile(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   }
 
+  const std::string& name() const { return file_.name(); }
   const MotionIndex& index() const { return index_; }
   /// The bytes of another tensor; nothing if there is none.
   std::span<const std::byte> extra(std::string_view name) const {

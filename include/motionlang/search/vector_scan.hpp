@@ -41,6 +41,9 @@ struct RowScan {
   std::vector<std::vector<Neighbour>> nearest(std::span<const S> queries, Index k) const;
   /// Rounds rows to bfloat16. Returns the largest |x - bfloat16(x)|.
   static double to_halves(std::span<const S> rows, Index width, std::uint16_t* halves);
+  /// out[r] = <row r, query>, in float.
+  using DotFunction = void (*)(const S* rows, Index count, Index width, const S* query, S* out);
+  static DotFunction dot_function();
 };
 
 }  // namespace detail

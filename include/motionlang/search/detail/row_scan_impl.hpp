@@ -169,4 +169,9 @@ double RowScan<S>::to_halves(std::span<const S> rows, Index width, std::uint16_t
   return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end());
 }
 
+template <std::same_as<float> S>
+typename RowScan<S>::DotFunction RowScan<S>::dot_function() {
+  return scan_kernels(kernels<S>()).dot_rows;
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
