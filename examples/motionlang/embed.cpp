@@ -64,7 +64,8 @@ void run(Options o) {
       progress(at + static_cast<ml::Index>(part.size()), count);
     }
   }
-  cache.write(o.out, o.name, o.pooling == "none");
+  const bool sentences = o.pooling == "mean" || o.pooling == "first";  // TMR's have no slices
+  cache.write(o.out, o.name, !sentences);
   std::printf("%s/%s: %td texts, rows of %td numbers\n", o.out.c_str(), o.name.c_str(), cache.count(), cache.width());
 }
 

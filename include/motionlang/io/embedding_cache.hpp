@@ -15,6 +15,7 @@
 #pragma once
 
 #include <filesystem>     // files that may be missing
+#include <optional>       // slices that may be missing
 #include <unordered_map>  // numbers of texts
 #include <utility>        // exchange
 
@@ -49,13 +50,25 @@ class EmbeddingCache {
 
   /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model) {
-    const std::string base = folder.string() + "/" + model, rows = base + ".npy", index = base + "_index.json";
-    EmbeddingCache cache(0);
-    cache.read_rows(rows);
-    const Index count = cache.width_ == 0 ? 0 : static_cast<Index>(cache.rows().size()) / cache.width_;
+    const std::string base = folder.string() + "/" + model;
+    const auto rows = MappedFile::open(base + ".npy"), index = MappedFile::open(base + "_index.json");
+    std::shared_ptr<const MappedFile> slices;
     std::error_code ignored;
-    if (const std::string slices = base + "_slice.npy"; std::filesystem::exists(slices, ignored)) {
-      const NpyArray array = read_npy(slices);
+    if (const std::string path = base + "_slice.npy"; std::filesystem::exists(path, ignored))
+      slices = MappedFile::open(path);
+    return from_bytes(rows->bytes(), slices == nullptr ? std::nullopt : std::optional(slices->bytes()),
+                      detail::as_text(index->bytes()), base, rows);
+  }
+  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless `owner` keeps them.
+  static EmbeddingCache from_bytes(std::span<const std::byte> row_file, std::optional<std::span<const std::byte>> slice_file,
+                                   std::string_view index_text, const std::string& base,
+                                   std::shared_ptr<const void> owner = nullptr) {
+    const std::string slices = base + "_slice.npy", index = base + "_index.json";
+    EmbeddingCache cache(0);
+    cache.read_rows(row_file, base + ".npy", std::move(owner));
+    const Index count = cache.row_count();
+    if (slice_file) {
+      const NpyArray array = parse_npy(*slice_file, slices);
       if (array.shape.size() != 2 || array.shape[1] != 2) raise<io_error>(403, slices, ": not pairs of rows");
       const auto bounds = array.to<std::int64_t>();
       for (std::size_t i = 0; i < bounds.size(); i += 2) {
@@ -68,7 +81,7 @@ class EmbeddingCache {
       for (Index i = 0; i < count; ++i) cache.slices_.push_back({i, i + 1});
     }
     std::vector<char> taken(cache.slices_.size(), false);
-    const auto document = read_json(index);
+    const auto document = parse_json(index_text, index);
     for (const auto& [text, number] : JsonView(document, index).as<std::map<std::string, Index>>()) {
       if (number < 0 || number >= cache.count())
         raise<io_error>(403, index, ": '", text, "' has number ", number, " of ", cache.count());
@@ -123,9 +136,10 @@ class EmbeddingCache {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
     if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
-    if (file_ != nullptr) {  // from here on in memory
+    if (is_view_) {  // from here on in memory
       own_.assign(mapped_.begin(), mapped_.end());
-      file_.reset();
+      is_view_ = false;
+      owner_.reset();
     }
     const Index begin = row_count();
     own_.insert(own_.end(), values.begin(), values.end());
@@ -161,23 +175,23 @@ class EmbeddingCache {
     Index begin, end;
   };
 
-  std::span<const float> rows() const { return file_ == nullptr ? std::span<const float>(own_) : mapped_; }
+  std::span<const float> rows() const { return is_view_ ? mapped_ : std::span<const float>(own_); }
   Index row_count() const { return width_ == 0 ? 0 : static_cast<Index>(rows().size()) / width_; }
 
   /// Rows as they are written above are a view of the file; any other array of numbers is converted.
-  void read_rows(const std::string& path) {
-    const auto file = MappedFile::open(path);
-    const auto npy = detail::npy_parts(file->bytes(), path);
+  void read_rows(std::span<const std::byte> bytes, const std::string& path, std::shared_ptr<const void> owner) {
+    const auto npy = detail::npy_parts(bytes, path);
     const auto& shape = npy.header.shape;
     if (shape.size() != 2) raise<io_error>(403, path, ": ", shape.size(), " axes, expected rows of numbers");
     width_ = shape[1];
     const bool aligned = reinterpret_cast<std::uintptr_t>(npy.raw.data()) % alignof(float) == 0;
     if (npy.header.descr == "<f4" && !npy.header.fortran_order && aligned &&
         npy.raw.size() == detail::checked_size(shape, sizeof(float), path)) {
-      file_ = file;
+      is_view_ = true;
+      owner_ = std::move(owner);
       mapped_ = {reinterpret_cast<const float*>(npy.raw.data()), npy.raw.size() / sizeof(float)};
     } else {
-      own_ = parse_npy(file->bytes(), path).to<float>();
+      own_ = parse_npy(bytes, path).to<float>();
     }
   }
 
@@ -186,7 +200,8 @@ class EmbeddingCache {
   std::unordered_map<std::string, std::size_t> number_;
   std::vector<float> own_;
   std::span<const float> mapped_;
-  std::shared_ptr<const MappedFile> file_;
+  bool is_view_ = false;
+  std::shared_ptr<const void> owner_;
 };
 
 /// Takes texts from a cache and has the others encoded.
