@@ -1,17 +1,13 @@
-// Golden functions: ACTOR's loss and its gradients, through Autodiff.
+// Golden functions: ACTOR's loss and its gradients, through Autodiff. A source for each backend registers them: together they would
+// take long to compile.
+#pragma once
+
 #include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/backend/reference.hpp>
-#include <motionlang/backend/xtensor.hpp>
 
 #include "actor_models.hpp"
 #include "bodies.hpp"
 
-namespace {
-
-using golden::Case, golden::Registration, golden::tensor;
-namespace ml = motionlang;
-using ml::Index;
+namespace golden::actor_losses {
 
 template <ml::Backend B>
 void out_terms(Case& c, const ml::LossTerms<B>& loss) {
@@ -53,11 +49,8 @@ void losses(Case& c) {
   const auto written = model.decode(latent.sample(tensor<A, 2>(c, "noise/eps")), y, x.offsets);
   const auto lambdas = c.config()["lambdas"];
   auto used = [&](const char* name) { return lambdas.contains(name) ? 1.0 : 0.0; };
-  const ml::ActorLossWeights w{.rc = used("rc"),
-                               .rcxyz = used("rcxyz"),
-                               .kl = used("kl"),
-                               .vel = used("vel"),
-                               .velxyz = used("velxyz")};
+  const ml::ActorLossWeights w{
+      .rc = used("rc"), .rcxyz = used("rcxyz"), .kl = used("kl"), .vel = used("vel"), .velxyz = used("velxyz")};
   std::optional<ml::ActorLossPoints<A>> points;
   if (w.rcxyz != 0 || w.velxyz != 0) {
     const auto body = ml::convert<A>(golden::body_of<B>(c, "in/body."));
@@ -80,8 +73,5 @@ template <ml::Backend B>
 std::vector<Registration> over(const std::string& variant) {
   return {{"actor loss terms", variant, loss_terms<B>}, {"actor losses", variant, losses<B>}};
 }
-const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");
-const auto eigen = over<ml::EigenBackend<float>>("eigen<float>");
-const auto xtensor = over<ml::XtensorBackend<float>>("xtensor<float>");
 
-}  // namespace
+}  // namespace golden::actor_losses

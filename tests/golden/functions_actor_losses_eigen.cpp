@@ -1,0 +1,6 @@
+// Golden functions: ACTOR's loss over one backend; see actor_losses.hpp.
+#include <motionlang/backend/eigen.hpp>
+
+#include "actor_losses.hpp"
+
+static const auto registered = golden::actor_losses::over<motionlang::EigenBackend<float>>("eigen<float>");
