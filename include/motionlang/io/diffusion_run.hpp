@@ -14,6 +14,7 @@
 #pragma once
 
 #include <motionlang/diffusion/any_denoiser.hpp>
+#include <motionlang/io/detail/run_reader.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/systems/stmc.hpp>
 
@@ -53,107 +54,6 @@ template <Backend B>
 using PublishedStmc = Stmc<B, AnyDenoiser<B>, AnyTextEncoder<B>>;
 
 namespace detail {
-
-/// Options of a run and shapes of its tensors, compared.
-class RunReader {
- public:
-  RunReader(const RunFolder& run, const TensorSet& weights, std::string prefix)
-      : run_(&run), weights_(&weights), prefix_(std::move(prefix)) {}
-
-  const std::string& prefix() const { return prefix_; }
-  bool has(const std::string& name) const { return weights_->find(prefix_ + name) != nullptr; }
-  /// Size of a tensor along an axis.
-  Index size(const std::string& name, int axis) const {
-    const TensorView& t = weights_->tensor(prefix_ + name);
-    if (axis >= t.shape.rank() || t.shape[axis] < 1)
-      raise<io_error>(407, weights_->name(), ": tensor '", t.name, "' is ", t.shape);
-    return t.shape[axis];
-  }
-  /// The same, where options may state it.
-  Index size(const std::string& name, int axis, std::initializer_list<const char*> options) const {
-    const Index found = size(name, axis);
-    for (const char* key : options) {
-      const std::optional<Index> stated = whole(key);
-      if (stated && *stated != found)
-        raise<config_error>(102, place(key), " is ", *stated, ", tensor '", prefix_, name, "' in ", weights_->name(),
-                            " is ", weights_->tensor(prefix_ + name).shape);
-    }
-    return found;
-  }
-  /// How many tensors there are of a numbered name, "layers.#.weight".
-  Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const {
-    Index n = 0;
-    while (has(concat_text(before, n, behind))) ++n;
-    for (const char* key : options) {
-      if (const auto stated = whole(key); stated && *stated != n)
-        raise<config_error>(102, place(key), " is ", *stated, ", ", weights_->name(), " has ", n, " of '", prefix_,
-                            before, "#", behind, "'");
-    }
-    if (n == 0) raise<io_error>(406, weights_->name(), ": no tensor '", prefix_, before, "0", behind, "'");
-    return n;
-  }
-
-  /// Of several names for an option the first that there is.
-  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest) const {
-    for (const char* key : keys) {
-      const std::optional<Index> n = whole(key);
-      if (!n) continue;
-      if (*n < 1 || *n > largest) raise<config_error>(101, place(key), " is ", *n, ", not 1 ... ", largest);
-      return *n;
-    }
-    return otherwise;
-  }
-  double real(const char* key, double otherwise) const {
-    const FileValue* v = run_->option(key);
-    if (v == nullptr) return otherwise;
-    if (const auto* d = std::get_if<double>(&v->value)) return *d;
-    if (const auto* n = std::get_if<std::int64_t>(&v->value)) return static_cast<double>(*n);
-    wrong_kind(key, "a number", *v);
-  }
-  bool flag(const char* key, bool otherwise) const {
-    const FileValue* v = run_->option(key);
-    if (v == nullptr) return otherwise;
-    if (const auto* b = std::get_if<bool>(&v->value)) return *b;
-    wrong_kind(key, "true or false", *v);
-  }
-  std::string text(const char* key, const char* otherwise) const {
-    const FileValue* v = run_->option(key);
-    return v == nullptr ? otherwise : to_string(*v);
-  }
-  std::string one_of(const char* key, const char* otherwise, std::initializer_list<std::string_view> known) const {
-    const std::string found = text(key, otherwise);
-    std::string list;
-    for (const std::string_view k : known) {
-      if (k == found) return found;
-      list += concat_text(list.empty() ? "" : ", ", k);
-    }
-    raise<io_error>(404, place(key), " is '", found, "', known are ", list);
-  }
-  std::string place(const char* key) const { return concat_text(run_->options_file.string(), ": ", key); }
-
- private:
-  std::optional<Index> whole(const char* key) const {
-    const FileValue* v = run_->option(key);
-    if (v == nullptr) return std::nullopt;
-    if (const auto* n = std::get_if<std::int64_t>(&v->value)) return static_cast<Index>(*n);
-    if (const auto* d = std::get_if<double>(&v->value); d != nullptr && std::abs(*d) < 1e9 && *d == std::trunc(*d))
-      return static_cast<Index>(*d);
-    wrong_kind(key, "a whole number", *v);
-  }
-  [[noreturn]] void wrong_kind(const char* key, const char* wanted, const FileValue& v) const {
-    raise<config_error>(107, place(key), " is '", to_string(v), "', not ", wanted);
-  }
-
-  const RunFolder* run_;
-  const TensorSet* weights_;
-  std::string prefix_;
-};
-
-inline RunReader reader_of(const RunFolder& run, const TensorSet& weights, std::string_view name) {
-  const auto prefix = prefix_of(weights, name);
-  if (!prefix) raise<io_error>(406, weights.name(), ": no tensor '", name, "', with or without a prefix");
-  return RunReader(run, weights, *prefix);
-}
 
 inline void read_stmc(DiffusionRun& out, const RunReader& r) {
   const std::string layer = "seqTransEncoder.layers.";
@@ -244,33 +144,10 @@ inline bool is_beside(std::string_view name) {
 
 template <Module M>
 void load_denoiser(M& module, const TensorSet& file, const std::string& prefix) {
-  KeyReport report = load_module_partly(module, file, prefix);
-  std::erase_if(report.unexpected, [&](const std::string& name) {
+  load_run_module(module, file, prefix, [&](const std::string& name) {
     return is_beside(std::string_view(name).substr(prefix.size())) ||
-           (prefix.empty() && begins_with_any(name, {"mean", "std", "meta.", "stats.", "motion_stats.", "text_stats.",
-                                                     "motion_normalizer.", "text_normalizer."}));
+           begins_with_any(name, {"motion_normalizer.", "text_normalizer."});
   });
-  if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(file.name(), report);
-}
-
-/// Mean and std behind the first of the prefixes that has both.
-template <Backend B>
-std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
-                                             std::initializer_list<const char*> prefixes) {
-  for (const std::string prefix : prefixes) {
-    const TensorView *mean = file.find(prefix + "mean"), *std = file.find(prefix + "std");
-    if (mean == nullptr || std == nullptr) continue;
-    Normalizer<B> out = Normalizer<B>::identity(width);
-    for (const TensorView* t : {mean, std}) {
-      if (t->shape.count() != width)
-        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ", width, " features");
-    }
-    using S = typename B::scalar;
-    out.mean = Tensor<B, 1>::from(values_of<S>(*mean), {width});
-    out.std = Tensor<B, 1>::from(values_of<S>(*std), {width});
-    return out;
-  }
-  return std::nullopt;
 }
 
 /// Where a text encoder is looked for, relative to the folder of the model and to the one around it.
@@ -350,14 +227,6 @@ inline RunFolder published_run(const RunFolder& run) {
   if (run.weights.empty())
     raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system, " (see io/run_folder.hpp for its name)");
   return out;
-}
-
-/// The files of statistics of a folder.
-inline WeightFile statistics_of(const RunFolder& run) {
-  RunFolder only = run;
-  only.weights.clear();
-  only.system.clear();
-  return WeightFile::from_run(only);
 }
 
 template <Backend B>

@@ -15,7 +15,7 @@
 /// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
-/// Statistics     mean and std, .pt or .npy, in the folder itself or in stats, *_stats or meta
+/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 #pragma once
 
@@ -122,7 +122,7 @@ inline void add_statistics(RunFolder& run) {
       const std::string name = p.filename().string();
       for (const char* what : {"mean", "std"}) {
         const std::string capital = std::string(1, static_cast<char>(what[0] - 'a' + 'A')) + (what + 1);
-        for (const std::string& stem : {std::string(what), capital}) {
+        for (const std::string& stem : {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
           if (name == stem + ".pt" || name == stem + ".npy") run.parts.emplace(prefix + what, p);
         }
       }

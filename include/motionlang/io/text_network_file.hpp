@@ -244,6 +244,27 @@ Network load_text_network(const JsonView& config, const TensorSet& weights) {
   return load_text_network<Network>(bert_config(config, Network::keys::model_type), weights);
 }
 
+/// The sizes of a DistilBERT from the shapes of its tensors, with 64 numbers a head: inside checkpoints of TEMOS, TEACH and SINC.
+/// Throws io_error 406, 407.
+inline BertConfig distilbert_config(const TensorSet& file) {
+  const auto tensors = detail::bert_tensors(file);
+  const auto matrix = [&](const std::string& name) {
+    const TensorView& t = tensors.tensor(name);
+    if (t.shape.rank() != 2) raise<io_error>(407, file.name(), ": '", name, "' is ", t.shape, ", not a matrix");
+    return t.shape;
+  };
+  const Shape words = matrix("embeddings.word_embeddings.weight");
+  BertConfig c{.vocabulary = words[0],
+               .width = words[1],
+               .heads = std::max<Index>(1, words[1] / 64),
+               .d_ff = matrix("transformer.layer.0.ffn.lin1.weight")[0],
+               .layers = 0,
+               .positions = matrix("embeddings.position_embeddings.weight")[0]};
+  while (tensors.find(concat_text("transformer.layer.", c.layers, ".ffn.lin1.weight")) != nullptr) ++c.layers;
+  check_heads(c.width, c.heads);
+  return c;
+}
+
 /// The sizes in the config.json of a CLIP model, or of its text tower alone.
 inline ClipTextConfig clip_text_config(const JsonView& config) {
   using detail::config_size;

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+/// ACTOR and TEMOS from the folders in which their repositories leave them.
+///
+///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
+///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
+///                                                                     .statistics = "deps/.../kit-amass-xyz"});
+///
+/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
+/// ACTOR    transformers, with the ablations of the decoder; the other architectures of its repository are not read
+/// TEMOS    with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder
+/// Source   spec actor.md 3, 8; temos.md 3, 4.4
+/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
+///          config_error 101, 102 where options and tensors differ, 103, 107
+#pragma once
+
+#include <motionlang/io/detail/run_reader.hpp>
+#include <motionlang/io/text_encoder_folder.hpp>
+#include <motionlang/systems/actor.hpp>
+#include <motionlang/systems/temos.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// HumanAct12's classes, in the order of their numbers; spec actor.md 8.1.
+inline constexpr std::string_view humanact12_actions[] = {"warm_up", "walk", "run", "jump", "drink", "lift_dumbbell", "sit",
+                                                          "eat", "turn steering wheel", "phone", "boxing", "throw"};
+
+template <Backend B>
+struct ActorRun {
+  Actor<B> model;
+  ActorFeatureOptions features{};
+  bool camera = true;               // the figure stands on its head: Y down, as cameras have it
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+};
+
+template <Backend B>
+struct TemosRun {
+  Temos<B> model;
+  Normalizer<B> normalizer;
+  AnyTextEncoder<B> text_encoder;
+  double fps = 12.5;
+
+  Index width() const { return normalizer.mean.count(); }
+};
+
+struct TemosRunOptions {
+  FilePath text_encoder = "";  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  FilePath statistics = "";    // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
+};
+
+namespace detail {
+
+inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
+  if (run.system != system)
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
+                    ", expected ", system);
+  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
+}
+
+inline ActorConfig actor_run_config(const RunReader& r, PoseRepresentation rotations) {
+  const std::string layers = "decoder.seqTransDecoder.layers.";
+  r.one_of("archiname", "transformer", {"transformer"});
+  const std::string ablation = r.one_of("ablation", "", {"", "average_encoder", "zandtime", "concat_bias", "time_encoding"});
+  const Index features = r.size("decoder.finallayer.weight", 0), numbers = size(rotations);
+  if (features % numbers != 0)
+    raise<config_error>(102, r.place("pose_rep"), ": rotations of ", numbers, " numbers, frames have ", features);
+  return {.njoints = features / numbers,
+          .nfeats = numbers,
+          .num_classes = ablation == "zandtime" ? r.size("decoder.ztimelinear.weight", 1) - r.size("decoder.ztimelinear.weight", 0)
+                                                : r.size("decoder.actionBiases", 0),
+          .latent_dim = r.size("decoder.finallayer.weight", 1, {"latent_dim"}),
+          .ff_size = r.size(layers + "0.linear1.weight", 0, {"ff_size"}),
+          .num_layers = r.count(layers, ".linear1.weight", {"num_layers"}),
+          .num_heads = r.number({"num_heads"}, 4, 1024),
+          .activation = parse_activation(r.one_of("activation", "gelu", {"gelu", "relu"})),
+          .encoder = ablation == "average_encoder" ? ActorEncoderKind::average : ActorEncoderKind::tokens,
+          .conditioning = ablation == "zandtime"        ? ActorConditioning::zandtime
+                          : ablation == "concat_bias"   ? ActorConditioning::concat_bias
+                          : ablation == "time_encoding" ? ActorConditioning::time_encoding
+                                                        : ActorConditioning::action_bias};
+}
+
+inline TemosConfig temos_run_config(const RunReader& r) {
+  const auto network = [&](const std::string& part) {
+    return r.has(part + "gru.weight_ih_l0") ? TemosNetwork::gru : TemosNetwork::transformer;
+  };
+  const bool encoder = r.has("motionencoder.skel_embedding.weight") || r.has("motionencoder.gru.weight_ih_l0");
+  return {.nfeats = r.size("motiondecoder.final_layer.weight", 0),
+          .text_dim = r.size("textencoder.projection.1.weight", 1),
+          .latent_dim = r.size("textencoder.projection.1.weight", 0, {"model/latent_dim"}),
+          .ff_size = r.size("textencoder.seqTransEncoder.layers.0.linear1.weight", 0, {"model/ff_size"}),
+          .num_layers = r.count("textencoder.seqTransEncoder.layers.", ".linear1.weight", {"model/num_layers"}),
+          .num_heads = r.number({"model/num_heads", "model/num_head"}, 4, 1024),
+          .activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"})),
+          .vae = r.has("textencoder.mu_token"),
+          .motion_encoder = encoder ? network("motionencoder.") : TemosNetwork::none,
+          .motion_decoder = network("motiondecoder.")};
+}
+
+/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
+template <Backend B>
+AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  std::filesystem::path folder = options.text_encoder.string();
+  for (const auto& near : {run.folder, run.folder.parent_path()}) {
+    for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
+      const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
+      if (folder.empty() && found) folder = near / name;
+    }
+  }
+  if (folder.empty())
+    raise<io_error>(401, run.folder.string(), ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
+                    "distilbert-base-uncased there, or name its folder");
+  if (!inside) return load_text_encoder<B>(folder);
+  AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
+  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(weights), weights)};
+  check_vocabulary(tokenizer, network, folder.string());
+  return {std::move(tokenizer), std::move(network), {}};
+}
+
+}  // namespace detail
+
+template <Backend B>
+ActorRun<B> load_actor_run(const RunFolder& run) {
+  detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
+  const WeightFile weights = open_weights(run.weights);
+  const detail::RunReader r(run, weights, "");
+  if (r.text("pose_rep", "rot6d") == "xyz")
+    raise<io_error>(404, r.place("pose_rep"), " is xyz: models of positions are not supported");
+  ActorRun<B> out;
+  out.features = {.rotations = parse_pose_representation(r.text("pose_rep", "rot6d")),
+                  .translation = r.flag("translation", true),
+                  .global = r.flag("glob", true)};
+  NoInit zeros;
+  out.model = Actor<B>(detail::actor_run_config(r, out.features.rotations), zeros);
+  detail::load_run_module(out.model, weights, "", [](const std::string& name) {
+    return name.ends_with("sequence_pos_encoder.pe") || name.starts_with("rotation2xyz.");
+  });
+  const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
+  if (out.model.config.njoints != joints)
+    raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
+                        weights.name(), " has ", out.model.config.njoints);
+  if (r.text("dataset", "") == "humanact12" && out.model.config.num_classes == std::ssize(humanact12_actions))
+    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  prepare(out.model);
+  return out;
+}
+template <Backend B>
+ActorRun<B> load_actor_run(const FilePath& folder) {
+  return load_actor_run<B>(find_run(folder));
+}
+
+template <Backend B>
+TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  detail::require_checkpoint(run, "temos", "checkpoints/last.ckpt");
+  const WeightFile weights = open_weights(run.weights);
+  for (const char* name : {"textencoder.seperation_token", "textencoder.separation_token"}) {
+    if (weights.find(name) != nullptr)
+      raise<io_error>(404, weights.name(), ": of TEACH or SINC (it has '", name, "'), expected TEMOS");
+  }
+  const detail::RunReader r(run, weights, "");
+  const TemosConfig config = detail::temos_run_config(r);
+  const RunFolder statistics = options.statistics.string().empty() ? run : find_run(options.statistics);
+  auto normalizer = statistics.parts.empty() ? std::nullopt
+                                             : detail::find_normalizer<B>(detail::statistics_of(statistics), config.nfeats,
+                                                                          {"", "stats.", "motion_stats."});
+  if (!normalizer)
+    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
+                    config.nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                    " (deps/transforms/... of TEMOS) there, or name their folder");
+  normalizer->eps = 0;
+  NoInit zeros;
+  TemosRun<B> out{.model = Temos<B>(config, zeros),
+                  .normalizer = std::move(*normalizer),
+                  .text_encoder = detail::temos_text_encoder<B>(run, weights, options),
+                  .fps = r.real("data/framerate", 12.5)};
+  detail::load_run_module(out.model, weights, "", [](const std::string& name) {
+    return name.ends_with("sequence_pos_encoding.pe") ||
+           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses."});
+  });
+  prepare(out.model);
+  return out;
+}
+template <Backend B>
+TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {
+  return load_temos_run<B>(find_run(folder), options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

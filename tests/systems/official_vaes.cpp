@@ -1,0 +1,103 @@
+// Official run folders of ACTOR and TEMOS: what they load as, what generation makes of it, what is said when something is missing.
+#include <motionlang/io/vae_run.hpp>
+
+#include "../support/check_error.hpp"
+#include "../support/official_vaes.hpp"
+#include "../support/small_model.hpp"
+#include "../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+namespace fs = std::filesystem;
+using official::B;
+using ml::Index;
+
+namespace {
+
+template <class M>
+std::vector<float> all_numbers(const M& model) {
+  std::vector<float> out;
+  ml::visit_tensors(model, [&](const std::string&, const auto& t) { out.insert(out.end(), t.span().begin(), t.span().end()); });
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("ACTOR: opt.yaml and the last checkpoint") {
+  const TemporaryFolder folder;
+  const auto config = official::small_actor();
+  official::write_actor_run(folder.path, config);
+  const auto run = ml::load_actor_run<B>(folder.path);
+  CHECK(run.model.config == config);
+  CHECK(all_numbers(run.model) == all_numbers(official::actor(config)));
+  CHECK(run.labels.size() == 12);
+  CHECK((run.features.translation && run.features.global && run.camera));
+  const std::vector<Index> action{3}, duration{10};
+  ml::Philox rng{.seed = 1}, same{.seed = 1};
+  const auto a = ml::generate(run.model, action, duration, rng), b = ml::generate(official::actor(config), action, duration, same);
+  CHECK(a.rows.shape() == ml::Shape{10, 150});
+  CHECK(small::is_finite(a.rows));
+  for (std::size_t i = 0; i < a.rows.span().size(); ++i) CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-4));
+}
+
+TEST_CASE("ACTOR: the run folder of the golden files") {
+  const fs::path golden = fs::path(__FILE__).parent_path().parent_path() / "golden/cases/containers/actor_run";
+  CHECK_THROWS_AS(ml::load_actor_run<B>(golden), ml::error);  // a few tensors only
+  CHECK(ml::find_run(golden).system == "actor");
+  CHECK(ml::find_run(golden).weights.filename() == "checkpoint_0100.pth.tar");
+}
+
+TEST_CASE("ACTOR: options that contradict the tensors, variants that are not read") {
+  const TemporaryFolder folder;
+  official::write_actor_run(folder.path, official::small_actor());
+  const std::string options = ml::read_file(folder / "opt.yaml");
+  const auto refused = [&](const std::string& from, const std::string& to, const char* message) {
+    std::string changed = options;
+    REQUIRE(changed.find(from) != std::string::npos);
+    changed.replace(changed.find(from), from.size(), to);
+    official::write_text(folder / "opt.yaml", changed);
+    CHECK_ERROR(ml::load_actor_run<B>(folder.path), message);
+  };
+  refused("latent_dim: 16", "latent_dim: 32", "latent_dim is 32, tensor 'decoder.finallayer.weight'");
+  refused("archiname: transformer", "archiname: gru", "archiname is 'gru', known are transformer");
+  refused("translation: true", "translation: false", "glob and translation make 24 rows a frame");
+  refused("pose_rep: rot6d", "pose_rep: xyz", "models of positions are not supported");
+  refused("pose_rep: rot6d", "pose_rep: rotquat", "rotations of 4 numbers, frames have 150");
+  official::write_text(folder / "opt.yaml", options);
+  official::write_actor_run(folder.path, official::small_actor(), "extra.weight");
+  CHECK_ERROR(ml::load_actor_run<B>(folder.path), "unexpected extra.weight");
+  CHECK_ERROR(ml::load_temos_run<B>(folder.path), "of actor, expected temos");
+  fs::remove(folder / "checkpoint_5000.pth.tar");
+  fs::remove(folder / "checkpoint_0900.pth.tar");
+  CHECK_ERROR(ml::load_actor_run<B>(folder.path), "[motionlang.io.401]");
+}
+
+TEST_CASE("TEMOS: .hydra/config.yaml, checkpoints/last.ckpt with DistilBERT inside, statistics and tokenizer from elsewhere") {
+  const TemporaryFolder folder;
+  const auto run = folder / "run";
+  const auto config = official::small_temos();
+  official::write_temos_run(run, config);
+  CHECK_ERROR(ml::load_temos_run<B>(run), "put jfeats_mean.pt and jfeats_std.pt");
+  official::write_temos_statistics(folder / "stats", config.nfeats);
+  CHECK_ERROR(ml::load_temos_run<B>(run, {.statistics = folder / "stats"}), "no tokenizer of DistilBERT: put vocab.txt");
+  official::write_text(folder / "words/vocab.txt", official::bert_vocabulary);
+  const auto loaded = ml::load_temos_run<B>(run, {.text_encoder = folder / "words", .statistics = folder / "stats"});
+  CHECK(loaded.fps == 12.5);
+  CHECK(loaded.width() == config.nfeats);
+  CHECK(small::numbers(loaded.normalizer.std) == small::numbers(official::statistics(config.nfeats, 6).std));
+  CHECK(all_numbers(loaded.model) == all_numbers(official::temos(config)));
+  const std::vector<std::string> texts{"walk", "a walk"};
+  const auto tokens = loaded.text_encoder.encode<B>(std::span<const std::string>(texts)).tokens;
+  CHECK((tokens.offsets.length(0) == 3 && tokens.offsets.length(1) == 4 && tokens.width() == config.text_dim));
+  const auto motions = ml::text_to_motion(loaded.model, tokens, ml::Offsets{8, 9}, ml::Philox{});
+  CHECK(motions.front().rows.shape() == ml::Shape{17, config.nfeats});
+  CHECK(small::is_finite(motions.front().rows));
+  official::write_text(run / ".hydra/config.yaml", "model:\n  latent_dim: 17\n");
+  CHECK_ERROR(ml::load_temos_run<B>(run, {.text_encoder = folder / "words", .statistics = folder / "stats"}),
+              "model/latent_dim is 17, tensor 'textencoder.projection.1.weight'");
+}
+
+TEST_CASE("TEACH's and SINC's checkpoints are called by their names") {
+  const TemporaryFolder folder;
+  official::write_temos_run(folder.path, official::small_temos(), "textencoder.seperation_token");
+  CHECK_ERROR(ml::load_temos_run<B>(folder.path), "of TEACH or SINC (it has 'textencoder.seperation_token')");
+}
