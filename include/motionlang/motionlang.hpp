@@ -34,8 +34,10 @@
 #include <motionlang/core/torch_random.hpp>
 #include <motionlang/core/utf8.hpp>
 
+#include <motionlang/tensor/arg_max.hpp>
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/id_sequences.hpp>
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/normalize.hpp>
@@ -95,6 +97,7 @@
 #include <motionlang/nn/conv1d.hpp>
 #include <motionlang/nn/conv_stack.hpp>
 #include <motionlang/nn/conv_transpose1d.hpp>
+#include <motionlang/nn/decoding.hpp>
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/gru.hpp>
@@ -106,12 +109,16 @@
 #include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/seq2seq_gru.hpp>
+#include <motionlang/nn/seq2seq_transformer.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
+#include <motionlang/nn/vector_quantizer.hpp>
 
+#include <motionlang/loss/adversarial.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/loss/false_negatives.hpp>
 #include <motionlang/loss/info_nce.hpp>
@@ -151,6 +158,7 @@
 #include <motionlang/vae/actor_gru.hpp>
 #include <motionlang/vae/actor_latents.hpp>
 #include <motionlang/vae/actor_losses.hpp>
+#include <motionlang/vae/motion_tokenizer.hpp>
 #include <motionlang/vae/temos_encoder.hpp>
 #include <motionlang/vae/temos_gru.hpp>
 #include <motionlang/vae/text_motion.hpp>

@@ -30,15 +30,16 @@ template <ml::Backend B, int R>
 void out_if_wanted(Case& c, const std::string& name, const ml::Tensor<B, R>& t) {
   if (c.wants(name)) out(c, name, t);
 }
-/// grad/ of every parameter; tables and statistics have none.
+/// grad/ of every parameter; tables and statistics have none. Returns the gradients.
 template <ml::AutodiffBackend A, class M>
-void out_gradients(Case& c, const M& model, const ml::Tensor<A, 0>& loss, const std::string& prefix = "") {
+ml::Gradients<A> out_gradients(Case& c, const M& model, const ml::Tensor<A, 0>& loss, const std::string& prefix = "") {
   const auto gradients = ml::backward(loss);
   ml::visit_tensors(model, [&](const std::string& path, const auto& t) {
     if (t.data().node == nullptr) return;
     const auto g = gradients[t];
     c.grad(ml::tensor_key<M>(prefix, path), g.shape(), g.span());
   });
+  return gradients;
 }
 inline std::string three_digits(ml::Index n) {
   std::string digits = std::to_string(n);

@@ -72,17 +72,33 @@ struct TensorLoader {
   }
 };
 
+/// Whether the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+template <class M>
+bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
+  if constexpr (requires { module.copy_of(t.name); }) {
+    const std::string path = module.copy_of(t.name.substr(prefix.size()));
+    const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
+    if (original == nullptr) return false;
+    if (values_of<double>(*original) != values_of<double>(t))
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but is another");
+    return true;
+  }
+  return false;
+}
+
 }  // namespace detail
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match; throws io_error 407 for a tensor of another shape.
+/// Returns what did not match; throws io_error 407 for a tensor of another shape. A module may say (`copy_of`) which further names repeat
+/// a tensor of its own; io_error 407 if such a tensor is another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
   KeyReport report;
   std::set<std::string> known;
   visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
   for (const TensorView& t : file.tensors()) {
-    if (t.name.starts_with(prefix) && !known.contains(t.name)) report.unexpected.push_back(t.name);
+    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
   }
   return report;
 }
@@ -109,7 +125,8 @@ class TensorStore {
       case DType::F16:
         for (std::size_t i = 0; i < values.size(); ++i) {
           if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
-            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for F16");
+            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i],
+                                 ", too large for F16");
         }
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });

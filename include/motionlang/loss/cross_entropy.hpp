@@ -7,13 +7,16 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-///     mean_i (log sum_j exp(s_ij) - s_i,y_i),   computed relative to the largest s_ij of each row: nothing overflows
-/// logits s (rows, classes), one label y per row. Throws shape_error 203 for a label that is no class, 204 if the counts differ.
+///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
+/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing (Szegedy et al., 2016, section 7).
+/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if the counts differ,
+/// config_error 101 unless 0 <= e < 1.
 template <Backend B>
-Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> labels) {
+Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   const Index rows = logits.size(0), classes = logits.size(1);
   if (std::ssize(labels) != rows)
     raise<shape_error>(204, "cross_entropy: ", labels.size(), " labels for ", logits.shape());
+  if (!(smoothing >= 0 && smoothing < 1)) raise<config_error>(101, "cross_entropy: label smoothing ", smoothing);
   PoolVector<Index> at;
   for (Index i = 0; i < rows; ++i) {
     const Index y = labels[static_cast<std::size_t>(i)];
@@ -21,7 +24,17 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
     at.push_back(i * classes + y);
   }
   const auto s = logits - reshape<2>(max(logits, 1), {rows, 1});
-  return mean(log(sum(exp(s), 1)) - gather(reshape<1>(s, {rows * classes}), at));
+  const auto partition = log(sum(exp(s), 1));
+  const auto own = partition - gather(reshape<1>(s, {rows * classes}), at);
+  if (smoothing == 0) return own;
+  const double each = smoothing / static_cast<double>(classes - 1);
+  const auto all = partition * static_cast<double>(classes) - sum(s, 1);
+  return own * (1 - smoothing - each) + all * each;
+}
+/// Their mean.
+template <Backend B>
+Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
+  return mean(cross_entropies(logits, labels, smoothing));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random one, or the best of
+/// several beams. The model is any function from the beginnings written so far to logits of the next symbol:
+///
+///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2> (rows, symbols)
+///     const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
+///
+/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec tm2t.md 4.3, 5.2
+#pragma once
+
+#include <algorithm>  // nth_element, sort
+#include <cmath>      // exp, log, pow
+#include <limits>     // infinity
+#include <numeric>    // accumulate, iota
+
+#include <motionlang/core/rng.hpp>
+#include <motionlang/tensor/arg_max.hpp>
+#include <motionlang/tensor/id_sequences.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct DecodingOptions {
+  Index begin = 0, end = 1, pad = 2;
+  Index max_steps = 50;
+  Index top_k = 0;         // only the so many most probable symbols are drawn; 0: all
+  bool redraw_pad = true;  // decode_one never draws the padding either
+};
+
+/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols)
+template <Backend B>
+std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
+  using S = typename B::scalar;
+  std::vector<S> out(static_cast<std::size_t>(logits.count()));
+  const Index width = logits.size(1);
+  if (top_k < 1 || top_k >= width) return out;
+  const auto numbers = logits.span();
+  for (Index r = 0; r < logits.size(0); ++r) {
+    const auto row = numbers.subspan(static_cast<std::size_t>(r * width), static_cast<std::size_t>(width));
+    std::vector<S> sorted(row.begin(), row.end());
+    const auto kth = sorted.begin() + top_k - 1;
+    std::nth_element(sorted.begin(), kth, sorted.end(), std::greater<>());
+    for (Index i = 0; i < width; ++i) {
+      if (row[static_cast<std::size_t>(i)] < *kth) out[static_cast<std::size_t>(r * width + i)] = S(-1e30);
+    }
+  }
+  return out;
+}
+
+namespace detail {
+
+/// The probabilities of each row, without those that the filter takes away.
+template <Backend B>
+std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, Index top_k) {
+  const auto penalty = top_k_penalty(logits, top_k);
+  const auto numbers = logits.span();
+  const auto width = static_cast<std::size_t>(logits.size(1));
+  std::vector<std::vector<double>> out(static_cast<std::size_t>(logits.size(0)), std::vector<double>(width));
+  for (std::size_t r = 0; r < out.size(); ++r) {
+    const auto row = numbers.subspan(r * width, width);
+    const auto largest = static_cast<double>(*std::max_element(row.begin(), row.end()));
+    double sum = 0;
+    for (std::size_t i = 0; i < width; ++i)
+      sum += out[r][i] = penalty[r * width + i] < 0 ? 0 : std::exp(static_cast<double>(row[i]) - largest);
+    for (double& p : out[r]) p /= sum;
+  }
+  return out;
+}
+inline Index most_probable(std::span<const double> p) { return std::max_element(p.begin(), p.end()) - p.begin(); }
+
+/// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if nothing has any.
+inline Index draw(std::span<const double> p, double u) {
+  const double all = std::accumulate(p.begin(), p.end(), 0.0);
+  if (!(all > 0))
+    raise<numeric_error>(302, "decoding: no symbol that may follow has a probability; take a larger top_k");
+  double sum = 0;
+  Index last = 0;
+  for (Index i = 0; i < std::ssize(p); ++i) {
+    const double share = p[static_cast<std::size_t>(i)] / all;
+    if (share == 0) continue;
+    sum += share, last = i;
+    if (sum > u) break;
+  }
+  return last;
+}
+
+}  // namespace detail
+
+/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most probable symbol.
+/// next   takes one beginning
+/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are drawn again
+/// Throws numeric_error 302 where nothing but marks can be drawn
+template <class Next, class Uniform = std::nullptr_t>
+std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
+  std::vector<Index> out{o.begin};
+  for (Index step = 0; step < o.max_steps; ++step) {
+    const auto p = detail::next_probabilities(next(IdSequences::one(out)), o.top_k).at(0);
+    Index id = detail::most_probable(p);
+    if (id == o.end) break;
+    if constexpr (!std::is_same_v<std::remove_cvref_t<Uniform>, std::nullptr_t>) {
+      auto marks = [&](Index i) { return i == o.begin || i == o.end || (o.redraw_pad && i == o.pad); };
+      double allowed = 0;
+      for (Index i = 0; i < std::ssize(p); ++i) allowed += marks(i) ? 0 : p[static_cast<std::size_t>(i)];
+      if (!(allowed > 0)) raise<numeric_error>(302, "decode_one: after ", out.size(), " symbols only marks can follow");
+      do id = detail::draw(p, uniform());
+      while (marks(id));
+    }
+    out.push_back(id);
+  }
+  return out;
+}
+
+/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning count.
+struct Decoded {
+  std::vector<std::vector<Index>> ids;
+  std::vector<Index> lengths;
+
+  /// What counts, without the marks.
+  IdSequences written() const {
+    std::vector<std::vector<Index>> out;
+    for (std::size_t i = 0; i < ids.size(); ++i) out.emplace_back(ids[i].begin() + 1, ids[i].begin() + 1 + lengths[i]);
+    return IdSequences(out);
+  }
+};
+
+/// next     takes `count` beginnings of one length
+/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn; where the end is
+///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then nothing is written
+///          in that step
+/// Throws   numeric_error 302 where nothing but marks could be drawn
+template <class Next, class Uniform = std::nullptr_t>
+Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {
+  const auto n = static_cast<std::size_t>(count);
+  Decoded out{std::vector<std::vector<Index>>(n, {o.begin}), std::vector<Index>(n, o.max_steps)};
+  for (Index step = 0; step < o.max_steps; ++step) {
+    auto p = detail::next_probabilities(next(IdSequences(out.ids)), o.top_k);
+    std::vector<Index> best;
+    for (std::size_t r = 0; r < n; ++r) {
+      best.push_back(detail::most_probable(p[r]));
+      if (best[r] == o.end) out.lengths[r] = std::min(out.lengths[r], step);
+    }
+    if (std::all_of(out.lengths.begin(), out.lengths.end(), [&](Index length) { return length < o.max_steps; })) break;
+    for (std::size_t r = 0; r < n; ++r) {
+      Index id = best[r];
+      if constexpr (!std::is_same_v<std::remove_cvref_t<Uniform>, std::nullptr_t>) {
+        if (id != o.end) {
+          for (Index mark : {o.begin, o.end, o.pad}) p[r].at(static_cast<std::size_t>(mark)) = 0;
+          id = detail::draw(p[r], uniform(step, static_cast<Index>(r)));
+        }
+      }
+      out.ids[r].push_back(id);
+    }
+  }
+  return out;
+}
+/// The uniform numbers of decode_batch from a generator: each depends on its step and row only.
+inline auto uniform_of(const Philox& rng) {
+  return [rng](Index step, Index row) {
+    std::array<double, 1> u{};
+    rng.split(static_cast<std::uint64_t>(step)).split(static_cast<std::uint64_t>(row)).uniform<double>(u);
+    return u[0];
+  };
+}
+
+struct BeamOptions {
+  Index begin = 0, end = 1, pad = 2;
+  Index beams = 2, max_length = 30;  // with the marks
+  double alpha = 0.7;                // how much long sequences are favoured
+};
+struct BeamSearch {
+  std::vector<Index> ids;                 // the answer, with the marks
+  std::vector<std::vector<Index>> beams;  // (beams, max_length), filled up with the padding
+  std::vector<double> scores;             // sums of log probabilities
+  std::vector<Index> lengths;             // up to the first end
+};
+
+///     answer = arg max of score / length^alpha over the beams
+/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on; until all have
+/// ended. Beams that have ended are continued, too, and go on losing score, as published.
+/// next    takes 1 or `beams` beginnings of one length
+/// Source  spec tm2t.md 4.3; the length penalty of Wu et al. (2016) without its constants
+/// Throws  config_error 101 for options that mean nothing
+template <class Next>
+BeamSearch beam_search(Next&& next, const BeamOptions& o) {
+  if (o.beams < 1 || o.max_length < 2) raise<config_error>(101, "beam_search: ", o.beams, " beams of ", o.max_length);
+  struct Candidate {
+    std::size_t beam;
+    Index id;
+    double score;
+  };
+  auto best_first = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };
+  BeamSearch out{{}, {{o.begin}}, {0}, {}};
+  auto ended = [&](const std::vector<Index>& beam) { return std::find(beam.begin(), beam.end(), o.end) != beam.end(); };
+  for (Index length = 1; length < o.max_length; ++length) {
+    const auto p = detail::next_probabilities(next(IdSequences(out.beams)), 0);
+    if (o.beams > std::ssize(p[0]))
+      raise<config_error>(101, "beam_search: ", o.beams, " beams, ", p[0].size(), " symbols");
+    std::vector<Candidate> candidates;
+    for (std::size_t b = 0; b < p.size(); ++b) {
+      std::vector<Candidate> own;
+      for (std::size_t i = 0; i < p[b].size(); ++i)
+        own.push_back({b, static_cast<Index>(i), out.scores[b] + std::log(p[b][i])});
+      std::stable_sort(own.begin(), own.end(), best_first);
+      candidates.insert(candidates.end(), own.begin(), own.begin() + o.beams);
+    }
+    std::stable_sort(candidates.begin(), candidates.end(), best_first);
+    std::vector<std::vector<Index>> beams;
+    out.scores.clear();
+    for (Index b = 0; b < o.beams; ++b) {
+      const Candidate& c = candidates[static_cast<std::size_t>(b)];
+      beams.push_back(out.beams[c.beam]);
+      beams.back().push_back(c.id);
+      out.scores.push_back(c.score);
+    }
+    out.beams = std::move(beams);
+    // As published the first step is not looked at: at least two symbols are written.
+    if (length > 1 && std::all_of(out.beams.begin(), out.beams.end(), ended)) break;
+  }
+  std::size_t best = 0;
+  auto value = [&](std::size_t b) { return out.scores[b] / std::pow(static_cast<double>(out.lengths[b]), o.alpha); };
+  for (std::size_t b = 0; b < out.beams.size(); ++b) {
+    auto& beam = out.beams[b];
+    const Index first_end = std::find(beam.begin(), beam.end(), o.end) - beam.begin() + 1;
+    out.lengths.push_back(ended(beam) ? first_end : o.max_length);
+    beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
+    if (value(b) > value(best)) best = b;
+  }
+  out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

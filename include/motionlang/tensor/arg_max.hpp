@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+/// Where rows have their largest number.
+#pragma once
+
+#include <algorithm>  // max_element
+
+#include <motionlang/tensor/tensor.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// For each row the column of the largest number, of equals the first. Throws shape_error 205 for rows of no numbers.
+template <Backend B>
+std::vector<Index> arg_max(const Tensor<B, 2>& x) {
+  const Index rows = x.size(0), width = x.size(1);
+  if (width < 1) raise<shape_error>(205, "arg_max: ", x.shape());
+  const auto numbers = x.span();
+  std::vector<Index> out;
+  for (Index r = 0; r < rows; ++r) {
+    const auto row = numbers.subspan(static_cast<std::size_t>(r * width), static_cast<std::size_t>(width));
+    out.push_back(std::max_element(row.begin(), row.end()) - row.begin());
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

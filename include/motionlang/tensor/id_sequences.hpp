@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+/// Sequences of symbols, packed like Sequences<B>: what models that read and write words or motion tokens take.
+#pragma once
+
+#include <algorithm>  // copy
+
+#include <motionlang/core/offsets.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct IdSequences {
+  std::vector<Index> ids;
+  Offsets offsets;
+
+  IdSequences() = default;
+  /// Throws shape_error 207 unless the offsets end at the last id.
+  IdSequences(std::vector<Index> list, Offsets o) : ids(std::move(list)), offsets(std::move(o)) {
+    if (std::ssize(ids) != offsets.rows())
+      raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
+  }
+  explicit IdSequences(const std::vector<std::vector<Index>>& lists) {
+    std::vector<Index> lengths;
+    for (const auto& list : lists) {
+      ids.insert(ids.end(), list.begin(), list.end());
+      lengths.push_back(std::ssize(list));
+    }
+    offsets = Offsets(lengths);
+  }
+  static IdSequences one(std::span<const Index> list) {
+    return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
+  }
+  /// Rows of `width` ids; those that are `pad` are left out. Throws shape_error 205 unless they are whole rows.
+  static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad) {
+    if (width < 1 || std::ssize(padded) % width != 0)
+      raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are no rows of ", width);
+    std::vector<std::vector<Index>> lists;
+    for (std::size_t i = 0; i < padded.size(); ++i) {
+      if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();
+      if (padded[i] != pad) lists.back().push_back(padded[i]);
+    }
+    return IdSequences(lists);
+  }
+
+  Index count() const { return offsets.count(); }
+  std::span<const Index> operator[](Index i) const {
+    return std::span(ids).subspan(static_cast<std::size_t>(offsets.begin(i)),
+                                  static_cast<std::size_t>(offsets.length(i)));
+  }
+  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207 for a sequence
+  /// that is shorter.
+  IdSequences without_ends(Index first, Index last) const {
+    std::vector<std::vector<Index>> lists;
+    for (Index i = 0; i < count(); ++i) {
+      const auto list = (*this)[i];
+      if (std::ssize(list) < first + last)
+        raise<shape_error>(207, "IdSequences: ", first + last, " ids less than ", list.size(), " in sequence ", i);
+      lists.emplace_back(list.begin() + first, list.end() - last);
+    }
+    return IdSequences(lists);
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
