@@ -45,7 +45,7 @@ inline void write_temos_run(const fs::path& folder, const ml::TemosConfig& c, co
   write_text(folder / ".hydra/config.yaml",
              ml::concat_text("data:\n  dataname: kit-amass-xyz\n  framerate: 12.5\nmodel:\n  latent_dim: ", c.latent_dim,
                              "\n  ff_size: ", c.ff_size, "\n  num_layers: ", c.num_layers,
-                             "\n  vae: true\n  textencoder:\n    latent_dim: ${model.latent_dim}\n"));
+                             "\n  num_head: 6\n  vae: true\n  textencoder:\n    latent_dim: ${model.latent_dim}\n"));
   ml::Philox rng{.seed = 62};
   const ml::DistilBert<B> words({.vocabulary = 7, .width = c.text_dim, .heads = 1, .d_ff = 32, .layers = 1, .positions = 16}, rng);
   TorchArchive archive;

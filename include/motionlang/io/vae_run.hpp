@@ -13,10 +13,9 @@
 ///          config_error 101, 102 where options and tensors differ, 103, 107
 #pragma once
 
-#include <motionlang/io/detail/run_reader.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
+#include <motionlang/io/text_motion_file.hpp>
 #include <motionlang/systems/actor.hpp>
-#include <motionlang/systems/temos.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -77,23 +76,6 @@ inline ActorConfig actor_run_config(const RunReader& r, PoseRepresentation rotat
                           : ablation == "concat_bias"   ? ActorConditioning::concat_bias
                           : ablation == "time_encoding" ? ActorConditioning::time_encoding
                                                         : ActorConditioning::action_bias};
-}
-
-inline TemosConfig temos_run_config(const RunReader& r) {
-  const auto network = [&](const std::string& part) {
-    return r.has(part + "gru.weight_ih_l0") ? TemosNetwork::gru : TemosNetwork::transformer;
-  };
-  const bool encoder = r.has("motionencoder.skel_embedding.weight") || r.has("motionencoder.gru.weight_ih_l0");
-  return {.nfeats = r.size("motiondecoder.final_layer.weight", 0),
-          .text_dim = r.size("textencoder.projection.1.weight", 1),
-          .latent_dim = r.size("textencoder.projection.1.weight", 0, {"model/latent_dim"}),
-          .ff_size = r.size("textencoder.seqTransEncoder.layers.0.linear1.weight", 0, {"model/ff_size"}),
-          .num_layers = r.count("textencoder.seqTransEncoder.layers.", ".linear1.weight", {"model/num_layers"}),
-          .num_heads = r.number({"model/num_heads", "model/num_head"}, 4, 1024),
-          .activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"})),
-          .vae = r.has("textencoder.mu_token"),
-          .motion_encoder = encoder ? network("motionencoder.") : TemosNetwork::none,
-          .motion_decoder = network("motiondecoder.")};
 }
 
 /// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
@@ -158,7 +140,7 @@ TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options 
       raise<io_error>(404, weights.name(), ": of TEACH or SINC (it has '", name, "'), expected TEMOS");
   }
   const detail::RunReader r(run, weights, "");
-  const TemosConfig config = detail::temos_run_config(r);
+  const TemosConfig config = detail::temos_config(r);
   const RunFolder statistics = options.statistics.string().empty() ? run : find_run(options.statistics);
   auto normalizer = statistics.parts.empty() ? std::nullopt
                                              : detail::find_normalizer<B>(detail::statistics_of(statistics), config.nfeats,
@@ -168,15 +150,10 @@ TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options 
                     config.nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
                     " (deps/transforms/... of TEMOS) there, or name their folder");
   normalizer->eps = 0;
-  NoInit zeros;
-  TemosRun<B> out{.model = Temos<B>(config, zeros),
+  TemosRun<B> out{.model = load_temos<B>(weights, run),
                   .normalizer = std::move(*normalizer),
                   .text_encoder = detail::temos_text_encoder<B>(run, weights, options),
                   .fps = r.real("data/framerate", 12.5)};
-  detail::load_run_module(out.model, weights, "", [](const std::string& name) {
-    return name.ends_with("sequence_pos_encoding.pe") ||
-           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses."});
-  });
   prepare(out.model);
   return out;
 }
