@@ -25,15 +25,14 @@ std::string summary(const ml::WeightFile& file) {
   return ml::concat_text(file.tensors().size(), " tensors, ", numbers, " numbers, ", megabytes, ", ", file.format());
 }
 
-/// Without control characters, which would change what the terminal shows.
+}  // namespace
+
 std::string printable(std::string text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
   }
   return text;
 }
-
-}  // namespace
 
 bool is_weights(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
@@ -48,6 +47,7 @@ bool holds_joints(const std::filesystem::path& npy) {
 void show_weights(const std::filesystem::path& path) {
   const auto file = ml::open_weights(path);
   std::printf("%s: %s\n", path.c_str(), summary(file).c_str());
+  if (std::filesystem::is_directory(path)) std::printf("%s", printable(describe_folder(path)).c_str());
   for (const ml::FileValue& v : file.values()) {
     const std::string text = to_string(v);
     const auto lines = std::count(text.begin(), text.end(), '\n') + 1;

@@ -12,6 +12,11 @@ bool is_weights(const std::filesystem::path& path);
 bool holds_motion(const std::filesystem::path& npz);
 bool holds_joints(const std::filesystem::path& npy);
 
+/// Without control characters, which would change what the terminal shows.
+std::string printable(std::string text);
+
+/// Of the folder of a model: the system, its files, and what they say; "" of others.
+std::string describe_folder(const std::filesystem::path& folder);
 void show_weights(const std::filesystem::path& path);
 /// `keys` lead to the tensors in the file; found unless given.
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys);

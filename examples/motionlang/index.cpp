@@ -1,0 +1,386 @@
+// motionlang index: a folder of motions becomes a file in which `motionlang search` finds them by words.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <motionlang/io/vector_graph.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/search/motion_search.hpp>
+
+#include "clip_lines.hpp"
+#include "commands.hpp"
+#include "motion_files.hpp"
+#include "progress_bar.hpp"
+#include "search_model.hpp"
+#include "weights.hpp"
+
+namespace program {
+
+namespace {
+
+namespace fs = std::filesystem;
+using ml::Index;
+
+struct Options {
+  std::string folder, model, out, text_encoder, captions, license;
+  std::vector<std::string> remove;
+  std::vector<double> windows{1, 2, 3};  // seconds
+  double stride = 0.5;
+  bool windows_given = false;  // or the stride
+  bool no_moments = false, again = false, list = false;
+  MotionReadOptions read;
+  int threads = 0;
+  Index graph = 100'000;
+};
+
+/// A file as the file system has it.
+struct FileState {
+  fs::path path;
+  std::int64_t modified = 0, bytes = 0;
+};
+
+std::vector<FileState> motion_files(const fs::path& folder) {
+  std::vector<FileState> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || !is_motion_file(entry.path())) continue;
+    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(entry.last_write_time().time_since_epoch());
+    files.push_back({entry.path().lexically_normal(), time.count(), static_cast<std::int64_t>(entry.file_size())});
+  }
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  return files;
+}
+
+fs::path folder_of(const fs::path& path) {
+  const fs::path whole = fs::weakly_canonical(path);
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+bool is_below(const fs::path& path, const fs::path& folder) {
+  const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+  return end == folder.end();
+}
+
+/// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) beside a motion or in a folder above it.
+class LicenseFiles {
+ public:
+  explicit LicenseFiles(fs::path top) : top_(std::move(top)) {}
+  const std::string& of(const fs::path& folder) {
+    const auto [entry, is_new] = known_.try_emplace(folder);
+    if (!is_new) return entry->second;
+    std::string text = beside(folder);
+    if (text.empty() && folder != top_ && is_below(folder, top_)) text = of(folder.parent_path());
+    return known_[folder] = std::move(text);
+  }
+
+ private:
+  static std::string beside(const fs::path& folder) {
+    std::set<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      std::string name = entry.path().stem().string();
+      for (char& c : name) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+      if (entry.is_regular_file() && (name == "LICENSE" || name == "LICENCE" || name == "COPYING"))
+        found.insert(entry.path());
+    }
+    if (found.empty()) return {};
+    const std::string text = ml::read_file(*found.begin());
+    const std::size_t first = text.find_first_not_of(" \t\r\n#"),
+                      last = text.find_first_of("\r\n", std::min(first, text.size()));
+    return first == text.npos ? std::string() : text.substr(first, std::min<std::size_t>(last - first, 200));
+  }
+
+  fs::path top_;
+  std::map<fs::path, std::string> known_;
+};
+
+class Indexer {
+ public:
+  explicit Indexer(const Options& options) : o_(options) {
+    if (fs::exists(o_.out)) index_ = ml::read_motion_index(o_.out);
+  }
+
+  void run() {
+    if (o_.folder.empty() && (o_.list || !o_.remove.empty())) {
+      if (!index_) ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
+    } else if (o_.folder.empty()) {
+      ml::raise<ml::config_error>(102, "index: a folder of motions is missing (or --list, or --remove)");
+    }
+    remove();
+    if (!o_.folder.empty()) update();
+    if (o_.list) list();
+  }
+
+ private:
+  // ---- removing and listing
+
+  void remove() {
+    if (o_.remove.empty()) return;
+    Index removed = 0;
+    for (const std::string& path : o_.remove) {
+      const fs::path whole = folder_of(path);
+      const Index now = index_->remove_if([&](const ml::IndexedClip& c) { return is_below(c.path, whole); });
+      if (now == 0) std::fprintf(stderr, "%s is not in the index\n", printable(path).c_str());
+      removed += now;
+    }
+    write();
+    std::printf("%s: %td clips removed, %td left\n", o_.out.c_str(), removed, index_->count());
+  }
+  void list() const {
+    for (const ml::IndexedClip& c : index_->clips()) {
+      const std::string path = c.path + (c.name.empty() ? "" : "#" + c.name);
+      std::string captions;
+      for (const std::string& text : c.captions) captions += (captions.empty() ? "" : " | ") + text;
+      std::printf("%s\t%.2f\t%.2f\t%g\t%td\t%s\t%s\n", printable(path).c_str(), c.start, c.end, c.fps, c.frames,
+                  printable(captions).c_str(), printable(c.license).c_str());
+    }
+  }
+
+  // ---- adding
+
+  void update() {
+    const fs::path folder = folder_of(o_.folder);
+    open_model();
+    read_table(folder);
+    LicenseFiles licenses(folder);
+    licenses_ = &licenses;
+    const auto files = motion_files(folder);
+    if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz or .glb file below %s\n", folder.c_str());
+    const auto fresh = changed_files(files, folder);
+    bool stopped = false;
+    {
+      ProgressBar bar("indexing");
+      // A few files at a time: reading is split over threads here, encoding inside the model.
+      const auto at_once = static_cast<std::size_t>(8 * ml::thread_count());
+      for (std::size_t begin = 0; begin < fresh.size() && !stopped; begin += at_once) {
+        const auto some = std::span(fresh).subspan(begin, std::min(at_once, fresh.size() - begin));
+        add(some);
+        stopped = !bar(static_cast<std::ptrdiff_t>(begin + some.size()), std::ssize(fresh));
+      }
+    }
+    if (added_ + removed_ + renamed_ > 0 || !fs::exists(o_.out)) write();
+    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
+    std::printf("%s: %td clips, %zu moments (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n",
+                o_.out.c_str(), index_->count(), index_->moments().size(), added_, removed_, renamed_, unchanged_,
+                problems_.size());
+    if (stopped) throw ml::cancelled();  // what was encoded is kept
+    for (const auto& [clip, lines] : lines_of_)
+      if (!named_.contains(clip))
+        std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), printable(clip).c_str(),
+                     folder.c_str());
+  }
+
+  void open_model() {
+    const std::string path = !o_.model.empty() ? o_.model : index_ ? index_->model().path : "";
+    if (path.empty()) ml::raise<ml::config_error>(102, "index: a new index needs a model (--model)");
+    const std::string encoder = !o_.text_encoder.empty() ? o_.text_encoder : index_ ? index_->model().text_encoder : "";
+    model_.emplace(folder_of(path), encoder.empty() ? fs::path() : folder_of(encoder));
+    ml::IndexModel wanted{.id = model_->id(),
+                          .path = model_->folder().string(),
+                          .text_encoder = model_->text_encoder().string(),
+                          .width = model_->width(),
+                          .fps = model_->fps()};
+    if (!o_.no_moments) {
+      for (const double seconds : o_.windows)
+        wanted.windows.push_back(std::max<Index>(1, std::lround(seconds * wanted.fps)));
+      wanted.stride = std::max<Index>(1, std::lround(o_.stride * wanted.fps));
+    }
+    if (!index_) {
+      index_.emplace(std::move(wanted));
+      return;
+    }
+    index_->require_model(model_->id(), path);
+    const ml::IndexModel& is = index_->model();
+    if ((o_.windows_given || o_.no_moments) && (is.windows != wanted.windows || is.stride != wanted.stride))
+      ml::raise<ml::config_error>(102, "index: ", o_.out, " has moments of ", is.windows.size(),
+                                  " other lengths or another stride; they are chosen when an index is made");
+    index_->move_model(wanted.path, wanted.text_encoder);
+  }
+
+  void read_table(const fs::path& folder) {
+    if (o_.captions.empty()) return;
+    std::set<std::string> distinct;
+    for (ClipLine& line : read_captions(o_.captions)) {
+      distinct.insert(line.texts.begin(), line.texts.end());
+      lines_of_[(folder / line.clip).lexically_normal().string()].push_back(std::move(line));
+    }
+    const std::vector<std::string> texts(distinct.begin(), distinct.end());
+    const auto vectors = model_->texts(texts);
+    const auto width = static_cast<std::size_t>(model_->width());
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const auto row = std::span(vectors).subspan(i * width, width);
+      vector_of_[texts[i]].assign(row.begin(), row.end());
+    }
+  }
+
+  /// Forgets what is gone, renames what has only moved, and says what is to be read.
+  std::vector<FileState> changed_files(const std::vector<FileState>& files, const fs::path& folder) {
+    std::map<std::string, std::pair<std::int64_t, std::int64_t>> known, now;  // path -> modified, bytes
+    for (const ml::IndexedClip& c : index_->clips()) known[c.path] = {c.modified, c.bytes};
+    for (const FileState& f : files) now[f.path.string()] = {f.modified, f.bytes};
+    std::map<std::pair<std::int64_t, std::int64_t>, std::string> moved;  // gone from where they were
+    for (const auto& [path, state] : known) {
+      if (is_below(path, folder) && !now.contains(path)) moved[state] = path;
+    }
+    std::set<std::string> outdated;
+    std::vector<FileState> fresh;
+    for (const FileState& f : files) {
+      const std::string path = f.path.string();
+      const auto state = now.at(path);
+      const auto before = known.find(path);
+      if (!o_.again && before != known.end() && before->second == state) {
+        ++unchanged_;
+        named_.insert(fs::path(path).replace_extension().string());
+      } else if (const auto from = moved.find(state); !o_.again && before == known.end() && from != moved.end()) {
+        index_->rename(from->second, path);
+        moved.erase(from);
+        ++renamed_;
+      } else {
+        if (before != known.end()) outdated.insert(path);
+        fresh.push_back(f);
+      }
+    }
+    removed_ = index_->remove_if([&](const ml::IndexedClip& c) {
+      return outdated.contains(c.path) || (is_below(c.path, folder) && !now.contains(c.path));
+    });
+    return fresh;
+  }
+
+  /// A clip on its way into the index, or why it does not get there.
+  struct Prepared {
+    ml::IndexedClip clip;
+    std::vector<float> rows;
+    std::string problem;
+  };
+
+  void add(std::span<const FileState> files) {
+    std::vector<std::vector<Prepared>> prepared(files.size());
+    ml::parallel_for(std::ssize(files), [&](Index i) {
+      const auto f = static_cast<std::size_t>(i);
+      try {
+        prepared[f] = prepare(files[f]);
+      } catch (const ml::error& e) {
+        prepared[f] = {{{.path = files[f].path.string()}, {}, e.what()}};
+      }
+    });
+    for (std::size_t f = 0; f < files.size(); ++f) {
+      for (Prepared& p : prepared[f]) {
+        p.clip.license = !o_.license.empty() ? o_.license : licenses_->of(files[f].path.parent_path());
+        encode(std::move(p));
+      }
+    }
+  }
+  /// Of a file the whole motions, or the parts of its motion that the table of captions names.
+  std::vector<Prepared> prepare(const FileState& file) const {
+    std::vector<Prepared> out;
+    const auto motions = read_motions(file.path, o_.read);
+    const auto found = lines_of_.find(fs::path(file.path).replace_extension().string());
+    const auto take = [&](const ml::Motion& m, const ClipLine* line) {
+      Prepared& p = out.emplace_back();
+      p.clip.path = file.path.string(), p.clip.modified = file.modified, p.clip.bytes = file.bytes;
+      if (motions.size() > 1) p.clip.name = m.name;
+      if (line != nullptr) p.clip.start = line->start, p.clip.captions = line->texts;
+      try {
+        const ml::Motion part = line != nullptr ? segment_of(m, *line, 2) : m;
+        part.validate();
+        p.clip.end = p.clip.start + part.seconds(), p.clip.fps = part.fps, p.clip.frames = part.frames();
+        p.rows = model_->rows(part);
+      } catch (const ml::error& e) {
+        p.problem = e.what();
+      }
+    };
+    for (const ml::Motion& m : motions) {
+      if (found == lines_of_.end())
+        take(m, nullptr);
+      else
+        for (const ClipLine& line : found->second) take(m, &line);
+    }
+    return out;
+  }
+  void encode(Prepared p) {
+    named_.insert(fs::path(p.clip.path).replace_extension().string());
+    const std::string name = p.clip.path + (p.clip.name.empty() ? "" : "#" + p.clip.name);
+    try {
+      if (p.problem.empty()) {
+        ml::EncodedClip c{.clip = std::move(p.clip), .vector = model_->clip(p.rows)};
+        c.moments = ml::indexed_moments(model_->frames(p.rows), index_->model());
+        c.moment_vectors = model_->windows(p.rows, c.moments);
+        for (const std::string& text : c.clip.captions) {
+          const auto& v = vector_of_.at(text);
+          c.caption_vectors.insert(c.caption_vectors.end(), v.begin(), v.end());
+        }
+        index_->add(std::move(c));
+        ++added_;
+      }
+    } catch (const ml::numeric_error& e) {  // vectors of length 0
+      p.problem = e.what();
+    }
+    if (!p.problem.empty()) problems_.push_back(name + ": " + p.problem);
+  }
+
+  void write() const {
+    ProgressBar bar("connecting");
+    ml::write_motion_index(o_.out, *index_, ml::motion_graphs(*index_, o_.graph, bar));
+  }
+
+  const Options& o_;
+  std::optional<ml::MotionIndex> index_;
+  std::optional<SearchModel> model_;
+  LicenseFiles* licenses_ = nullptr;
+  std::map<std::string, std::vector<ClipLine>> lines_of_;  // by path without extension
+  std::map<std::string, std::vector<float>> vector_of_;    // of captions
+  std::set<std::string> named_;                            // clips that there are
+  std::vector<std::string> problems_;
+  Index added_ = 0, removed_ = 0, renamed_ = 0, unchanged_ = 0;
+};
+
+}  // namespace
+
+void add_index(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c =
+      app.add_subcommand("index", "Makes or updates a file in which `motionlang search` finds motions by words");
+  c->add_option("folder", o->folder,
+                "Folder with .bvh, .amc, .npz (AMASS) and .glb files, searched to the bottom; files that have not "
+                "changed are not read again")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("-o,--out", o->out, "The index")->required();
+  c->add_option("--model", o->model,
+                "Folder of TMR: of train-tmr or as it was published; that of the index unless given")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--text-encoder", o->text_encoder,
+                "Language model that the model reads, if it has no word pieces of its own: a folder, or a cache (.npy)")
+      ->check(CLI::ExistingPath);
+  c->add_option("--captions", o->captions, "Table of parts of clips and what they show (examples/training/README.md)")
+      ->check(CLI::ExistingFile);
+  c->add_option("--license", o->license,
+                "Of the motions that are added; the first line of the LICENSE file beside or above them unless given");
+  const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments, seconds")
+                                   ->delimiter(',')
+                                   ->check(CLI::Range(0.05, 600.0))
+                                   ->capture_default_str();
+  const CLI::Option* stride = c->add_option("--stride", o->stride, "From one moment to the next, seconds")
+                                  ->check(CLI::Range(0.05, 600.0))
+                                  ->capture_default_str();
+  c->add_flag("--no-moments", o->no_moments, "Only whole clips: a smaller index, sooner made");
+  c->add_flag("--again", o->again, "Reads all files, changed or not");
+  c->add_option("--remove", o->remove, "Files or folders whose clips are taken out of the index");
+  c->add_flag("--list", o->list, "Lists the clips: path, start, end, frames per second, frames, captions, license");
+  c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  c->add_option("--graph", o->graph,
+                "From so many clips or moments on, searches follow a graph that finds most of the nearest, instead of "
+                "comparing all")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
+      ->check(CLI::Range(1, 1024));
+  c->callback([=] {
+    o->windows_given = windows->count() + stride->count() > 0;
+    if (o->threads > 0) ml::set_thread_count(o->threads);
+    Indexer(*o).run();
+  });
+}
+
+}  // namespace program

@@ -1,0 +1,163 @@
+// motionlang search: the motions of an index that fit words, or another motion.
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include <motionlang/io/search_page.hpp>
+#include <motionlang/io/vector_graph.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+
+#include "commands.hpp"
+#include "motion_files.hpp"
+#include "search_model.hpp"
+#include "weights.hpp"
+
+namespace program {
+
+namespace {
+
+using ml::Index;
+
+struct Options {
+  std::string index, text, like, model, text_encoder, html;
+  double from = 0, to = 0, overlap = 0.3;
+  Index top = 10;
+  bool moments = false, captions = false, json = false, exact = false;
+  MotionReadOptions read;
+};
+
+/// The part of a motion between two times. Throws config_error 101 if nothing is there.
+ml::Motion part_of(const ml::Motion& m, double from, double to) {
+  const auto frame = [&](double seconds) {
+    return static_cast<Index>(std::clamp(seconds * m.fps + 0.5, 0.0, static_cast<double>(m.frames())));
+  };
+  if (frame(to) <= frame(from))
+    ml::raise<ml::config_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", from, " and ",
+                                to, " s");
+  return ml::crop(m, frame(from), frame(to));
+}
+
+class Search {
+ public:
+  explicit Search(const Options& options) : o_(options), file_(ml::MotionIndexFile::open(o_.index)) {}
+
+  void run() {
+    if (o_.text.empty() == o_.like.empty())
+      ml::raise<ml::config_error>(102, "search: either a text or --like with a file of motion");
+    if (o_.moments && o_.captions)
+      ml::raise<ml::config_error>(102, "search: --moments and --captions are two different searches");
+    const auto query = vector_of_query();
+    const auto search = ml::open_motion_search(file_, o_.exact);
+    const auto hits = o_.moments    ? search.moments(query, o_.top, o_.overlap)
+                      : o_.captions ? search.captions(query, o_.top)
+                                    : search.clips(query, o_.top);
+    for (const ml::MotionHit& h : hits)
+      found_.push_back({clip_of(h), h.start, h.end, (static_cast<double>(h.score) + 1) / 2, {}, {}});
+    o_.json ? say_json() : say();
+    if (!o_.html.empty()) write_page();
+  }
+
+ private:
+  const ml::MotionIndex& index() const { return file_.index(); }
+  const ml::IndexedClip& clip_of(const ml::MotionHit& h) const {
+    return index().clips()[static_cast<std::size_t>(h.clip)];
+  }
+
+  std::vector<float> vector_of_query() const {
+    const ml::IndexModel& made_with = index().model();
+    const std::string path = o_.model.empty() ? made_with.path : o_.model;
+    const SearchModel model(path, o_.text_encoder.empty() ? made_with.text_encoder : o_.text_encoder);
+    index().require_model(model.id(), path);
+    if (!o_.text.empty()) return model.texts(std::span(&o_.text, 1));
+    const ml::Motion like = read_motions(o_.like, o_.read).front();
+    return model.clip(
+        model.rows(o_.from > 0 || o_.to > 0 ? part_of(like, o_.from, o_.to > 0 ? o_.to : like.seconds()) : like));
+  }
+
+  const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
+  std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
+
+  void say() const {
+    int place = 0;
+    for (const ml::FoundMotion& f : found_) {
+      std::printf("%3d  %.3f  %7.2f %7.2f s  %s", ++place, f.score, f.start, f.end, printable(f.clip.path).c_str());
+      if (!f.clip.name.empty()) std::printf(" (%s)", printable(f.clip.name).c_str());
+      if (!f.clip.captions.empty()) std::printf("  \"%s\"", printable(f.clip.captions.front()).c_str());
+      std::printf("\n");
+    }
+    if (found_.empty()) std::printf("nothing was found: the index has %td clips\n", index().count());
+  }
+  void say_json() const {
+    nlohmann::ordered_json hits = nlohmann::ordered_json::array();
+    for (const ml::FoundMotion& f : found_) {
+      hits.push_back({{"path", f.clip.path},
+                      {"name", f.clip.name},
+                      {"start", f.start},
+                      {"end", f.end},
+                      {"score", f.score},
+                      {"captions", f.clip.captions},
+                      {"license", f.clip.license}});
+    }
+    const nlohmann::ordered_json out{{"query", query_text()}, {"kind", kind()}, {"hits", std::move(hits)}};
+    std::printf("%s\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+
+  void write_page() {
+    for (ml::FoundMotion& f : found_) {
+      try {
+        f.strip = ml::film_strip_svg(
+            motion_of(f), {},
+            {.title = f.clip.name.empty() ? std::filesystem::path(f.clip.path).filename().string() : f.clip.name});
+      } catch (const ml::error& e) {
+        f.problem = e.what();
+      }
+    }
+    const std::string summary = ml::concat_text(
+        "The nearest ", kind(), " of ", o_.moments ? std::ssize(index().moments()) : index().count(), " in ", o_.index);
+    ml::write_file(o_.html, ml::search_html(found_, query_text(), summary));
+    if (!o_.json) std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).c_str());
+  }
+  ml::Motion motion_of(const ml::FoundMotion& f) const {
+    for (const ml::Motion& m : read_motions(f.clip.path, o_.read)) {
+      if (f.clip.name.empty() || m.name == f.clip.name) return part_of(m, f.start, f.end);
+    }
+    ml::raise<ml::config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");
+  }
+
+  const Options& o_;
+  ml::MotionIndexFile file_;
+  std::vector<ml::FoundMotion> found_;
+};
+
+}  // namespace
+
+void add_search(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit words, or another motion");
+  c->add_option("index", o->index, "File of motionlang index")->required()->check(CLI::ExistingFile);
+  c->add_option("text", o->text, "What is looked for: \"a person waves with the left hand\"");
+  c->add_option("--like", o->like, "A motion instead of words: .bvh, .amc, .npz (AMASS) or .glb")
+      ->check(CLI::ExistingFile);
+  c->add_option("--from", o->from, "Of that motion: begin, seconds")->check(CLI::NonNegativeNumber);
+  c->add_option("--to", o->to, "Of that motion: end, seconds")->check(CLI::PositiveNumber);
+  c->add_flag("--moments", o->moments, "Moments of clips instead of whole clips");
+  c->add_flag("--captions", o->captions, "Compares with the captions of clips instead of their motion");
+  c->add_option("--top", o->top, "How many are shown")->check(CLI::Range(1, 100000))->capture_default_str();
+  c->add_option("--overlap", o->overlap,
+                "Moments of a clip that overlap a better one by more than this are left out (intersection over union)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  c->add_option("--html", o->html, "A page with film strips of what was found");
+  c->add_flag("--exact", o->exact, "Compares with all vectors, even where the index has a graph");
+  c->add_flag("--json", o->json, "The result as JSON");
+  c->add_option("--model", o->model, "Folder of the model, if it is not where it was when the index was made")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--text-encoder", o->text_encoder, "Language model, if it is not where it was")
+      ->check(CLI::ExistingPath);
+  c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  c->callback([o] { Search(*o).run(); });
+}
+
+}  // namespace program

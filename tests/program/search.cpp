@@ -1,0 +1,213 @@
+// motionlang index and search on a few clips, with a TMR of random weights: its scores mean nothing, but a clip is its own nearest.
+#include <doctest/doctest.h>
+
+#include <motionlang/io/amass.hpp>
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/glb.hpp>
+#include <motionlang/io/motion_index_file.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+
+#include "../../examples/motionlang/text_motion_model.hpp"
+#include "../support/synthetic_motion.hpp"
+#include "../support/temporary_folder.hpp"
+#include "process.hpp"
+
+namespace ml = motionlang;
+namespace fs = std::filesystem;
+using B = ml::EigenBackend<float>;
+
+namespace {
+
+void save_model(const fs::path& folder, std::uint64_t seed) {
+  auto config = program::tmr_preset("small");
+  config.network.latent_dim = 32, config.network.ff_size = 32, config.network.num_layers = 1;
+  config.text.width = 16;
+  std::vector<std::string> pieces{"[CLS]", "[SEP]", "[UNK]", "a", "person", "walks", "slowly", "turns", "left"};
+  const auto model =
+      program::make_text_motion<ml::Tmr, B>(config, 263, ml::WordPiece(pieces, "pieces"), ml::Philox{.seed = seed});
+  program::save_text_motion(folder, model, config, {{"license", "CC0"}, {"provenance", "random numbers"}});
+}
+
+ml::Motion walk(const std::string& name, int frames, double turn, double steps = 1.8) {
+  auto m = synthetic::walk({.frames = frames, .fps = 20, .steps_per_second = steps, .turn = turn});
+  m.name = name;
+  return m;
+}
+
+/// Six clips in four formats, one file that nobody can read, and a model.
+struct Gallery : TemporaryFolder {
+  Gallery() {
+    save_model(path / "model", 1);
+    fs::create_directories(path / "clips/sub");
+    ml::write_file(path / "clips/LICENSE.txt", "\n# Free as air\nand so on\n");
+    ml::write_bvh(path / "clips/straight.bvh", walk("straight", 50, 0));
+    ml::write_bvh(path / "clips/left.bvh", walk("left", 120, 1));
+    ml::write_bvh(path / "clips/sub/right.bvh", walk("right", 30, -1.5));
+    ml::write_amass(path / "clips/slow.npz", walk("slow", 60, 0.2, 0.7));
+    const std::vector<ml::Motion> two{walk("quick", 40, 0, 3), walk("spin", 40, 4)};
+    ml::write_glb(path / "clips/two.glb", two);
+    ml::write_file(path / "clips/broken.bvh", "HIERARCHY and nothing else");
+  }
+  Outcome run(std::vector<std::string> arguments) const { return ::run(arguments, path); }
+  Outcome index(std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"index", "clips", "--model", "model", "-o", "moves.index"});
+    return run(more);
+  }
+  nlohmann::json search(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"search", "moves.index", "--json"});
+    const Outcome o = run(more);
+    REQUIRE_MESSAGE(o.code == 0, o.text);
+    return ml::parse_json(o.text)["hits"];
+  }
+};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+void check_contains(const Outcome& o, int code, std::initializer_list<const char*> parts) {
+  CHECK_MESSAGE(o.code == code, o.text);
+  for (const std::string part : parts) CHECK_MESSAGE(contains(o.text, part), part << " in\n" << o.text);
+}
+std::string file_of(const nlohmann::json& hit) {
+  return fs::path(hit["path"].get<std::string>()).filename().string() + hit["name"].get<std::string>();
+}
+
+}  // namespace
+
+TEST_CASE("index and search: clips, moments, another motion, a page") {
+  const Gallery g;
+  check_contains(g.index(), 0,
+                 {"moves.index: 6 clips", "(6 added, 0 removed, 0 renamed, 0 unchanged, 1 skipped)",
+                  "broken.bvh: [motionlang.io.4"});
+
+  const auto hits = g.search({"a person walks slowly"});
+  REQUIRE(hits.size() == 6);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const double score = hits[i]["score"];
+    CHECK((score >= 0 && score <= 1));
+    if (i > 0) CHECK(score <= hits[i - 1]["score"].get<double>());
+    CHECK(hits[i]["license"] == "Free as air");
+    CHECK(hits[i]["start"] == 0.0);
+  }
+  CHECK(g.search({"a person walks slowly", "--top", "2"}).size() == 2);
+  CHECK(g.search({"a person turns left"}) != hits);
+
+  for (const std::string file : {"straight.bvh", "left.bvh", "sub/right.bvh", "slow.npz"}) {
+    const auto like = g.search({"--like", "clips/" + file, "--top", "1"})[0];
+    CHECK(file_of(like) == fs::path(file).filename());
+    CHECK(like["score"].get<double>() == doctest::Approx(1).epsilon(1e-5));
+  }
+
+  const auto moments = g.search({"a person walks", "--moments", "--overlap", "0.2"});
+  REQUIRE(moments.size() >= 6);
+  for (const auto& m : moments) {
+    const double start = m["start"], end = m["end"];
+    CHECK(start < end);
+    CHECK(end - start <= 3.001);
+    for (const auto& other : moments) {
+      if (&m == &other || m["path"] != other["path"] || m["name"] != other["name"]) continue;
+      const double from = other["start"], to = other["end"];
+      CHECK(std::min(end, to) - std::max(start, from) <= 0.21 * (std::max(end, to) - std::min(start, from)));
+    }
+  }
+
+  const Outcome page =
+      g.run({"search", "moves.index", "a person walks <slowly>", "--moments", "--top", "4", "--html", "page.html"});
+  check_contains(page, 0, {"  1  0.", "Open ", "page.html"});
+  const std::string html = ml::read_file(g / "page.html");
+  std::size_t strips = 0;
+  for (std::size_t at = 0; (at = html.find("<svg", at)) != html.npos; ++at) ++strips;
+  CHECK(strips == 4);
+  CHECK(contains(html, "a person walks &lt;slowly&gt;"));
+  CHECK(contains(html, "Free as air"));
+}
+
+TEST_CASE("index: what has not changed is not read again; what is gone, new, changed or renamed is noticed") {
+  const Gallery g;
+  REQUIRE(g.index().code == 0);
+  const std::string first = ml::read_file(g / "moves.index");
+  const auto left = g.search({"--like", "clips/left.bvh", "--top", "6"});
+  check_contains(g.run({"index", "clips", "-o", "moves.index"}), 0,
+                 {"6 clips", "(0 added, 0 removed, 0 renamed, 5 unchanged, 1 skipped)"});
+  CHECK(ml::read_file(g / "moves.index") == first);
+
+  fs::rename(g / "clips/left.bvh", g / "clips/sub/turned.bvh");
+  check_contains(g.index(), 0, {"6 clips", "(0 added, 0 removed, 1 renamed, 4 unchanged"});
+  const auto turned = g.search({"--like", "clips/sub/turned.bvh", "--top", "6"});
+  CHECK(file_of(turned[0]) == "turned.bvh");
+  CHECK(turned[0]["score"] == left[0]["score"]);
+
+  ml::write_bvh(g / "clips/straight.bvh", walk("straight", 55, 0.5));
+  ml::write_bvh(g / "clips/new.bvh", walk("new", 35, 2));
+  fs::remove(g / "clips/two.glb");
+  check_contains(g.index(), 0, {"5 clips", "(2 added, 3 removed, 0 renamed, 3 unchanged"});
+  CHECK(file_of(g.search({"--like", "clips/new.bvh", "--top", "1"})[0]) == "new.bvh");
+  for (const auto& hit : g.search({"a person walks"})) CHECK(!contains(hit["path"], "two.glb"));
+
+  // The same as an index that is made at once, but for the order.
+  const auto updated = ml::read_motion_index(g / "moves.index");
+  check_contains(g.run({"index", "clips", "--model", "model", "-o", "other.index"}), 0, {"5 clips", "(5 added"});
+  const auto fresh = ml::read_motion_index(g / "other.index");
+  for (ml::Index i = 0; i < updated.count(); ++i) {
+    const auto& clip = updated.clips()[static_cast<std::size_t>(i)];
+    const auto same = std::find(fresh.clips().begin(), fresh.clips().end(), clip);
+    REQUIRE(same != fresh.clips().end());
+    const auto width = static_cast<std::size_t>(fresh.model().width), a = static_cast<std::size_t>(i) * width,
+               b = static_cast<std::size_t>(same - fresh.clips().begin()) * width;
+    CHECK(std::ranges::equal(updated.clip_rows().subspan(a, width), fresh.clip_rows().subspan(b, width)));
+  }
+}
+
+TEST_CASE("index: listing, removing, captions") {
+  const Gallery g;
+  ml::write_file(g / "captions.tsv",
+                 "straight\t0.5\t2\tlegs\ta person walks\nleft\t0\t3\tlegs\ta person turns left | "
+                 "turns\nnobody\t0\t1\tlegs\ta person\n");
+  check_contains(g.index({"--captions", "captions.tsv", "--license", "CC0 1.0", "--windows", "1", "--stride", "0.25"}),
+                 0, {"6 clips", "there is no clip '", "nobody'"});
+  check_contains(g.run({"index", "-o", "moves.index", "--list"}), 0,
+                 {"straight.bvh\t0.50\t2.00\t20\t30\ta person walks\tCC0 1.0\n",
+                  "two.glb#spin\t0.00\t1.97\t30\t59\t\tCC0 1.0", "a person turns left | turns\tCC0"});
+  const auto hits = g.search({"a person turns left", "--captions"});
+  REQUIRE(hits.size() == 2);
+  CHECK(file_of(hits[0]) == "left.bvh");
+  CHECK(hits[0]["score"].get<double>() == doctest::Approx(1).epsilon(1e-5));
+  CHECK(hits[0]["captions"].size() == 2);
+
+  check_contains(g.run({"index", "-o", "moves.index", "--remove", "clips/sub", "clips/two.glb", "clips/never.bvh"}), 0,
+                 {"3 clips removed, 3 left", "clips/never.bvh is not in the index"});
+  CHECK(g.search({"a person walks"}).size() == 3);
+  check_contains(g.index({"--windows", "1,2"}), 1,
+                 {"[motionlang.config.102] index: moves.index has moments of 1 other lengths"});
+}
+
+TEST_CASE("index and search: what is refused") {
+  const Gallery g;
+  check_contains(g.run({"index", "clips", "-o", "moves.index"}), 1, {"a new index needs a model"});
+  check_contains(g.run({"index", "-o", "moves.index", "--list"}), 1, {"there is no moves.index yet"});
+  check_contains(g.run({"index", "clips", "--model", "clips", "-o", "moves.index"}), 1, {"[motionlang."});
+  CHECK(!fs::exists(g / "moves.index"));
+  REQUIRE(g.index({"--no-moments"}).code == 0);
+  check_contains(g.run({"index", "-o", "moves.index"}), 1, {"a folder of motions is missing"});
+  check_contains(g.run({"search", "moves.index"}), 1, {"either a text or --like"});
+  check_contains(g.run({"search", "moves.index", "walk", "--moments"}), 1, {"this index has no moments"});
+  check_contains(g.run({"search", "moves.index", "--like", "clips/left.bvh", "--from", "50"}), 1,
+                 {"[motionlang.config.101]"});
+  check_contains(g.run({"search", "clips/left.bvh", "walk"}), 1, {"[motionlang.io.40"});
+
+  save_model(g / "other", 2);
+  for (const auto& command : {std::vector<std::string>{"search", "moves.index", "walk", "--model", "other"},
+                              {"index", "clips", "-o", "moves.index", "--model", "other"}})
+    check_contains(g.run(command), 1,
+                   {"[motionlang.config.102] this index was made with the model '", "/model'", "'other'"});
+  fs::rename(g / "model", g / "moved");  // the same model elsewhere
+  CHECK(g.run({"search", "moves.index", "walk"}).code == 1);
+  CHECK(g.run({"search", "moves.index", "walk", "--model", "moved"}).code == 0);
+
+  std::string bytes = ml::read_file(g / "moves.index");
+  bytes[bytes.size() - 5] ^= 1;
+  ml::write_file(g / "moves.index", bytes);
+  check_contains(g.run({"search", "moves.index", "walk", "--model", "moved"}), 1,
+                 {"[motionlang.io.403] moves.index: damaged"});
+  check_contains(g.run({"index", "clips", "-o", "moves.index"}), 1, {"damaged"});
+  ml::write_file(g / "moves.index", bytes.substr(0, bytes.size() / 2));
+  check_contains(g.run({"search", "moves.index", "walk"}), 1, {"[motionlang.io.402]"});
+}
