@@ -19,12 +19,14 @@
 #include <motionlang/core/fields.hpp>
 #include <motionlang/core/half.hpp>
 #include <motionlang/core/lane.hpp>
+#include <motionlang/core/lane_rows.hpp>
 #include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/offsets.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/python_random.hpp>
+#include <motionlang/core/quantile.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/core/rounding.hpp>
 #include <motionlang/core/scalar_math.hpp>
@@ -46,6 +48,7 @@
 #include <motionlang/tensor/tensor.hpp>
 
 #include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/guo.hpp>
 #include <motionlang/geometry/matrix.hpp>
@@ -71,6 +74,7 @@
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>
+#include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/lanes.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/loops.hpp>

@@ -17,7 +17,7 @@
 #include <span>       // joints
 #include <vector>     // result
 
-#include <motionlang/core/lane.hpp>
+#include <motionlang/core/lane_rows.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
@@ -39,6 +39,19 @@ inline Guoh3dOptions guoh3d_corrected() {
                         .fix_opposite_bones = true},
           .fix_yaw_sign = true};
 }
+
+namespace detail {
+
+/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
+template <ScalarLike T>
+struct LevelTurn {
+  T c, s;  // cosine and sine
+
+  explicit LevelTurn(const Quaternion<T>& q) : c(q.w * q.w - q.y * q.y), s(T(2) * q.w * q.y) {}
+  Vec3<T> operator()(const Vec3<T>& v) const { return {c * v.x + s * v.z, v.y, c * v.z - s * v.x}; }
+};
+
+}  // namespace detail
 
 /// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
 template <Scalar S>
@@ -63,7 +76,8 @@ GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const V
   out.turn = detail::turn_ahead(facing[0]);
   const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
   out.joints.resize(joints.size());
-  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = rotate(out.turn, joints[i] - origin);
+  const detail::LevelTurn<S> level(out.turn);
+  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = level(joints[i] - origin);
   return out;
 }
 
@@ -120,18 +134,19 @@ void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<cons
                 const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
   auto put = [&](const Vec3<T>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
   const Quaternion<T>& root = local[0];
-  const Vec3<T> speed = guoh3d_root_velocity(next_root, now[0], next[0]);
+  const LevelTurn<T> level(root);
+  const Vec3<T> on_floor{now[0].x, T(0), now[0].z}, speed = LevelTurn<T>(next_root)(next[0] - now[0]);
   *to++ = guoh3d_turn(root, next_root, fix_yaw_sign).y;
   *to++ = speed.x;
   *to++ = speed.z;
   *to++ = now[0].y;
-  for (std::size_t j = 1; j < now.size(); ++j) put(guoh3d_position(root, now[0], now[j]));
+  for (std::size_t j = 1; j < now.size(); ++j) put(level(now[j] - on_floor));
   for (std::size_t j = 1; j < now.size(); ++j) {
     const auto columns = to_rotation6d_columns(local[j]);
     put(columns.a);
     put(columns.b);
   }
-  for (std::size_t j = 0; j < now.size(); ++j) put(rotate(root, next[j] - now[j]));
+  for (std::size_t j = 0; j < now.size(); ++j) put(level(next[j] - now[j]));
   for (const auto& foot : {skeleton.left_foot, skeleton.right_foot}) {
     for (const int j : foot) {
       *to++ = guoh3d_contact(joint_of(now.data(), j), joint_of(next.data(), j), skeleton.foot_threshold);
@@ -178,12 +193,13 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
     const L bad = detail::chain_rotations<L>(bones, zero, now.data(), root, options.rotations.fix_opposite_bones,
                                              world.data(), local.data());
     detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
-    for (int i = 0; i < L::size && first + static_cast<std::size_t>(i) < rows; ++i) {
+    const int count = static_cast<int>(std::min<std::size_t>(L::size, rows - first));
+    store_rows(std::span<const L>(row), count, &out[first * width]);
+    for (int i = 0; i < count; ++i) {
       const std::size_t t = first + static_cast<std::size_t>(i);
       if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
-      S* to = &out[t * width];
-      for (std::size_t k = 0; k < width; ++k) to[k] = row[k][i];
-      to[0] = std::asin(std::clamp(to[0], S(-1), S(1)));
+      S& turn = out[t * width];
+      turn = std::asin(std::clamp(turn, S(-1), S(1)));
     }
   }
   detail::require_bones(skeleton, bones, &joints[rows * n], rows);

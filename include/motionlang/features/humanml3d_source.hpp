@@ -26,14 +26,14 @@ namespace motionlang::inline MOTIONLANG_ABI {
 struct HumanMl3dSource {
   std::string source_path;  // "./pose_data/KIT/3/kick_high_left02_poses.npy"
   Index start_frame = 0;    // at 20 frames per second, behind the lead
-  Index end_frame = -1;     // -1: to the end
+  Index end_frame = -1;     // -1: to the end, as published without the last frame
   std::string new_name;     // "000000.npy"
   bool operator==(const HumanMl3dSource&) const = default;
 };
 
 struct HumanMl3dSourceOptions {
-  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant.
-  bool drop_last_frame = false;
+  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is kept.
+  bool keep_last_frame = false;
 };
 
 inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }
@@ -70,7 +70,7 @@ inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, In
                         row.end_frame);
   }
   const Index available = std::max<Index>(0, std::ssize(picked) - humanml3d_lead(row.source_path));
-  const Index last = row.end_frame == -1 ? available - (options.drop_last_frame ? 1 : 0) : row.end_frame;
+  const Index last = row.end_frame == -1 ? available - (options.keep_last_frame ? 0 : 1) : row.end_frame;
   picked.erase(picked.begin(), picked.end() - available);
   picked.resize(static_cast<std::size_t>(std::clamp<Index>(last, 0, available)));
   picked.erase(picked.begin(), picked.begin() + std::min<Index>(row.start_frame, std::ssize(picked)));

@@ -7,11 +7,11 @@
 /// Source  Guo et al. (CVPR 2022), common/quaternion.py; spec humanml3d-features.md 11b
 #pragma once
 
-#include <numbers>  // pi
 #include <span>     // rotations
 #include <vector>   // continuous
 
 #include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::guo {
@@ -68,7 +68,7 @@ Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
   Quaternion<S> q = Quaternion<S>::identity();
   for (const int axis : order.axis) {
     const Vec3<S> about{S(axis == 0), S(axis == 1), S(axis == 2)};
-    q = q * from_axis_angle(about, dot(about, angles) * S(std::numbers::pi / 180));
+    q = q * from_axis_angle(about, dot(about, angles) * S(degree));
   }
   return (order.axis[1] - order.axis[0] + 3) % 3 == 1 ? -q : q;
 }

@@ -8,6 +8,7 @@
 #pragma once
 
 
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/io/detail/asf_parser.hpp>
 #include <motionlang/io/file.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -47,7 +48,7 @@ class AmcParser {
       : scan_(text, name),
         asf_(asf),
         limit_(max_text_rotations(text.size())),
-        unit_(asf.degrees ? std::numbers::pi / 180 : 1) {
+        unit_(asf.degrees ? degree : 1) {
     motion_.name = name;
     motion_.skeleton = to_skeleton(asf);
   }
@@ -72,7 +73,7 @@ class AmcParser {
 
  private:
   void header(std::string_view word) {
-    if (same_word(word, ":degrees")) unit_ = std::numbers::pi / 180;
+    if (same_word(word, ":degrees")) unit_ = degree;
     if (same_word(word, ":radians")) unit_ = 1;
     scan_.rest_of_line();
   }

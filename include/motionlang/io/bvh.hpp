@@ -11,6 +11,7 @@
 #include <unordered_map>  // names
 #include <unordered_set>  // names
 
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/io/bvh_text.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -30,7 +31,6 @@ struct BvhWriteOptions {
 
 namespace detail {
 
-inline constexpr double degree = std::numbers::pi / 180;
 
 /// Frame times are printed with few digits: 0.0166667 s means 60 frames per second.
 inline double frames_per_second(double frame_time) {
@@ -299,7 +299,7 @@ inline Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {}) {
       const auto& rotation = motion.rotations(f)[static_cast<std::size_t>(j)];
       const auto angles = to_euler(rotation, order, last.c);
       last = f == 0 ? angles : detail::continue_curve(angles, last);
-      for (const double a : {last.a, last.b, last.c}) file.values.push_back(a / detail::degree);
+      for (const double a : {last.a, last.b, last.c}) file.values.push_back(a / degree);
     }
   }
   return file;

@@ -6,12 +6,10 @@
 #include <algorithm>  // max, min
 #include <cctype>     // tolower
 
+#include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Side of the body: a rest pose faces +Z, its left is at +X.
-enum class Side : int { middle, left, right };
 
 /// The hull of two spheres that move with one joint. All in the frame of the joint, metres.
 struct RoundCone {
@@ -27,23 +25,6 @@ struct Figure {
 };
 
 namespace detail {
-
-/// The side that a joint's name tells: left, Left, l_, _L, .l, lHand, LHip and the same for the right.
-inline Side side_of_name(std::string_view name) {
-  auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
-  auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
-  std::string small(name);
-  std::transform(small.begin(), small.end(), small.begin(), lower);
-  for (const auto& [side, word] : {std::pair{Side::left, std::string_view("left")}, {Side::right, "right"}}) {
-    const char letter = word.front();
-    if (small.find(word) != std::string::npos) return side;
-    if (name.size() < 2) continue;
-    const char second = name[1], before_last = name[name.size() - 2];
-    if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
-    if (small.back() == letter && (before_last == '_' || before_last == '.' || before_last == '-')) return side;
-  }
-  return Side::middle;
-}
 
 /// What the shape of a skeleton says about each joint.
 struct Anatomy {

@@ -9,6 +9,7 @@
 #include <numbers>  // pi
 #include <tuple>    // legend
 
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/io/detail/figure_pose.hpp>
 #include <motionlang/io/detail/film_strip_drawing.hpp>
 #include <motionlang/io/track.hpp>
@@ -29,7 +30,7 @@ namespace detail {
 struct ObliqueView {
   Vec3<double> right{1, 0, 0}, away{0, 0, -1};  // on the floor
   double sine = std::sin(elevation), cosine = std::cos(elevation);
-  static constexpr double elevation = 14 * std::numbers::pi / 180;
+  static constexpr double elevation = 14 * degree;
 
   /// The way of the root goes to the right and a little towards the viewer. Without a way worth the name, the figure
   /// faces the viewer, half turned to the right.
@@ -42,7 +43,7 @@ struct ObliqueView {
  private:
   /// The view in which a direction on the floor appears at `degrees` towards the viewer from the right.
   static ObliqueView turned(const Vec3<double>& direction, double degrees) {
-    const double angle = std::atan2(direction.x, direction.z) - (90 - degrees) * std::numbers::pi / 180;
+    const double angle = std::atan2(direction.x, direction.z) - (90 - degrees) * degree;
     const Vec3<double> towards{std::sin(angle), 0, std::cos(angle)};
     ObliqueView view;
     view.away = -towards;

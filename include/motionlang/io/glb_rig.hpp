@@ -21,20 +21,29 @@ struct GlbRigOptions {
 class GlbRig {
  public:
   /// Of several skins, the first whose joints one of the skeleton tables knows.
-  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits
+  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
+  ///         are several
   static GlbRig open(const FilePath& path) { return GlbRig(MappedFile::open(path)->bytes(), path.string()); }
   GlbRig(std::span<const std::byte> bytes, std::string name)
       : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
         document_(*bytes_, std::move(name)) {
     const Index skins = document_.count("skins");
-    for (Index skin = 0;; ++skin) {
+    if (skins < 2) {
+      find_joints(0);
+      return;
+    }
+    std::string reasons;
+    for (Index skin = 0; skin < skins; ++skin) {
       try {
         find_joints(skin);
         return;
-      } catch (const config_error&) {
-        if (skin + 1 >= skins) throw;
+      } catch (const config_error& e) {
+        if (e.id() != 103) throw;
+        const std::string_view what = e.what();
+        reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
       }
     }
+    raise<config_error>(103, file(), ": none of ", skins, " skins is a body that is known", reasons);
   }
 
   const std::string& file() const { return document_.file(); }

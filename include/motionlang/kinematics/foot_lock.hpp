@@ -109,15 +109,27 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
   return steps;
 }
 
+/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that faces. +Z
+/// for a foot that does not tell.
+inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
+  const auto rest = skeleton.rest_positions();
+  const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
+  const Vec3<double> shank = at(leg.limb.end) - at(leg.limb.upper), foot = at(leg.toe) - at(leg.limb.end);
+  const double length = dot(shank, shank);
+  const Vec3<double> forward = length > 0 ? foot - (dot(foot, shank) / length) * shank : foot;
+  return norm(forward) > 0.1 * norm(foot) ? normalized(forward) : Vec3<double>{0, 0, 1};
+}
+
 /// Moves the foot of a leg in every frame by its offset.
 inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset) {
   JointTransforms<double> world;
+  const Vec3<double> forward_at_rest = forward_of(motion.skeleton, leg);
   for (Index f = 0; f < motion.frames(); ++f) {
     const Vec3<double> by = offset[static_cast<std::size_t>(f)];
     if (norm(by) < 1e-6) continue;
     motion.world(f, world);
     const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
-    const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * Vec3<double>{0, 0, 1};
+    const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * forward_at_rest;
     reach(motion.skeleton, motion.rotations(f), world, leg.limb, target, forward);
   }
 }

@@ -3,12 +3,13 @@
 /// functions; the clip that is passed stays as it is.
 #pragma once
 
-#include <algorithm>  // any_of, min, nth_element
-#include <iterator>   // begin
-#include <numbers>    // pi
+#include <algorithm>  // min
 
+#include <motionlang/core/quantile.hpp>
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/geometry/so3.hpp>
+#include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -80,37 +81,6 @@ inline Motion concatenate(const Motion& first, const Motion& second) {
   return out;
 }
 
-namespace detail {
-
-/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
-inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
-inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
-
-inline bool has_side_word(std::string_view name) {
-  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
-    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
-  });
-}
-/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
-inline std::vector<std::string> other_side(const std::string& name) {
-  std::vector<std::string> candidates;
-  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
-    candidates.push_back(std::string(name).replace(at, mark.size(), other));
-  };
-  for (const int side : {0, 1}) {
-    for (const auto& pair : side_words) {
-      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
-    }
-    for (const auto& pair : side_letters) {
-      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
-      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
-    }
-  }
-  return candidates;
-}
-
-}  // namespace detail
-
 /// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
 /// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
 inline std::vector<int> mirror_partners(const Skeleton& skeleton) {
@@ -168,7 +138,7 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// than it moves afterwards; a performer who really starts in a T-pose is left alone. Returns 0 for skeletons whose
 /// zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
-  constexpr double degrees = std::numbers::pi / 180, zero_pose = 5 * degrees, fastest = 0.5 * degrees;
+  constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
   const auto longest = static_cast<Index>(std::ceil(0.1 * motion.fps));  // of a blend, frames
   const Index seen = std::min<Index>(motion.frames() - 1, longest + static_cast<Index>(motion.fps));
@@ -183,9 +153,7 @@ inline Index detect_t_pose_lead_in(const Motion& motion) {
     double& turn = step[static_cast<std::size_t>(f)];
     for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
   }
-  std::vector<double> sorted(step.begin() + 1, step.end());
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = nth_smallest(std::vector<double>(step.begin() + 1, step.end()), (step.size() - 1) / 2);
   auto inserted = [&](Index f) {
     const double turn = step[static_cast<std::size_t>(f)];
     const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];

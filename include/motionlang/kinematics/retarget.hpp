@@ -9,10 +9,12 @@
 /// target's lengths; the path is scaled by the ratio of the legs.
 #pragma once
 
-#include <algorithm>  // nth_element
+#include <algorithm>  // min_element
 #include <array>      // limbs
 #include <numbers>    // pi
 
+#include <motionlang/core/quantile.hpp>
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
@@ -82,7 +84,7 @@ inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
   }
   const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
   const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
-  return to_quaternion(AxisAngle<double>{(std::numbers::pi / 180) * joint.turn}) * frame;
+  return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
 }
 
 /// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
@@ -332,9 +334,8 @@ inline double place_on_floor(Motion& motion) {
   for (std::size_t at = 0; at < positions.size(); at += rest.size()) {
     heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
   }
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 20);
-  std::nth_element(heights.begin(), low, heights.end());
-  const double shift = lowest(rest) - *low;
+  const std::size_t lowest_frames = heights.size() / 20;
+  const double shift = lowest(rest) - nth_smallest(std::move(heights), lowest_frames);
   for (Vec3<double>& r : motion.root) r.y += shift;
   return shift;
 }

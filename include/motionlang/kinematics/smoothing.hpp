@@ -40,10 +40,10 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
     const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
     for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
   }
-  const double* from = longer.data();
-  for (const double w : kernel) {
-    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * from[i];
-    from += width;
+  for (Index k = 0; k <= radius; ++k) {  // the kernel is the same on both sides
+    const double w = kernel[static_cast<std::size_t>(radius + k)] / (k == 0 ? 2 : 1);
+    const double *before = longer.data() + (radius - k) * width, *after = longer.data() + (radius + k) * width;
+    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * (before[i] + after[i]);
   }
   return std::vector<S>(sums.begin(), sums.end());
 }

@@ -16,6 +16,7 @@
 #include <string>     // findings
 #include <vector>     // findings
 
+#include <motionlang/core/quantile.hpp>
 #include <motionlang/kinematics/body_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -80,8 +81,10 @@ struct Inspection {
 
 struct InspectionLimits {
   double shortest = 1.0, tallest = 2.3;  // m: a person
-  double upright = 0.8;                  // mean direction of trunk and legs along another axis than +Y; 1: exactly
-  double standing = 0.3;                 // m that feet may be off 0 along an axis that is taken for the true one
+  double doll = 0.3, giant = 5;          // m: between these a figure may be drawn so, unless it has a person's legs,
+  double least_legs = 0.45, most_legs = 0.72;  // of the height up to the head; recordings have 0.55 to 0.67
+  double upright = 0.8;      // mean direction of trunk and legs along another axis than +Y; 1: exactly
+  double standing = 0.3;     // m that feet may be off 0 along an axis that is taken for the true one
   double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
   double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
   double jump = 0.15;        // m between two frames, and
@@ -113,14 +116,6 @@ inline constexpr std::array<UnitFactor, 9> unit_factors{{
 }};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
-
-/// The value below which a share of the values is.
-inline double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// From the ankles to the head in the rest pose; length 1.
 inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoints& body) {
@@ -218,6 +213,13 @@ class MotionInspector {
     for (const UnitFactor& u : unit_factors) {
       const double distance = std::abs(std::log(height * u.factor / usual_height));
       if (human(height * u.factor) && distance < farthest) best = u, farthest = distance;
+    }
+    const double share = legs / (legs + chain(body_->head, body_->pelvis));
+    const bool person = share >= limits_.least_legs && share <= limits_.most_legs;
+    if (!person && height > limits_.doll && height < limits_.giant) {
+      add(Fault::scale, 0, "the figure is ", hundredths(height), " m tall, its legs are ", std::round(100 * share),
+          " % of the height up to the head: drawn so, and left so");
+      return;
     }
     add(Fault::scale, 0, "the figure is ", hundredths(height), " m tall; x ", std::round(best.factor * 1e4) / 1e4, " (",
         best.unit, ") makes it ", hundredths(height * best.factor), " m");

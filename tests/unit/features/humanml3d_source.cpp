@@ -32,13 +32,15 @@ auto grid(std::size_t joints) {
 }  // namespace
 
 TEST_CASE("humanml3d source: frames are picked, leads dropped, and then the index counts") {
-  CHECK(ml::humanml3d_source_frames(row("KIT/3/a_poses.npy", 0, -1), 9, 100, {}) == Frames{0, 5});
+  CHECK(ml::humanml3d_source_frames(row("KIT/3/a_poses.npy", 0, -1), 9, 100, {.keep_last_frame = true}) ==
+        Frames{0, 5});
   CHECK(ml::humanml3d_source_frames(row("KIT/3/a_poses.npy", 1, 3), 30, 120) == Frames{6, 12});
   CHECK(ml::humanml3d_source_frames(row("KIT/3/a_poses.npy", 1, 99), 30, 120) == Frames{6, 12, 18, 24});  // a slice
   CHECK(ml::humanml3d_source_frames(row("KIT/3/a_poses.npy", 7, 99), 30, 120).empty());
-  CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 30, 59).size() == 15);  // every second: 29.5 per second, not 20
-  CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 4, 20, {.drop_last_frame = true}) == Frames{0, 1, 2});
-  CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 0, 20, {.drop_last_frame = true}).empty());
+  CHECK(ml::humanml3d_source_frames(row("a", 0, 99), 30, 59).size() == 15);  // every second: 29.5 per second, not 20
+  CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 4, 20) == Frames{0, 1, 2});  // as published: [0:-1]
+  CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 4, 20, {.keep_last_frame = true}) == Frames{0, 1, 2, 3});
+  CHECK(ml::humanml3d_source_frames(row("a", 0, -1), 0, 20).empty());
 
   const std::pair<const char*, ml::Index> leads[] = {{"Eyes_Japan_Dataset", 60}, {"MPI_HDM05", 60},
                                                      {"TotalCapture", 20},       {"MPI_Limits", 20},
@@ -68,7 +70,7 @@ TEST_CASE("humanml3d source: what is refused") {
   CHECK_ERROR(ml::humanml3d_source_frames(row("a", -1, 5), 9, 20),
               "[motionlang.config.101] humanml3d_source_frames: '000000.npy' from frame -1 to 5");
   CHECK_ERROR(ml::humanml3d_source_frames(row("a", 0, -2), 9, 20), "[motionlang.config.101]");
-  CHECK_ERROR(ml::humanml3d_source_joints<double>(row("a", 0, -1), 2, 20, grid(21)),
+  CHECK_ERROR(ml::humanml3d_source_joints<double>(row("a", 0, -1), 3, 20, grid(21)),
               "[motionlang.shape.205] humanml3d_source_joints: 42 joints for 2 frames");
   CHECK(ml::humanml3d_source_joints<double>(row("a", 5, -1), 2, 20, grid(21)).empty());
 }

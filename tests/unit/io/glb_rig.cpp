@@ -92,6 +92,10 @@ TEST_CASE("several skins: the one with a body is taken") {
   document["nodes"].back()["skin"] = 1;
   const auto two = ml::detail::glb_file(document.dump(), {chunks.binary.begin(), chunks.binary.end()});
   CHECK(rig_of(two).table().name == "Mixamo");
+  document["skins"][1] = document["skins"][0];  // hair twice
+  const auto none = ml::detail::glb_file(document.dump(), {chunks.binary.begin(), chunks.binary.end()});
+  CHECK_ERROR(rig_of(none), "none of 2 skins is a body that is known; skin 0: detect_skeleton_table: ");
+  CHECK_ERROR(rig_of(none), "; skin 1: detect_skeleton_table: ");
 }
 
 TEST_CASE("what cannot be done is an error, and nothing is written") {

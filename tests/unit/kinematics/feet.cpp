@@ -192,3 +192,19 @@ TEST_CASE("feet that swing along the floor are raised over it; where they stand 
   ahead([](int f) { return f == 14 ? 0.03 : 0.0; });
   CHECK(place(ml::raise_swings(clip), 14, 10).y - place(clip, 14, 10).y == Approx(0.006));
 }
+
+TEST_CASE("a straight leg bends its knee to where the toes point, whatever the rest pose faces") {
+  for (const double turn : {0.0, 0.5 * std::numbers::pi, std::numbers::pi}) {
+    ml::Skeleton skeleton = ml::smpl24_skeleton();
+    for (auto& o : skeleton.offsets) o = rotate(synthetic::about_y(turn), o);
+    ml::Motion standing{skeleton, 20, {}, {}, {}};
+    standing.root.assign(2, skeleton.offset(0));
+    standing.local.assign(48, ml::Quaternion<double>::identity());
+    const std::vector<ml::Vec3<double>> raised(2, ml::Vec3<double>{0, 0.1, 0});
+    const ml::Vec3<double> knee = place(standing, 0, 4), toes = place(standing, 0, 10) - place(standing, 0, 7);
+    ml::detail::move_foot(standing, ml::smpl_legs[0], raised);
+    const ml::Vec3<double> went = place(standing, 0, 4) - knee;
+    CAPTURE(turn);
+    CHECK(dot(normalized(ml::Vec3<double>{went.x, 0, went.z}), normalized(ml::Vec3<double>{toes.x, 0, toes.z})) > 0.99);
+  }
+}

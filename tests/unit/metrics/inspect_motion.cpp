@@ -79,6 +79,20 @@ TEST_CASE("a scale that is not human: the factor that fits, and its unit") {
   CHECK(ml::inspect_motion(scaled(walk(), 3.9)).cure.scale == Approx(1.7 / (1.728 * 3.9)).epsilon(0.001));
 }
 
+TEST_CASE("a figure that is drawn small, with short legs, is not made a person") {
+  auto dwarf = walk();
+  for (const char* joint : {"left_knee", "right_knee", "left_ankle", "right_ankle"}) {
+    auto& offset = dwarf.skeleton.offsets[static_cast<std::size_t>(dwarf.skeleton[joint])];
+    offset = 0.35 * offset;
+  }
+  for (auto& o : dwarf.skeleton.offsets) o = 0.7 * o;
+  for (auto& r : dwarf.root) r = {r.x, 0.35 * r.y, r.z};
+  const auto seen = ml::inspect_motion(dwarf);
+  REQUIRE(seen.has(ml::Fault::scale));
+  CHECK(seen.cure.scale == 1);
+  CHECK_MESSAGE(seen.findings[0].text.find("drawn so, and left so") != std::string::npos, seen.findings[0].text);
+}
+
 TEST_CASE("a figure that stands along another axis, with its rest pose or without") {
   for (const auto& q : {synthetic::about_x(std::numbers::pi / 2), synthetic::about_x(-std::numbers::pi / 2),
                         synthetic::about_z(std::numbers::pi / 2), synthetic::about_z(std::numbers::pi)}) {

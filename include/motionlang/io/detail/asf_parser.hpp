@@ -4,9 +4,9 @@
 #pragma once
 
 #include <array>    // order of axes
-#include <numbers>  // pi
 
 #include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/io/detail/text_scanner.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -86,7 +86,7 @@ class AsfParser {
     std::array<int, 3> order{0, 1, 2};
 
     Quaternion<double> rotation(bool degrees) const {
-      const double unit = degrees ? std::numbers::pi / 180 : 1, angle[3] = {angles.x, angles.y, angles.z};
+      const double unit = degrees ? degree : 1, angle[3] = {angles.x, angles.y, angles.z};
       Quaternion<double> q = Quaternion<double>::identity();
       for (std::size_t i = 0; i < 3; ++i) q = about_axis(order[i], unit * angle[order[i]]) * q;
       return q;

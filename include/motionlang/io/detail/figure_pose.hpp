@@ -2,9 +2,10 @@
 /// A figure in the pose of a frame: where its cones are, and the floor on which it stands.
 #pragma once
 
-#include <algorithm>  // nth_element
+#include <algorithm>  // min, max
 #include <limits>     // heights
 
+#include <motionlang/core/quantile.hpp>
 #include <motionlang/io/figure.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -41,9 +42,8 @@ inline Heights heights(const Motion& motion, const Figure& figure) {
     lows.push_back(low);
   }
   if (lows.empty()) return h;
-  const auto quartile = lows.begin() + std::ssize(lows) / 4;
-  std::nth_element(lows.begin(), quartile, lows.end());
-  h.floor = *quartile;
+  const std::size_t quarter = lows.size() / 4;
+  h.floor = nth_smallest(std::move(lows), quarter);
   return h;
 }
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+/// The side of the body that the name of a joint tells, and what its partner may be called.
+#pragma once
+
+#include <algorithm>    // any_of
+#include <cctype>       // tolower
+#include <iterator>     // begin
+#include <string>       // names
+#include <string_view>  // names
+#include <utility>      // pair
+#include <vector>       // candidates
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Side of the body: a rest pose faces +Z, its left is at +X.
+enum class Side : int { middle, left, right };
+
+namespace detail {
+
+/// The side that a joint's name tells: left, Left, l_, _L, .l, lHand, LHip and the same for the right.
+inline Side side_of_name(std::string_view name) {
+  auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
+  auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  std::string small(name);
+  std::transform(small.begin(), small.end(), small.begin(), lower);
+  for (const auto& [side, word] : {std::pair{Side::left, std::string_view("left")}, {Side::right, "right"}}) {
+    const char letter = word.front();
+    if (small.find(word) != std::string::npos) return side;
+    if (name.size() < 2) continue;
+    const char second = name[1], before_last = name[name.size() - 2];
+    if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
+    if (small.back() == letter && (before_last == '_' || before_last == '.' || before_last == '-')) return side;
+  }
+  return Side::middle;
+}
+
+/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
+inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
+inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
+
+inline bool has_side_word(std::string_view name) {
+  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
+    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
+  });
+}
+/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+inline std::vector<std::string> other_side(const std::string& name) {
+  std::vector<std::string> candidates;
+  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
+    candidates.push_back(std::string(name).replace(at, mark.size(), other));
+  };
+  for (const int side : {0, 1}) {
+    for (const auto& pair : side_words) {
+      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+    for (const auto& pair : side_letters) {
+      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
+      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
