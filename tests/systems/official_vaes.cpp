@@ -57,8 +57,8 @@ TEST_CASE("ACTOR: options that contradict the tensors, variants that are not rea
     official::write_text(folder / "opt.yaml", changed);
     CHECK_ERROR(ml::load_actor_run<B>(folder.path), message);
   };
-  refused("latent_dim: 16", "latent_dim: 32", "latent_dim is 32, tensor 'decoder.finallayer.weight'");
-  refused("archiname: transformer", "archiname: gru", "archiname is 'gru', known are transformer");
+  refused("latent_dim: 16", "latent_dim: 32", "latent_dim is 32, tensor 'encoder.muQuery'");
+  refused("archiname: transformer", "archiname: gru", "archiname is 'gru', the tensors are those of transformer");
   refused("translation: true", "translation: false", "glob and translation make 24 rows a frame");
   refused("pose_rep: rot6d", "pose_rep: xyz", "models of positions are not supported");
   refused("pose_rep: rot6d", "pose_rep: rotquat", "rotations of 4 numbers, frames have 150");

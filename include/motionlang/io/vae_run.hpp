@@ -6,16 +6,16 @@
 ///                                                                     .statistics = "deps/.../kit-amass-xyz"});
 ///
 /// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
-/// ACTOR    transformers, with the ablations of the decoder; the other architectures of its repository are not read
+/// ACTOR    all networks of its repository (io/actor_file.hpp)
 /// TEMOS    with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder
 /// Source   spec actor.md 3, 8; temos.md 3, 4.4
 /// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
 ///          config_error 101, 102 where options and tensors differ, 103, 107
 #pragma once
 
+#include <motionlang/io/actor_file.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/io/text_motion_file.hpp>
-#include <motionlang/systems/actor.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -55,29 +55,6 @@ inline void require_checkpoint(const RunFolder& run, const char* system, const c
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
 }
 
-inline ActorConfig actor_run_config(const RunReader& r, PoseRepresentation rotations) {
-  const std::string layers = "decoder.seqTransDecoder.layers.";
-  r.one_of("archiname", "transformer", {"transformer"});
-  const std::string ablation = r.one_of("ablation", "", {"", "average_encoder", "zandtime", "concat_bias", "time_encoding"});
-  const Index features = r.size("decoder.finallayer.weight", 0), numbers = size(rotations);
-  if (features % numbers != 0)
-    raise<config_error>(102, r.place("pose_rep"), ": rotations of ", numbers, " numbers, frames have ", features);
-  return {.njoints = features / numbers,
-          .nfeats = numbers,
-          .num_classes = ablation == "zandtime" ? r.size("decoder.ztimelinear.weight", 1) - r.size("decoder.ztimelinear.weight", 0)
-                                                : r.size("decoder.actionBiases", 0),
-          .latent_dim = r.size("decoder.finallayer.weight", 1, {"latent_dim"}),
-          .ff_size = r.size(layers + "0.linear1.weight", 0, {"ff_size"}),
-          .num_layers = r.count(layers, ".linear1.weight", {"num_layers"}),
-          .num_heads = r.number({"num_heads"}, 4, 1024),
-          .activation = parse_activation(r.one_of("activation", "gelu", {"gelu", "relu"})),
-          .encoder = ablation == "average_encoder" ? ActorEncoderKind::average : ActorEncoderKind::tokens,
-          .conditioning = ablation == "zandtime"        ? ActorConditioning::zandtime
-                          : ablation == "concat_bias"   ? ActorConditioning::concat_bias
-                          : ablation == "time_encoding" ? ActorConditioning::time_encoding
-                                                        : ActorConditioning::action_bias};
-}
-
 /// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
 template <Backend B>
 AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
@@ -106,17 +83,9 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
   const WeightFile weights = open_weights(run.weights);
   const detail::RunReader r(run, weights, "");
-  if (r.text("pose_rep", "rot6d") == "xyz")
-    raise<io_error>(404, r.place("pose_rep"), " is xyz: models of positions are not supported");
   ActorRun<B> out;
-  out.features = {.rotations = parse_pose_representation(r.text("pose_rep", "rot6d")),
-                  .translation = r.flag("translation", true),
-                  .global = r.flag("glob", true)};
-  NoInit zeros;
-  out.model = Actor<B>(detail::actor_run_config(r, out.features.rotations), zeros);
-  detail::load_run_module(out.model, weights, "", [](const std::string& name) {
-    return name.ends_with("sequence_pos_encoder.pe") || name.starts_with("rotation2xyz.");
-  });
+  out.model = load_actor<B>(weights, run);
+  out.features = actor_point_options(run, weights).features;
   const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",

@@ -34,16 +34,17 @@ TEST_CASE("ACTOR: networks are known by their tensors, the rest by the options; 
     config.ff_size =
         config.encoder == ml::ActorEncoderKind::gru && config.decoder == ml::ActorDecoderKind::gru ? 1024 : 24;
     const bool fixed = config.decoder == ml::ActorDecoderKind::fully_connected;
-    if (fixed) config.num_layers = 0, config.ff_size = 1024;
+    config.num_frames = fixed ? 5 : 60;
+    if (fixed) config.num_layers = 8, config.ff_size = 1024;
     const auto model = small_actor::model_of(config);
-    std::vector<ml::FileValue> options{{"num_frames", std::int64_t{5}}, {"pose_rep", std::string("rot6d")}};
+    ml::RunFolder run;
+    run.options = {{"num_frames", std::int64_t{5}}, {"pose_rep", std::string("rot6d")}};
     if (config.conditioning == ml::ActorConditioning::concat_bias)
-      options.push_back({"ablation", std::string("concat_bias")});
+      run.options.push_back({"ablation", std::string("concat_bias")});
     if (config.conditioning == ml::ActorConditioning::time_encoding)
-      options.push_back({"ablation", std::string("time_encoding")});
+      run.options.push_back({"ablation", std::string("time_encoding")});
     const auto loaded = ml::load_actor<B>(
-        file_of(model, {"encoder.sequence_pos_encoder.pe", "decoder.sequence_pos_encoder.pe", "decoder.pe.pe"}),
-        options);
+        file_of(model, {"encoder.sequence_pos_encoder.pe", "decoder.sequence_pos_encoder.pe", "decoder.pe.pe"}), run);
     CHECK(loaded.config == config);
     const auto x = fixed ? small_actor::motions({5, 5}) : small_actor::motions({4, 7});
     const auto mu = model.encode(x, actions).mu;
@@ -68,29 +69,40 @@ TEST_CASE("ACTOR: a run folder") {
   }
   std::ofstream(folder / "opt.yaml") << "pose_rep: rotvec\nglob: false\nglob_rot:\n- 3\n- 0.5\n- 0\ntranslation: true\n"
                                         "num_heads: 2\nnum_layers: 2\nvertstrans: true\n";
-  CHECK(ml::load_actor<B>(folder.path).config == config);
+  const auto run = ml::find_run(folder.path);
+  const auto last = ml::open_weights(run.weights);
+  CHECK(ml::load_actor<B>(last, run).config == config);
   auto first = config;
   first.num_classes = 9;
-  CHECK(ml::load_actor<B>(folder / "checkpoint_0100.pth.tar").config == first);
-  const auto o = ml::actor_point_options(ml::find_run(folder.path).options);
+  CHECK(ml::load_actor<B>(ml::open_weights(folder / "checkpoint_0100.pth.tar"), run).config == first);
+  const auto o = ml::actor_point_options(run, last);
   CHECK(o.features.rotations == ml::PoseRepresentation::rotvec);
   CHECK_FALSE(o.features.global);
   CHECK(o.features.translation);
   CHECK(o.translate);
   CHECK(o.global_rotation == ml::Vec3<double>{3, 0.5, 0});
-  const TemporaryFolder empty;
-  CHECK_ERROR(ml::load_actor<B>(empty.path), "[motionlang.io.401]");
 }
 
 TEST_CASE("ACTOR: what does not fit is refused") {
   const auto model = small_actor::model_of(small_actor::small());
   CHECK_ERROR(ml::load_actor<B>(file_of(model, {"encoder.extra"})), "[motionlang.io.406]");
   CHECK_ERROR(ml::load_actor<B>(file_of(*model.decoder)), "[motionlang.io.406]");
-  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"num_heads", std::int64_t{3}}}), "[motionlang.config.101]");
-  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"num_heads", std::string("four")}}), "[motionlang.config.107]");
-  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"ablation", std::string("shuffle")}}), "[motionlang.io.404]");
-  CHECK_ERROR(ml::load_actor<B>(file_of(model), {{"pose_rep", std::string("euler")}}), "[motionlang.config.103]");
-  CHECK_ERROR(ml::actor_point_options({{"glob", std::int64_t{1}}}), "[motionlang.config.107]");
+  auto refused = [&](const char* key, auto value, const char* id) {
+    ml::RunFolder run;
+    run.options = {{key, value}};
+    CHECK_ERROR(ml::load_actor<B>(file_of(model), run), id);
+  };
+  refused("num_heads", std::int64_t{3}, "[motionlang.config.101]");
+  refused("num_heads", std::string("four"), "[motionlang.config.107]");
+  refused("ablation", std::string("shuffle"), "[motionlang.io.404]");
+  refused("ablation", std::string("zandtime"), "[motionlang.config.102]");
+  refused("ablation", std::string("average_encoder"), "[motionlang.config.102]");
+  refused("pose_rep", std::string("euler"), "[motionlang.config.103]");
+  refused("pose_rep", std::string("rotquat"), "[motionlang.config.102]");  // 18 numbers
+  refused("pose_rep", std::string("xyz"), "[motionlang.io.404]");
+  refused("archiname", std::string("autotrans"), "[motionlang.config.102]");
+  refused("num_layers", std::int64_t{8}, "[motionlang.config.102]");
+  refused("latent_dim", std::int64_t{256}, "[motionlang.config.102]");
 }
 
 TEST_CASE("classifiers of ACTOR's motions") {
