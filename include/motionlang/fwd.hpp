@@ -104,11 +104,24 @@ struct LatentGaussian;
 template <Backend B>
 struct LossTerms;
 template <Backend B>
+struct Actor;
+struct ActorConfig;
+template <Backend B>
+struct StGcn;
+template <Backend B>
+struct GruClassifier;
+template <Backend B>
 struct Temos;
 struct TemosConfig;
 template <Backend B>
 struct Tmr;
 struct TmrConfig;
+template <Backend B>
+struct Teach;
+struct TeachConfig;
+template <Backend B>
+struct Sinc;
+struct SincConfig;
 
 // compose
 template <class T>

@@ -163,6 +163,11 @@
 #include <motionlang/vae/actor_latents.hpp>
 #include <motionlang/vae/actor_losses.hpp>
 #include <motionlang/vae/motion_tokenizer.hpp>
+#include <motionlang/vae/parted_text_encoder.hpp>
+#include <motionlang/vae/sinc_losses.hpp>
+#include <motionlang/vae/sinc_text_encoder.hpp>
+#include <motionlang/vae/teach_text_encoder.hpp>
+#include <motionlang/vae/teach_training.hpp>
 #include <motionlang/vae/temos_encoder.hpp>
 #include <motionlang/vae/temos_gru.hpp>
 #include <motionlang/vae/text_motion.hpp>
@@ -239,7 +244,9 @@
 #include <motionlang/metrics/temos_score.hpp>
 
 #include <motionlang/systems/actor.hpp>
+#include <motionlang/systems/sinc.hpp>
 #include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/teach.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>
 

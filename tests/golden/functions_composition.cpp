@@ -4,19 +4,13 @@
 #include <motionlang/kinematics/sinc_part_motion.hpp>
 
 #include "geometry.hpp"
+#include "part_vectors.hpp"
 
 namespace {
 
 using golden::Case, golden::Registration;
-using golden::matrices, golden::out_list, golden::vectors, golden::view;
+using golden::matrices, golden::out_list, golden::part_vectors, golden::vectors, golden::view;
 namespace ml = motionlang;
-
-std::vector<ml::SincParts> part_vectors(const Case& c, const std::string& name) {
-  const auto bits = c.values<ml::Index>("in/" + name);
-  std::vector<ml::SincParts> out(bits.size() / ml::sinc_part_count);
-  for (std::size_t i = 0; i < bits.size(); ++i) out[i / ml::sinc_part_count][i % ml::sinc_part_count] = bits[i] != 0;
-  return out;
-}
 
 template <class S>
 void sinc_composition(Case& c) {

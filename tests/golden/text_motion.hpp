@@ -15,7 +15,7 @@ inline ml::TransformerConfig transformer_of(const ml::JsonView& config) {
           .heads = config["num_heads"].as<Index>(),
           .d_ff = config["ff_size"].as<Index>(),
           .layers = config["num_layers"].as<Index>(),
-          .activation = ml::parse_activation(config["activation"].as<std::string>())};
+          .activation = ml::parse_activation(config.value_or("activation", std::string("gelu")))};
 }
 inline bool variational(const ml::JsonView& config) { return config.value_or("vae", true); }
 

@@ -8,6 +8,8 @@
 ///           bodies that do not lean; published so.
 #pragma once
 
+#include <algorithm>  // copy
+
 #include <motionlang/features/smplvelp.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -83,6 +85,38 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
     out.trans.push_back((S(1) - t) * e.trans + t * b.trans);
   }
   return out;
+}
+
+/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of all parts but the
+/// first are interpolated.
+/// lengths  frames of the parts, all of the motion together
+/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window
+template <Scalar S>
+void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
+                Alignment alignment = Alignment::full) {
+  const auto frames = std::ssize(motion.trans);
+  const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
+  const auto rotations = std::span(motion.rotations);
+  const auto trans = std::span(motion.trans);
+  const auto pose = [&](std::size_t f) {
+    return PoseInWorld<S>{std::span<const Matrix3<S>>(rotations.subspan(f * joints, joints)), trans[f]};
+  };
+  Index end = 0;
+  for (std::size_t part = 0; part < lengths.size(); ++part) {
+    const Index start = end, gap = part == 0 ? 0 : window;
+    end += lengths[part];
+    if (lengths[part] <= gap || end > frames)
+      raise<shape_error>(205, "join_parts: part ", part, " of ", lengths[part], " frames, window ", window,
+                         ", motion of ", frames, " frames");
+    if (part == 0) continue;
+    const auto last = static_cast<std::size_t>(start - 1), next = static_cast<std::size_t>(start + gap),
+               count = static_cast<std::size_t>(end - start - gap);
+    align_to(pose(last), rotations.subspan(next * joints, count * joints), trans.subspan(next, count), alignment);
+    const auto between = slerp_window(pose(last), pose(next), gap);
+    std::copy(between.rotations.begin(), between.rotations.end(), rotations.subspan((last + 1) * joints).begin());
+    std::copy(between.trans.begin(), between.trans.end(), trans.subspan(last + 1).begin());
+  }
+  if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

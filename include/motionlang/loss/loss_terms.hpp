@@ -22,6 +22,10 @@ struct LossTerms {
   void add(std::string name, double weight, Tensor<B, 0> value) {
     terms.push_back({std::move(name), weight, std::move(value)});
   }
+  /// The terms of another loss, with something behind their names.
+  void append(LossTerms other, const std::string& suffix = "") {
+    for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
+  }
   ///     sum of weight value
   Tensor<B, 0> total() const {
     Tensor<B, 0> sum(0.0);

@@ -50,6 +50,16 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return sum(detail::huber(a.rows - b)) * (1.0 / n);
 }
 
+/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec teach.md 3
+template <Backend B>
+Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
+  std::vector<typename B::scalar> share;  // of each row
+  for (Index s : sequence_of_row(a.offsets))
+    share.push_back(
+        static_cast<typename B::scalar>(1.0 / static_cast<double>(a.count() * a.offsets.length(s) * a.width())));
+  return sum(detail::huber(a.rows - b) * Tensor<B, 2>::from(share, {a.offsets.rows(), 1}));
+}
+
 /// The differences from each frame to the next, of every sequence: (rows - sequences, width).
 template <Backend B>
 Tensor<B, 2> frame_steps(const Sequences<B>& x) {

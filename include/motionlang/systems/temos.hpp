@@ -54,15 +54,15 @@ struct Temos {
   Temos() = default;
   /// Throws config_error 101 for a model without decoder.
   Temos(const TemosConfig& c, Rng auto& rng)
-      : textencoder(c.text_dim, c.vae, transformer(c), c.max_len, rng), config(c) {
+      : textencoder(c.text_dim, c.vae, transformer_of(c), c.max_len, rng), config(c) {
     if (c.motion_encoder == TemosNetwork::transformer)
-      motionencoder.emplace(c.nfeats, c.vae, transformer(c), c.max_len, rng);
+      motionencoder.emplace(c.nfeats, c.vae, transformer_of(c), c.max_len, rng);
     if (c.motion_encoder == TemosNetwork::gru) gru_encoder.emplace(c.nfeats, c.vae, c.latent_dim, c.num_layers, rng);
     if (c.motion_decoder == TemosNetwork::none) raise<config_error>(101, "Temos: a model needs a motion decoder");
     if (c.motion_decoder == TemosNetwork::gru)
       gru_decoder.emplace(c.nfeats, c.latent_dim, c.num_layers, rng);
     else
-      motiondecoder.emplace(c.nfeats, transformer(c), c.max_len, rng);
+      motiondecoder.emplace(c.nfeats, transformer_of(c), c.max_len, rng);
   }
 
   bool has_motion_encoder() const { return config.motion_encoder != TemosNetwork::none; }
@@ -83,23 +83,11 @@ struct Temos {
   /// Both branches of a training step, for temos_losses.
   TextMotionBranches<B> branches(const Sequences<B>& tokens, const Sequences<B>& motion,
                                  const TextMotionNoise<B>& noise, const Context& context = {}) const {
-    auto branch = [&](LatentGaussian<B> g, const Tensor<B, 2>& eps) {
-      const auto z = g.sample(eps, noise.fact);
-      return LatentBranch<B>{std::move(g), z, decode(z, motion.offsets, context).rows};
-    };
-    TextMotionBranches<B> out{branch(encode_text(tokens, context), noise.text), {}};
-    if (has_motion_encoder()) out.motion = branch(encode_motion(motion, context), noise.motion);
+    auto to_frames = [&](const Tensor<B, 2>& z) { return decode(z, motion.offsets, context); };
+    TextMotionBranches<B> out{latent_branch(encode_text(tokens, context), noise.text, noise.fact, to_frames), {}};
+    if (has_motion_encoder())
+      out.motion = latent_branch(encode_motion(motion, context), noise.motion, noise.fact, to_frames);
     return out;
-  }
-
- private:
-  static TransformerConfig transformer(const TemosConfig& c) {
-    return {.d_model = c.latent_dim,
-            .heads = c.num_heads,
-            .d_ff = c.ff_size,
-            .layers = c.num_layers,
-            .activation = c.activation,
-            .dropout = c.dropout};
   }
 };
 

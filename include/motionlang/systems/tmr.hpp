@@ -41,9 +41,9 @@ struct Tmr {
   }
   Tmr() = default;
   Tmr(const TmrConfig& c, Rng auto& rng)
-      : motion_encoder(c.motion_nfeats, c.vae, transformer(c), c.max_len, rng),
-        text_encoder(c.text_nfeats, c.vae, transformer(c), c.max_len, rng),
-        motion_decoder(c.motion_nfeats, transformer(c), c.max_len, rng),
+      : motion_encoder(c.motion_nfeats, c.vae, transformer_of(c), c.max_len, rng),
+        text_encoder(c.text_nfeats, c.vae, transformer_of(c), c.max_len, rng),
+        motion_decoder(c.motion_nfeats, transformer_of(c), c.max_len, rng),
         config(c) {}
 
   /// tokens: the last states of the language model, with those of [CLS] and [SEP].
@@ -77,16 +77,6 @@ struct Tmr {
       return out;
     };
     return {branch(encode_text(tokens, context), noise.text), branch(encode_motion(motion, context), noise.motion)};
-  }
-
- private:
-  static TransformerConfig transformer(const TmrConfig& c) {
-    return {.d_model = c.latent_dim,
-            .heads = c.num_heads,
-            .d_ff = c.ff_size,
-            .layers = c.num_layers,
-            .activation = c.activation,
-            .dropout = c.dropout};
   }
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts. TEMOS and TMR.
+/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts. TEMOS
+/// and TMR; TEACH and SINC build on it.
 ///
 ///     text   -> N_T -> z_T -> frames      both decoded with the same decoder to the lengths of the motions
 ///     motion -> N_M -> z_M -> frames
@@ -21,6 +22,12 @@ struct LatentBranch {
   Tensor<B, 2> z;         // a sample for each sequence
   Tensor<B, 2> frames{};  // decoded, packed like the motions; none if nothing is reconstructed
 };
+/// A sample of a distribution, and the frames that decode(z) makes of it.
+template <Backend B, class Decode>
+LatentBranch<B> latent_branch(LatentGaussian<B> distribution, const Tensor<B, 2>& eps, double fact, Decode decode) {
+  const auto z = distribution.sample(eps, fact);
+  return {std::move(distribution), z, decode(z).rows};
+}
 template <Backend B>
 struct TextMotionBranches {
   LatentBranch<B> text;
@@ -40,6 +47,20 @@ struct TextMotionNoise {
   }
 };
 
+/// The transformers of a model, from the names that the configurations of all these systems use.
+template <class Config>
+TransformerConfig transformer_of(const Config& c) {
+  return {.d_model = c.latent_dim,
+          .heads = c.num_heads,
+          .d_ff = c.ff_size,
+          .layers = c.num_layers,
+          .activation = c.activation,
+          .dropout = c.dropout};
+}
+
+/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then all (TEACH).
+enum class ReconstructionMean { padded_batch, sequences };
+
 /// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and `embedding` off, and a
 /// model without motion encoder.
 struct TemosLossOptions {
@@ -47,9 +68,26 @@ struct TemosLossOptions {
   bool cross_modal_kl = true, gaussian_kl = true;
   bool embedding = true;         // the term between z_T and z_M; a deterministic model always has it
   std::string feats = "jfeats";  // in the names of the reconstructions: "rfeats" for rotations
+  ReconstructionMean mean = ReconstructionMean::padded_batch;
 };
 
-///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch
+/// recons_F2F, recons_text2F: those that there are frames for.
+template <Backend B>
+LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
+                                   const TemosLossOptions& options) {
+  LossTerms<B> out;
+  auto reconstruct = [&](const std::string& from, const Tensor<B, 2>& frames) {
+    if (frames.count() == 0) return;
+    out.add("recons_" + from + "2" + options.feats, options.recons,
+            options.mean == ReconstructionMean::sequences ? smooth_l1_of_sequences(motion, frames)
+                                                          : padded_smooth_l1(motion, frames));
+  };
+  if (branches.motion) reconstruct(options.feats, branches.motion->frames);
+  reconstruct("text", branches.text.frames);
+  return out;
+}
+
+///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch, or over sequences
 ///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0, 1))
 ///     latent_manifold               smooth_l1(z_T, z_M)
 /// Those terms that model and options have; the names are the published ones.
@@ -57,14 +95,8 @@ struct TemosLossOptions {
 template <Backend B>
 LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                           const TemosLossOptions& options = {}) {
-  LossTerms<B> out;
+  auto out = reconstruction_losses(branches, motion, options);
   const auto& [text, other] = branches;
-  auto reconstruct = [&](const std::string& from, const LatentBranch<B>& branch) {
-    if (branch.frames.count() > 0)
-      out.add("recons_" + from + "2" + options.feats, options.recons, padded_smooth_l1(motion, branch.frames));
-  };
-  if (other) reconstruct(options.feats, *other);
-  reconstruct("text", text);
   const auto& t = text.distribution;
   if (!t.deterministic()) {
     if (other && options.cross_modal_kl) {

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/, nn/sequence_vae.hpp
+/// and compose/alignment.hpp.
+///
+///     const Sequences<B> states = distilbert(tokenize(tokenizer, {"walk", "turn left", "sit"})).tokens;    // text/bert.hpp
+///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
+///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames per second
+///
+/// A single action is text_to_motion(teach, states, lengths, rng).
+/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec teach.md
+#pragma once
+
+#include <motionlang/compose/alignment.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/vae/teach_text_encoder.hpp>
+#include <motionlang/vae/teach_training.hpp>
+#include <motionlang/vae/temos_encoder.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
+struct TeachConfig {
+  Index nfeats = 135, text_dim = 768;
+  Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
+  double dropout = 0.1;
+  Activation activation = Activation::gelu;
+  Index hist_frames = 5;        // of the past that a text is encoded with
+  bool z_prev_text = false;     // the latent of the past, too
+  bool motion_encoder = true;   // for training
+  bool unused_encoder = false;  // textencoder.motionTransEncoder, which published checkpoints have
+  bool mask_padding = false;    // true: as the paper; published code lets frames of padding be attended to in training
+  Index max_len = 5000;
+  bool operator==(const TeachConfig&) const = default;
+};
+
+/// The frames of the gap that published evaluations fill between two actions.
+inline constexpr Index teach_window = 8;
+
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and tables of positions.
+template <Backend B>
+struct Teach {
+  TeachTextEncoder<B> textencoder;
+  std::optional<TemosMotionEncoder<B>> motionencoder;
+  SequenceDecoder<B> motiondecoder;
+  TeachConfig config;
+
+  static constexpr auto fields() {
+    using M = Teach;
+    return motionlang::fields("textencoder", &M::textencoder, "motionencoder", &M::motionencoder, "motiondecoder",
+                              &M::motiondecoder, "config", &M::config);
+  }
+  Teach() = default;
+  Teach(const TeachConfig& c, Rng auto& rng)
+      : textencoder(c.text_dim, c.nfeats, c.hist_frames, c.unused_encoder, transformer_of(c), c.max_len, rng),
+        motiondecoder(c.nfeats, transformer_of(c), c.max_len, rng),
+        config(c) {
+    if (c.motion_encoder) motionencoder.emplace(c.nfeats, true, transformer_of(c), c.max_len, rng);
+  }
+
+  /// tokens: the last states of the language model, with those of [CLS] and [SEP].
+  LatentGaussian<B> encode_text(const Sequences<B>& tokens, const TeachPast<B>& past = {},
+                                const Context& context = {}) const {
+    return textencoder(tokens, past, context);
+  }
+  /// motion: normalised features. Throws config_error 101 if the model has no motion encoder.
+  LatentGaussian<B> encode_motion(const Sequences<B>& motion, const Context& context = {}) const {
+    if (!motionencoder) raise<config_error>(101, "Teach: this model has no motion encoder");
+    return (*motionencoder)(motion, context);
+  }
+  /// z (motions, latent) -> normalised features
+  Sequences<B> decode(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {
+    return motiondecoder(z, lengths, context);
+  }
+  /// What the next text is encoded with. Throws shape_error 207 for a motion of fewer than hist_frames frames.
+  TeachPast<B> past_of(const Sequences<B>& motion, const Tensor<B, 2>& z) const {
+    TeachPast<B> out{last_rows(motion, Offsets::equal(motion.count(), config.hist_frames))};
+    if (config.z_prev_text) out.z = z;
+    return out;
+  }
+
+  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was decoded from the
+  /// first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
+  /// Source  spec teach.md 3
+  TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
+                            bool teacher_forcing = false) const {
+    auto branch = [&](LatentGaussian<B> g, const Tensor<B, 2>& eps, double fact, const Sequences<B>& motion) {
+      return latent_branch(std::move(g), eps, fact,
+                           [&](const Tensor<B, 2>& z) { return decode(z, motion.offsets, context); });
+    };
+    const auto& [first_text, second_text, first, second, transition] = pairs;
+    TeachBranches<B> out;
+    const auto& text = out.first.text =
+        branch(encode_text(first_text, {}, context), noise.first.text, noise.first.fact, first);
+    const auto past = past_of(teacher_forcing ? first : first.with(text.frames), text.z);
+    out.past = *past.frames;
+    out.second.text = branch(encode_text(second_text, past, context), noise.second.text, noise.second.fact, second);
+    if (!motionencoder) return out;
+    auto encode = [&](const Sequences<B>& motion) {
+      return encode_motion(config.mask_padding ? motion : from_equal(to_padded(motion)), context);
+    };
+    out.first.motion = branch(encode(first), noise.first.motion, noise.first.fact, first);
+    out.second.motion = branch(encode(second), noise.second.motion, noise.second.fact, second);
+    return out;
+  }
+
+  /// The parts of one motion in normalised features, one for each text, in their order.
+  /// lengths  frames of the parts, each with the gap of `window` frames before it; the gaps are rows of 0
+  /// eps      (texts, latent), standard normal
+  /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames behind its gap
+  /// Source   spec teach.md 5.1
+  Sequences<B> generate(const Sequences<B>& texts, const Offsets& lengths, const Tensor<B, 2>& eps,
+                        Index window = 0) const {
+    if (lengths.count() != texts.count() || eps.size(0) != texts.count())
+      raise<shape_error>(204, "Teach: ", texts.count(), " texts, ", lengths.count(), " lengths, eps ", eps.shape());
+    std::vector<Tensor<B, 2>> rows;
+    TeachPast<B> past;
+    for (Index i = 0; i < texts.count(); ++i) {
+      const Index gap = i == 0 ? 0 : window, frames = lengths.length(i) - gap;
+      if (frames < 2 && gap > 0)
+        raise<config_error>(101, "Teach: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
+                            " has to have two or more");
+      const auto z = encode_text({texts[i], Offsets{texts.offsets.length(i)}}, past).sample(slice(eps, 0, i, i + 1));
+      const auto part = decode(z, Offsets{frames});
+      if (gap > 0) rows.push_back(Tensor<B, 2>::zeros({gap, config.nfeats}));
+      rows.push_back(part.rows);
+      if (i + 1 < texts.count()) past = past_of(part, z);
+    }
+    return {concat(std::span<const Tensor<B, 2>>(rows), 0), lengths};
+  }
+};
+
+/// The parts of one motion, with noise that depends on seed and place only.
+template <Backend B>
+Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts, const Offsets& lengths,
+                               const Philox& rng, Index window = teach_window, const LatentSampling& sampling = {}) {
+  auto noise = rng;
+  const auto eps = Tensor<B, 2>::randn({texts.count(), model.config.latent_dim}, noise);
+  return model.generate(texts, lengths, eps * (sampling.mean ? 0 : sampling.fact), window);
+}
+
+/// Normalised parts to one motion: rotations of 22 joints and translation, metres, Z up, 30 frames per second. Each part is aligned to
+/// the end of the one before it, and the gap of `window` frames between them is interpolated.
+template <Backend B>
+SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer, const Sequences<B>& parts,
+                                                Index window = 0, Alignment alignment = Alignment::full) {
+  auto motion = smplvelp_inverse(normalizer.denormalize(parts.rows).span());
+  PoolVector<Index> lengths;
+  for (Index i = 0; i < parts.count(); ++i) lengths.push_back(parts.offsets.length(i));
+  join_parts(motion, std::span<const Index>(lengths), window, alignment);
+  return motion;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
