@@ -248,6 +248,7 @@
 #include <motionlang/systems/stmc.hpp>
 #include <motionlang/systems/teach.hpp>
 #include <motionlang/systems/temos.hpp>
+#include <motionlang/systems/tm2t.hpp>
 #include <motionlang/systems/tmr.hpp>
 
 #include <motionlang/search/motion_index.hpp>

@@ -14,7 +14,7 @@ using ml::Index;
 
 /// Rows of ids as a tensor of the case.
 void out_ids(Case& c, const std::string& name, const std::vector<std::vector<Index>>& lists) {
-  const ml::IdSequences all(lists);
+  const auto all = ml::IdSequences::from(lists);
   c.out(name, {all.count(), all.offsets.longest()}, all.ids);
 }
 void out_decoded(Case& c, const std::string& name, const ml::Decoded& d) {

@@ -118,7 +118,7 @@ struct Decoded {
   IdSequences written() const {
     std::vector<std::vector<Index>> out;
     for (std::size_t i = 0; i < ids.size(); ++i) out.emplace_back(ids[i].begin() + 1, ids[i].begin() + 1 + lengths[i]);
-    return IdSequences(out);
+    return IdSequences::from(out);
   }
 };
 
@@ -132,7 +132,7 @@ Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform
   const auto n = static_cast<std::size_t>(count);
   Decoded out{std::vector<std::vector<Index>>(n, {o.begin}), std::vector<Index>(n, o.max_steps)};
   for (Index step = 0; step < o.max_steps; ++step) {
-    auto p = detail::next_probabilities(next(IdSequences(out.ids)), o.top_k);
+    auto p = detail::next_probabilities(next(IdSequences::from(out.ids)), o.top_k);
     std::vector<Index> best;
     for (std::size_t r = 0; r < n; ++r) {
       best.push_back(detail::most_probable(p[r]));
@@ -191,7 +191,7 @@ BeamSearch beam_search(Next&& next, const BeamOptions& o) {
   BeamSearch out{{}, {{o.begin}}, {0}, {}};
   auto ended = [&](const std::vector<Index>& beam) { return std::find(beam.begin(), beam.end(), o.end) != beam.end(); };
   for (Index length = 1; length < o.max_length; ++length) {
-    const auto p = detail::next_probabilities(next(IdSequences(out.beams)), 0);
+    const auto p = detail::next_probabilities(next(IdSequences::from(out.beams)), 0);
     if (o.beams > std::ssize(p[0]))
       raise<config_error>(101, "beam_search: ", o.beams, " beams, ", p[0].size(), " symbols");
     std::vector<Candidate> candidates;

@@ -218,10 +218,21 @@ struct GumbelOptions {
   double tau = 1;
 };
 
+/// g = -log(-log u) for uniform numbers u: the arg max of logits + g is drawn by their softmax. (rows, symbols)
+template <Backend B>
+Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
+  std::vector<typename B::scalar> g(static_cast<std::size_t>(rows * symbols));
+  std::vector<double> u(g.size());
+  rng.uniform<double>(u);
+  for (std::size_t i = 0; i < g.size(); ++i)
+    g[i] = static_cast<typename B::scalar>(-std::log(-std::log(std::clamp(u[i], 1e-12, 1 - 1e-12))));
+  return Tensor<B, 2>::from(g, {rows, symbols});
+}
+
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
 /// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never written; a sequence ends
 /// where the end is the most probable symbol, and goes on until the last one has ended.
-/// noise(step)  (sequences, symbols): g = -log(-log u)
+/// noise(step)  (sequences, symbols), see gumbel_noise
 /// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec tm2t.md 5.1
 /// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning only
 template <Backend B, class Noise>

@@ -18,13 +18,13 @@ struct IdSequences {
     if (std::ssize(ids) != offsets.rows())
       raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
   }
-  explicit IdSequences(const std::vector<std::vector<Index>>& lists) {
-    std::vector<Index> lengths;
+  static IdSequences from(const std::vector<std::vector<Index>>& lists) {
+    std::vector<Index> ids, lengths;
     for (const auto& list : lists) {
       ids.insert(ids.end(), list.begin(), list.end());
       lengths.push_back(std::ssize(list));
     }
-    offsets = Offsets(lengths);
+    return {std::move(ids), Offsets(lengths)};
   }
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
@@ -38,7 +38,7 @@ struct IdSequences {
       if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();
       if (padded[i] != pad) lists.back().push_back(padded[i]);
     }
-    return IdSequences(lists);
+    return from(lists);
   }
 
   Index count() const { return offsets.count(); }
@@ -56,7 +56,7 @@ struct IdSequences {
         raise<shape_error>(207, "IdSequences: ", first + last, " ids less than ", list.size(), " in sequence ", i);
       lists.emplace_back(list.begin() + first, list.end() - last);
     }
-    return IdSequences(lists);
+    return from(lists);
   }
 };
 

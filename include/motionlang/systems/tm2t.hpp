@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in vae/motion_tokenizer.hpp,
+/// nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
+///
+///     for (const auto& text : tm2t.describe(features, glove)) ...                    // "a person walk forward"
+///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each token
+///
+/// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and texts"
+///         (ECCV 2022); spec tm2t.md
+#pragma once
+
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/features/tm2t_data.hpp>
+#include <motionlang/loss/cross_entropy.hpp>
+#include <motionlang/nn/seq2seq_gru.hpp>
+#include <motionlang/nn/seq2seq_transformer.hpp>
+#include <motionlang/text/glove.hpp>
+#include <motionlang/vae/motion_tokenizer.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Published sizes for HumanML3D. KIT: 251 features, three layers.
+struct Tm2tConfig {
+  MotionTokenizerConfig tokenizer{};
+  Seq2SeqConfig motion_to_text{};
+  Seq2SeqGruConfig text_to_motion{};
+};
+
+/// How texts become motions, as published.
+struct Tm2tSampling {
+  Index max_tokens = 49, top_k = 100;
+};
+
+/// The sum over all symbols of -log p, as published not their mean. `logits`: of what comes after each symbol but the last one.
+template <Backend B>
+Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
+  return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
+}
+
+/// The members of the published checkpoints, each of which has a file of its own.
+template <Backend B>
+struct Tm2t {
+  Normalizer<B> statistics;  // those of the tokenizer, see tm2t_deviation
+  MotionTokenizer<B> tokenizer;
+  Seq2SeqTransformer<B> m2t_transformer;
+  Seq2SeqGru<B> t2m_model;
+
+  static constexpr auto fields() {
+    using M = Tm2t;
+    return motionlang::fields("statistics", &M::statistics, "tokenizer", &M::tokenizer, "m2t_transformer",
+                              &M::m2t_transformer, "t2m_model", &M::t2m_model);
+  }
+  Tm2t() = default;
+  Tm2t(const Tm2tConfig& c, Rng auto& rng)
+      : statistics(Normalizer<B>::identity(c.tokenizer.features)),
+        tokenizer(c.tokenizer, rng),
+        m2t_transformer(c.motion_to_text, rng),
+        t2m_model(c.text_to_motion, rng) {}
+
+  MotionVocabulary vocabulary() const { return tokenizer.vocabulary(); }
+
+  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than four.
+  IdSequences tokens(const Sequences<B>& features) const {
+    return tokenizer.tokens(features.with(statistics.normalize(features.rows)));
+  }
+  /// Codes to features; a motion of no codes has no frames.
+  Sequences<B> motions(const IdSequences& codes) const {
+    std::vector<std::vector<Index>> lists;
+    std::vector<Index> frames;
+    for (Index i = 0; i < codes.count(); ++i) {
+      const auto own = codes[i];
+      if (!own.empty()) lists.emplace_back(own.begin(), own.end());
+      frames.push_back(4 * std::ssize(own));
+    }
+    if (lists.empty()) return {Tensor<B, 2>::zeros({0, statistics.mean.size(0)}), Offsets(frames)};
+    return {statistics.denormalize(tokenizer.motions(IdSequences::from(lists)).rows), Offsets(frames)};
+  }
+
+  /// What the transformer reads: codes between the marks.
+  IdSequences marked(const IdSequences& codes) const {
+    std::vector<std::vector<Index>> lists;
+    for (Index i = 0; i < codes.count(); ++i) {
+      const auto own = codes[i];
+      lists.push_back({vocabulary().begin()});
+      lists.back().insert(lists.back().end(), own.begin(), own.end());
+      lists.back().push_back(vocabulary().end());
+    }
+    return IdSequences::from(lists);
+  }
+  /// A description of each motion, the best of some beams: lemmas with blanks between them.
+  /// Differs from the published program, which takes the last word off a description that has no end
+  std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
+    set_marks(options, glove);
+    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    std::vector<std::string> out;
+    for (Index i = 0; i < memory.count(); ++i) {
+      auto next = [&, own = memory[i]](const IdSequences& written) {
+        return m2t_transformer.next_logits(written, repeat_sequence(own, written.count()));
+      };
+      out.push_back(sentence(beam_search(next, options).ids, glove));
+    }
+    return out;
+  }
+  /// Descriptions that are drawn word by word.
+  std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
+                                              DecodingOptions options = {}) const {
+    set_marks(options, glove);
+    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    auto next = [&](const IdSequences& written) { return m2t_transformer.next_logits(written, memory); };
+    const auto words = decode_batch(next, memory.count(), options, uniform_of(rng)).written();
+    std::vector<std::string> out;
+    for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
+    return out;
+  }
+
+  /// The codes of a motion for each text. text: as GloVe::encode makes it; parts of speech are not read.
+  IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
+    auto state = t2m_model.start(word_vectors(text));
+    return decode_batch(t2m_model.next(state), text.count(),
+                        {.begin = vocabulary().begin(),
+                         .end = vocabulary().end(),
+                         .pad = vocabulary().pad(),
+                         .max_steps = options.max_tokens,
+                         .top_k = options.top_k},
+                        uniform_of(rng))
+        .written();
+  }
+  /// Their features. A text that the model has nothing to say about gets no frames.
+  Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
+    return motions(write_tokens(text, rng, options));
+  }
+
+  Sequences<B> word_vectors(const TextFeatures<B>& text) const {
+    return text.tokens.with(slice(text.tokens.rows, 1, 0, t2m_model.text_encoder.input_emb.in()));
+  }
+
+ private:
+  static void set_marks(auto& options, const GloVe& glove) {
+    options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
+  }
+  /// Words without marks.
+  static std::string sentence(std::span<const Index> ids, const GloVe& glove) {
+    std::string out;
+    for (const Index id : ids) {
+      if (id == glove.id("sos") || id == glove.id("eos") || id == glove.size()) continue;
+      out += (out.empty() ? "" : " ") + glove.word(id);
+    }
+    return out;
+  }
+};
+
+/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss of the description,
+/// whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is not to be changed by it.
+///     text: word vectors; described: ids of the words with their marks
+/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with gradients clipped at
+///         norm 0.5, not the sum of the paper
+template <AutodiffBackend A>
+Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
+                                    const Sequences<A>& text, const IdSequences& described,
+                                    const GumbelOptions& options, Philox& rng, const Context& context = {}) {
+  const Index symbols = t2m.motion_decoder_step.input_emb.weight.size(0);
+  const auto sample =
+      gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
+  const auto memory = m2t.encode_shares(sample.rows(), context);
+  return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
