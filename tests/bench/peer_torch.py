@@ -1,7 +1,7 @@
-"""The peer in PyTorch (for search also faiss): the same work as bench_denoiser, bench_kinematics, bench_body, bench_text and bench_search,
-with random weights.
+"""The peer in PyTorch (for search also faiss): the same work as bench_denoiser, bench_kinematics, bench_body, bench_text, bench_search
+and bench_vae, with random weights.
 
-usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss]
+usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss tmr_encoder temos_decoder actor_decoder train_tmr]
 Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster.
 """
 import os, sys, time
@@ -233,7 +233,85 @@ def search_faiss():
     report("search_faiss", "1000 queries 1e6x256", "faiss", lambda: index.search(queries, 10), 3)
 
 
+class SequenceEncoder(nn.Module):
+    """Two tokens before the frames; what becomes of them is the distribution (TMR)."""
+
+    def __init__(self, features, batch_first):
+        super().__init__()
+        self.batch_first = batch_first
+        self.embed, self.tokens = nn.Linear(features, 256), nn.Parameter(torch.randn(2, 256))
+        self.layers = nn.TransformerEncoder(nn.TransformerEncoderLayer(256, 4, 1024, 0.1, "gelu", batch_first=batch_first), 6)
+        self.register_buffer("positions", torch.randn(1000, 256))
+
+    def forward(self, x):
+        x = torch.cat([self.tokens[None].expand(x.shape[0], -1, -1), self.embed(x)], 1)
+        x = x + self.positions[: x.shape[1]]
+        return self.layers(x)[:, :2] if self.batch_first else self.layers(x.transpose(0, 1))[:2].transpose(0, 1)
+
+
+class SequenceDecoder(nn.Module):
+    """Positions are the queries, one latent is the memory (TEMOS, TMR, ACTOR)."""
+
+    def __init__(self, features, layers, batch_first):
+        super().__init__()
+        self.batch_first = batch_first
+        self.layers = nn.TransformerDecoder(nn.TransformerDecoderLayer(256, 4, 1024, 0.1, "gelu", batch_first=batch_first), layers)
+        self.read = nn.Linear(256, features)
+        self.register_buffer("positions", torch.randn(1000, 256))
+
+    def forward(self, z, frames):
+        queries = self.positions[:frames][None].expand(z.shape[0], -1, -1)
+        if self.batch_first:
+            return self.read(self.layers(queries, z[:, None]))
+        return self.read(self.layers(queries.transpose(0, 1), z[None]).transpose(0, 1))
+
+
+def tmr_encoder():
+    for b in (1, 32):
+        for name, batch_first in LAYOUTS:
+            model, x = SequenceEncoder(263, batch_first).eval(), torch.randn(b, 200, 263)
+            with torch.no_grad():
+                report("tmr_encoder", f"B={b} T=200", name, lambda: model(x), 3)
+
+
+def decoder(work, features, layers, frames):
+    for b in (1, 32):
+        for name, batch_first in LAYOUTS:
+            model, z = SequenceDecoder(features, layers, batch_first).eval(), torch.randn(b, 256)
+            with torch.no_grad():
+                report(work, f"B={b} T={frames}", name, lambda: model(z, frames), 3)
+
+
+def train_tmr():
+    batch, frames, words = 32, 200, 32
+    for name, batch_first in LAYOUTS:
+        motions, texts, decode = SequenceEncoder(263, batch_first), SequenceEncoder(768, batch_first), SequenceDecoder(263, 6, batch_first)
+        adam = torch.optim.AdamW([p for m in (motions, texts, decode) for p in m.parameters()], 1e-4)
+        x, text = torch.randn(batch, frames, 263), torch.randn(batch, words, 768)
+
+        def sample(tokens):
+            mu, logvar = tokens[:, 0], tokens[:, 1]
+            return mu + torch.randn_like(mu) * (0.5 * logvar).exp(), mu, logvar
+
+        def kl(mu, logvar, mu2, logvar2):
+            return 0.5 * ((logvar - logvar2).exp() + (mu - mu2) ** 2 * (-logvar2).exp() - 1 - logvar + logvar2).mean()
+
+        def step():
+            adam.zero_grad(set_to_none=True)
+            (z, *m), (y, *t) = sample(motions(x)), sample(texts(text))
+            zero = torch.zeros_like(z)
+            loss = F.smooth_l1_loss(decode(z, frames), x) + F.smooth_l1_loss(decode(y, frames), x) + 1e-5 * F.smooth_l1_loss(y, z)
+            loss = loss + 1e-5 * (kl(*t, *m) + kl(*m, *t) + kl(*t, zero, zero) + kl(*m, zero, zero))
+            s, own = F.normalize(y, dim=1) @ F.normalize(z, dim=1).t() / 0.1, torch.arange(batch)
+            (loss + 0.1 * 0.5 * (F.cross_entropy(s, own) + F.cross_entropy(s.t(), own))).backward()
+            adam.step()
+
+        report("train_tmr", f"B={batch} T={frames} dropout 0.1", name, step, 12)
+
+
 WORKS = {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl,
-         "distilbert": distilbert, "clip_text": clip_text, "search": search, "search_faiss": search_faiss}
+         "distilbert": distilbert, "clip_text": clip_text, "search": search, "search_faiss": search_faiss,
+         "tmr_encoder": tmr_encoder, "temos_decoder": lambda: decoder("temos_decoder", 263, 6, 200),
+         "actor_decoder": lambda: decoder("actor_decoder", 150, 8, 60), "train_tmr": train_tmr}
 for wanted in sys.argv[2:] or WORKS:
     WORKS[wanted]()

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Our programs and PyTorch in turns, in one run: for each work the median times and their ratio.
 
-usage: run.py BUILD_FOLDER [--threads 2] [--rounds 3] [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss]
+usage: run.py BUILD_FOLDER [--threads 2] [--rounds 3] [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss
+                                                           tmr_encoder temos_decoder actor_decoder train_tmr]
 Debian: python3-torch, libopenblas0-openmp, for search_faiss python3-faiss. torch runs with the settings that are fastest for it: all candidates are tried once.
 """
 import argparse, collections, csv, io, os, pathlib, statistics, subprocess, sys
@@ -9,8 +10,10 @@ import argparse, collections, csv, io, os, pathlib, statistics, subprocess, sys
 HERE = pathlib.Path(__file__).parent
 OPENBLAS = "/usr/lib/x86_64-linux-gnu/openblas-openmp"
 PROGRAM = {"fk": "bench_kinematics", "smpl": "bench_body", "distilbert": "bench_text", "clip_text": "bench_text",
-           "search": "bench_search", "search_faiss": "bench_search"}  # all others: bench_denoiser
-TARGET = {"mdm_step": 1.0, "train_mdm": 1.0, "fk": 0.1, "smpl": 0.3, "distilbert": 0.9, "clip_text": 0.9, "search": 0.6, "search_faiss": 1.1}
+           "search": "bench_search", "search_faiss": "bench_search", "tmr_encoder": "bench_vae", "temos_decoder": "bench_vae",
+           "actor_decoder": "bench_vae", "train_tmr": "bench_vae"}  # all others: bench_denoiser
+TARGET = {"mdm_step": 1.0, "train_mdm": 1.0, "fk": 0.1, "smpl": 0.3, "distilbert": 0.9, "clip_text": 0.9, "search": 0.6, "search_faiss": 1.1,
+          "tmr_encoder": 0.75, "temos_decoder": 0.9, "actor_decoder": 0.9, "train_tmr": 0.7}
 
 
 def rows(command, environment=None):
@@ -42,7 +45,8 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("works", nargs="*", default=[])
     a = parser.parse_intermixed_args()
-    works = a.works or ["mdm_step", "mdm_ragged", "train_mdm", "fk", "smpl", "distilbert", "clip_text", "search", "search_faiss"]
+    works = a.works or ["mdm_step", "mdm_ragged", "train_mdm", "fk", "smpl", "distilbert", "clip_text", "search", "search_faiss",
+                        "tmr_encoder", "temos_decoder", "actor_decoder", "train_tmr"]
     environment = fastest_environment(a.threads)
     print("torch with", {k: v for k, v in environment.items() if k.startswith(("OPENBLAS_", "ATEN"))})
     ours, theirs = collections.defaultdict(list), collections.defaultdict(list)
