@@ -3,18 +3,16 @@
 
 #include <CLI/CLI.hpp>
 
-#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+
+#include "interrupt.hpp"
 
 namespace program {
 
 /// Exit codes, as --help lists them.
 enum Exit : int { ok = 0, failed = 1, usage = 2, bad_timeline = 3, stopped = 130 };
-
-/// Set by Ctrl-C. Long work looks at it between steps, ends cleanly, and leaves nothing half written.
-inline std::atomic<bool> interrupted{false};
 
 /// What was typed, for the metadata of what is made.
 inline std::string command_line;
@@ -23,6 +21,11 @@ void add_generate(CLI::App& app);
 void add_info(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
+void add_train_tmr(CLI::App& app);
+void add_train_temos(CLI::App& app);
+void add_train_actor(CLI::App& app);
+void add_train_classifier(CLI::App& app);
+void add_evaluate(CLI::App& app);
 void add_judge(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
 void add_doctor(CLI::App& app);

@@ -12,6 +12,7 @@
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "generation.hpp"
+#include "commands.hpp"
 #include "progress_bar.hpp"
 
 namespace program {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-#include "commands.hpp"
+#include "interrupt.hpp"
 
 namespace program {
 

@@ -1,305 +1,110 @@
 #include "trainer.hpp"
 
-#include <motionlang/core/parallel.hpp>
-#include <motionlang/features/smplrifke.hpp>
-#include <motionlang/features/statistics.hpp>
-#include <motionlang/loss/reconstruction.hpp>
-#include <motionlang/optim/ema.hpp>
-#include <motionlang/optim/lr_schedule.hpp>
+#include <motionlang/io/stmc_file.hpp>
 
-#include "foot_loss.hpp"
+#include "loss_curves.hpp"
 
 namespace program {
 
-using ml::Index;
-
 namespace {
 
-std::vector<Sample> draw_batch(const TrainingSet& data, const TrainingConfig& config, ml::Philox rng, Index count) {
-  std::vector<Sample> batch(static_cast<std::size_t>(count));
-  ml::parallel_for(count, [&](Index i) {
-    batch[static_cast<std::size_t>(i)] = data.draw(rng.split(static_cast<std::uint64_t>(i)), config.samples);
-  });
-  return batch;
-}
+/// Where the training loss ends and the measures of validations begin.
+constexpr const char* validations_name = "validations";
 
-/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
-/// 1.
-template <ml::Backend B>
-ml::Normalizer<B> measure(const TrainingSet& data, const TrainingConfig& config) {
-  ml::FeatureStatistics statistics;
-  for (const Sample& s : draw_batch(data, config, ml::Philox{.seed = config.seed}.split("statistics"), 2000)) {
-    const std::vector<double> values(s.features.begin(), s.features.end());
-    statistics.add(std::span<const double>(values), ml::smplrifke_size);
+std::string joined(const std::vector<Measure>& measures) {
+  std::string out;
+  for (const Measure& m : measures)
+    out += (out.empty() ? "" : "\n") + (m.larger_is_better ? "+" + m.name : "-" + m.name);
+  return out;
+}
+std::vector<Measure> separated(const std::string& text) {
+  std::vector<Measure> out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    out.push_back({text.substr(at + 1, end - at - 1), 0, text[at] == '+'});
+    at = end + 1;
   }
-  std::vector<float> mean, std;
-  for (double m : statistics.mean()) mean.push_back(static_cast<float>(m));
-  for (double d : statistics.standard_deviation()) std.push_back(d < 1e-4 ? 1.0f : static_cast<float>(d));
-  return {ml::Tensor<B, 1>::from(mean, {std::ssize(mean)}), ml::Tensor<B, 1>::from(std, {std::ssize(std)})};
-}
-
-constexpr Index summary_parts = 4, summary_size = (summary_parts + 1) * ml::smplrifke_size;
-
-/// What a caption should tell about rows (frames, 205) of normalised features: the mean of every feature over each
-/// quarter of the time ("sit down" is not "sit"), and its deviation over all of it.
-void append_summary(std::vector<float>& out, std::span<const float> rows) {
-  const Index frames = std::ssize(rows) / ml::smplrifke_size;
-  ml::FeatureStatistics all;
-  for (Index k = 0; k < summary_parts; ++k) {
-    const Index first = frames * k / summary_parts, last = std::max(first + 1, frames * (k + 1) / summary_parts);
-    const auto quarter = rows.subspan(static_cast<std::size_t>(first * ml::smplrifke_size),
-                                      static_cast<std::size_t>((last - first) * ml::smplrifke_size));
-    ml::FeatureStatistics part;
-    part.add(quarter, ml::smplrifke_size);
-    for (double mean : part.mean()) out.push_back(static_cast<float>(mean));
-  }
-  all.add(rows, ml::smplrifke_size);
-  const auto n = static_cast<double>(all.count());
-  for (double unbiased : all.standard_deviation()) out.push_back(static_cast<float>(unbiased * std::sqrt((n - 1) / n)));
-}
-
-/// Four numbers say where the figure goes, 201 how it holds itself: the four count more. (205), mean of the squares
-/// about 1.
-template <ml::Backend B>
-ml::Tensor<B, 1> feature_weights(double root_weight) {
-  std::vector<typename B::scalar> weights(ml::smplrifke_size, 1);
-  std::fill_n(weights.begin(), 4, static_cast<typename B::scalar>(std::sqrt(root_weight)));
-  return ml::Tensor<B, 1>::from(weights, {ml::smplrifke_size});
-}
-
-/// The diffusion step of a sample. Over all frames together, what a motion will be (where it goes, when it sits down)
-/// shows through much more noise than any single frame: with 60 frames and features that move together, the signal of
-/// such a whole is as strong as the noise when alpha_bar is still about 1e-3. It is decided in the first few of a
-/// hundred steps, so `focus` of the samples come from the noisiest fifth, the noisier the more.
-Index draw_t(ml::Philox& rng, Index steps, double focus) {
-  if (rng.uniform() >= focus) return static_cast<Index>(rng.below(static_cast<std::uint32_t>(steps)));
-  const double from_the_end = 0.2 * static_cast<double>(steps) * std::pow(rng.uniform(), 1.5);
-  return std::max<Index>(0, steps - 1 - static_cast<Index>(from_the_end));
-}
-
-/// The moments of an optimiser in a checkpoint, behind `prefix`.
-template <class A>
-void add_moments(ml::TensorStore& store, const std::string& prefix, const ml::AdamW<A>& adam) {
-  using B = typename A::inner;
-  for (const auto& [path, s] : adam.state()) {
-    store.add(prefix + "m." + path, B::shape(s.m), B::to_span(s.m), ml::DType::F32);
-    store.add(prefix + "v." + path, B::shape(s.v), B::to_span(s.v), ml::DType::F32);
-  }
-}
-template <class A, ml::Module M>
-void restore_moments(ml::AdamW<A>& adam, const M& model, const ml::SafetensorsFile& file, const std::string& prefix,
-                     Index steps) {
-  using B = typename A::inner;
-  std::map<std::string, typename ml::AdamW<A>::Moments> moments;
-  ml::visit_tensors(model, [&](const std::string& path, const auto& t) {
-    const auto *m = file.find(prefix + "m." + path), *v = file.find(prefix + "v." + path);
-    if (m == nullptr || v == nullptr) return;
-    auto load = [&](const ml::TensorView& view) {
-      if (view.shape != t.shape())
-        ml::raise<ml::io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", not ", t.shape());
-      const auto numbers = ml::values_of<float>(view);
-      return B::from_span(std::span<const float>(numbers), view.shape);
-    };
-    moments.emplace(path, typename ml::AdamW<A>::Moments{load(*m), load(*v)});
-  });
-  adam.restore(steps, std::move(moments));
-}
-
-ml::StmcModelConfig completed(const TrainingConfig& c) {
-  auto model = c.model;
-  model.denoiser.tx_dim = model.text.out;
-  return model;
+  return out;
 }
 
 }  // namespace
 
-Trainer::Trainer(TrainingConfig config, const TrainingSet& data)
-    : config_(std::move(config)),
-      data_(&data),
-      diffusion_(ml::CosineSchedule{.steps = config_.model.diffusion_steps}),
-      adam_() {
-  config_.model = completed(config_);
-  const auto captions = data.all_captions();
-  average_ = ml::make_stmc<B>(config_.model, ml::WordPiece::learn(captions, config_.vocabulary),
-                              ml::Philox{.seed = config_.seed}.split("init"));
-  average_.motion_normalizer = measure<B>(data, config_);
-  model_ = ml::convert_stmc<A>(average_);
-  auto rng = ml::Philox{.seed = config_.seed}.split("summary");
-  summary_ = ml::convert<A>(ml::Linear<B>(config_.model.text.out, summary_size, rng));
-  adam_.config.weight_decay = adam_summary_.config.weight_decay = config_.weight_decay;
+ml::Index TrainingRecord::best() const {
+  ml::Index best = -1;
+  for (ml::Index i = 0; i < std::ssize(validations); ++i) {
+    const auto watched = [&](ml::Index k) -> const Measure& {
+      return validations[static_cast<std::size_t>(k)].measures.at(0);
+    };
+    const double sign = watched(i).larger_is_better ? -1 : 1;
+    if (best < 0 || sign * watched(i).value < sign * watched(best).value) best = i;
+  }
+  return best;
 }
 
-double Trainer::learn_texts(ml::Progress progress) {
-  const auto rng = ml::Philox{.seed = config_.seed}.split("texts");
-  const auto samples =
-      draw_batch(*data_, config_, rng.split("samples"), std::min<Index>(20000, 8 * config_.text_steps));
-  std::vector<float> summaries;
-  for (const Sample& s : samples) {
-    const auto rows =
-        average_.motion_normalizer.normalize(ml::Tensor<B, 2>::from(s.features, {s.frames, ml::smplrifke_size}));
-    append_summary(summaries, rows.span());
+bool TrainingRecord::gives_up(const ValidationPlan& plan) const {
+  return plan.patience > 0 && !validations.empty() && std::ssize(validations) - 1 - best() >= plan.patience;
+}
+
+void TrainingRecord::add_to(ml::TensorStore& store, std::map<std::string, std::string>& metadata) const {
+  store.add<float>("losses", {steps()}, losses, ml::DType::F32);
+  metadata["training.steps_done"] = std::to_string(steps());
+  if (validations.empty()) return;
+  std::vector<double> rows;
+  for (const Validation& v : validations) {
+    rows.push_back(static_cast<double>(v.step));
+    for (const Measure& m : v.measures) rows.push_back(m.value);
   }
-  ml::AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_summary = adam_text;
-  double value = 0;
-  for (Index k = 0; k < config_.text_steps; ++k) {
-    auto pick = rng.split("batch").split(static_cast<std::uint64_t>(k));
-    std::vector<std::string> captions;
-    std::vector<float> wanted;
-    for (int i = 0; i < 128; ++i) {
-      const auto n = static_cast<std::ptrdiff_t>(pick.below(static_cast<std::uint32_t>(samples.size())));
-      captions.push_back(samples[static_cast<std::size_t>(n)].caption);
-      wanted.insert(wanted.end(), summaries.begin() + n * summary_size, summaries.begin() + (n + 1) * summary_size);
+  store.add<double>(validations_name, {std::ssize(validations), std::ssize(rows) / std::ssize(validations)}, rows,
+                    ml::DType::F64);
+  metadata["training.measures"] = joined(validations.front().measures);
+}
+
+void TrainingRecord::load(const ml::SafetensorsFile& file) {
+  losses = ml::values_of<float>(file.tensor("losses"));
+  if (ml::detail::metadata_number<ml::Index>(file.metadata(), "training.steps_done", file.name()) != steps())
+    ml::raise<ml::io_error>(403, file.name(), ": losses of ", steps(), " steps, the metadata say otherwise");
+  validations.clear();
+  const auto* stored = file.find(validations_name);
+  if (stored == nullptr) return;
+  const auto names = separated(ml::detail::metadata_text(file.metadata(), "training.measures", ""));
+  const auto rows = ml::values_of<double>(*stored);
+  const std::size_t width = names.size() + 1;
+  if (stored->shape.rank() != 2 || stored->shape[1] != static_cast<ml::Index>(width))
+    ml::raise<ml::io_error>(403, file.name(), ": validations ", stored->shape, ", named are ", names.size());
+  for (std::size_t at = 0; at < rows.size(); at += width) {
+    Validation v{static_cast<ml::Index>(rows[at]), names};
+    for (std::size_t i = 0; i < names.size(); ++i) v.measures[i].value = rows[at + 1 + i];
+    validations.push_back(std::move(v));
+  }
+}
+
+std::string TrainingRecord::curves() const {
+  std::vector<CurvePanel> panels{{"loss", {curve_of_steps("training", losses)}}};
+  for (std::size_t i = 0; !validations.empty() && i < validations.front().measures.size(); ++i) {
+    Curve c{"validation", {}, {}};
+    for (const Validation& v : validations) {
+      c.steps.push_back(static_cast<double>(v.step));
+      c.values.push_back(v.measures[i].value);
     }
-    const ml::Context context{.dropout = pick.split("dropout")};
-    const auto told = summary_(model_.text_encoder(captions, context));
-    const auto loss = ml::mse(told, ml::Tensor<A, 2>::from(wanted, told.shape()));
-    const auto gradients = ml::backward(loss);
-    adam_text.config.lr = adam_summary.config.lr =
-        ml::WarmupCosine{.peak = 1e-3, .floor = 5e-5, .warmup = 100, .total = config_.text_steps}(k);
-    adam_text.step(model_.text_encoder, gradients);
-    adam_summary.step(summary_, gradients);
-    value = k == 0 ? static_cast<double>(loss.item()) : 0.98 * value + 0.02 * static_cast<double>(loss.item());
-    progress(k + 1, config_.text_steps);
+    const std::string& name = validations.front().measures[i].name;
+    if (name == "loss")
+      panels.front().curves.push_back(std::move(c));
+    else
+      panels.push_back({name, {std::move(c)}});
   }
-  average_.text_encoder = ml::to_inner(model_.text_encoder);
-  return value;
+  return curves_svg(panels);
 }
 
-void Trainer::take_denoiser(const std::filesystem::path& model) {
-  const auto trained = ml::load_stmc<B>(model);
-  average_.denoiser = ml::convert<B>(trained.denoiser);
-  average_.motion_normalizer = trained.motion_normalizer;
-  model_.denoiser = ml::convert<A>(average_.denoiser);
-  model_.motion_normalizer = ml::convert<A>(average_.motion_normalizer);
-}
-
-double Trainer::step() {
-  const auto rng = ml::Philox{.seed = config_.seed}.split("step").split(static_cast<std::uint64_t>(steps_));
-  const auto batch = draw_batch(*data_, config_, rng.split("samples"), config_.batch);
-
-  // x0, packed; one t per sequence; noise
-  std::vector<float> values;
-  std::vector<Index> lengths, t, t_of_row;
-  std::vector<std::string> captions;
-  auto t_rng = rng.split("t");
-  for (const Sample& s : batch) {
-    values.insert(values.end(), s.features.begin(), s.features.end());
-    lengths.push_back(s.frames);
-    captions.push_back(s.caption);
-    t.push_back(draw_t(t_rng, diffusion_.steps(), config_.noise_focus));
-    t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(s.frames), t.back());
-  }
-  const ml::Offsets offsets(lengths);
-  const auto x0 =
-      model_.motion_normalizer.normalize(ml::Tensor<A, 2>::from(values, {offsets.rows(), ml::smplrifke_size}));
-  auto noise_rng = rng.split("noise");
-  const auto eps = ml::Tensor<A, 2>::randn(x0.shape(), noise_rng);
-
-  const ml::Context context{.dropout = rng.split("dropout")};
-  const auto text = ml::TextFeatures<A>::pooled(model_.text_encoder(captions, context));
-  const auto out =
-      model_.denoiser(ml::Sequences<A>(ml::q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
-  const auto error = (out - x0) * feature_weights<A>(config_.root_weight);
-  auto loss = ml::mean(ml::square(error));
-  if (config_.velocity_weight > 0) {  // differences between frames that follow each other in a sequence
-    std::vector<Index> now, next;
-    for (Index s = 0; s < offsets.count(); ++s) {
-      for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
-    }
-    loss = loss + ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))) * config_.velocity_weight;
-  }
-  if (config_.foot_weight > 0) {
-    const auto truth = ml::Tensor<B, 2>::from(values, {offsets.rows(), ml::smplrifke_size});
-    loss = loss + foot_velocity_loss<A>(model_.motion_normalizer.denormalize(out), truth, offsets, training_fps) *
-                      config_.foot_weight;
-  }
-  if (config_.text_weight > 0) {
-    std::vector<float> wanted;
-    const auto width = static_cast<std::size_t>(ml::smplrifke_size);
-    for (Index s = 0; s < offsets.count(); ++s)
-      append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
-                                               static_cast<std::size_t>(offsets.length(s)) * width));
-    const auto told = summary_(text.tokens.rows);
-    loss = loss + ml::mse(told, ml::Tensor<A, 2>::from(wanted, told.shape())) * config_.text_weight;
-  }
-  const double value = static_cast<double>(loss.item());
-  if (!std::isfinite(value)) ml::raise<ml::numeric_error>(301, "training: the loss of step ", steps_, " is ", value);
-
-  const auto gradients = ml::backward(loss);
-  adam_.config.lr = ml::WarmupCosine{
-      .peak = config_.lr, .floor = config_.lr * 0.02, .warmup = config_.warmup, .total = config_.steps}(steps_);
-  adam_summary_.config.lr = adam_.config.lr;
-  adam_.step(model_, gradients, ml::clip_scale(ml::gradient_norm<A>(model_, gradients), config_.clip_norm));
-  adam_summary_.step(summary_, gradients);
-  ml::update_ema(average_, model_, config_.ema, steps_);
-  losses_.push_back(static_cast<float>(value));
-  ++steps_;
-  return value;
-}
-
-/// Everything that decides what a step computes, except the number of steps: a run may be made longer, and its learning
-/// rate then follows the new number.
-std::map<std::string, std::string> Trainer::settings() const {
-  auto out = ml::stmc_metadata(config_.model, average_.text_encoder.tokenizer);
-  out["model"] = "stmc training";
-  auto add = [&](const std::string& name, auto value) { out["training." + name] = ml::concat_text(value); };
-  add("batch", config_.batch);
-  add("lr", config_.lr);
-  add("warmup", config_.warmup);
-  add("weight_decay", config_.weight_decay);
-  add("clip_norm", config_.clip_norm);
-  add("ema", config_.ema);
-  add("velocity_weight", config_.velocity_weight);
-  add("noise_focus", config_.noise_focus);
-  add("root_weight", config_.root_weight);
-  add("foot_weight", config_.foot_weight);
-  add("text_weight", config_.text_weight);
-  add("text_steps", config_.text_steps);
-  add("dropout", config_.model.denoiser.dropout);
-  add("text_dropout", config_.model.text.dropout);
-  add("seed", config_.seed);
-  add("samples", ml::concat_text(config_.samples.shortest, " to ", config_.samples.longest, " frames, no text ",
-                                 config_.samples.no_text, ", composed ", config_.samples.compose, ", mirrored ",
-                                 config_.samples.mirror, ", speed ", config_.samples.speed, ", tempo ",
-                                 config_.samples.tempo, ", reversed ", config_.samples.reverse));
-  return out;
-}
-
-void Trainer::save(const std::filesystem::path& checkpoint) const {
-  ml::TensorStore store;
-  store.add_module(model_, "model.");
-  store.add_module(average_, "average.");
-  store.add_module(summary_, "summary.");
-  add_moments(store, "adam.", adam_);
-  add_moments(store, "adam_summary.", adam_summary_);
-  store.add<float>("losses", {std::ssize(losses_)}, losses_, ml::DType::F32);
-  auto metadata = settings();
-  metadata["training.steps_done"] = std::to_string(steps_);
-  ml::write_safetensors(checkpoint, store.views(), metadata);
-}
-
-void Trainer::resume(const std::filesystem::path& checkpoint, bool with_other_settings) {
-  const auto file = ml::SafetensorsFile::open(checkpoint);
-  for (const auto& [name, value] : settings()) {
+void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map<std::string, std::string>& settings,
+                           bool with_other_settings) {
+  for (const auto& [name, value] : settings) {
     if (with_other_settings && name.starts_with("training.")) continue;
-    const std::string before = ml::detail::metadata_text(file.metadata(), name, "nothing");
+    const std::string before = ml::detail::metadata_text(checkpoint.metadata(), name, "nothing");
     if (value == before) continue;
     const bool is_long = value.size() + before.size() > 100;  // the vocabulary
-    ml::raise<ml::config_error>(102, checkpoint.string(), ": this run began with another ", name,
+    ml::raise<ml::config_error>(102, checkpoint.name(), ": this run began with another ", name,
                                 is_long ? "" : " (" + before + ", not " + value + ")", "; start a new one");
   }
-  const auto steps = ml::detail::metadata_number<Index>(file.metadata(), "training.steps_done", file.name());
-  ml::load_module(model_, file, "model.");
-  ml::load_module(average_, file, "average.");
-  ml::load_module(summary_, file, "summary.");
-  restore_moments(adam_, model_, file, "adam.", steps);
-  restore_moments(adam_summary_, summary_, file, "adam_summary.", steps);
-  losses_ = ml::values_of<float>(file.tensor("losses"));
-  steps_ = steps;
-}
-
-void Trainer::export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const {
-  ml::save_stmc(path, average_, config_.model, about);
 }
 
 }  // namespace program

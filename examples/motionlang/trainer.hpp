@@ -1,83 +1,197 @@
-// Training of the bundled model: denoiser and caption encoder together.
+// One training run of whatever can be trained: steps, validation, early stop, checkpoints from which it goes on with the
+// same numbers, curves.
 #pragma once
 
+#include <chrono>
+#include <concepts>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
-#include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/stmc_file.hpp>
-#include <motionlang/optim/adamw.hpp>
-
-#include "training_data.hpp"
+#include "learner.hpp"
+#include "progress_bar.hpp"
 
 namespace program {
 
-struct TrainingConfig {
-  ml::StmcModelConfig model{
-      .denoiser = {.latent_dim = 256, .ff_size = 768, .num_layers = 6, .num_heads = 4, .dropout = 0.05},
-      .guidance = 2};  // the judge finds more done with 2 than with 3
-  ml::Index vocabulary = 800;
-  ml::Index steps = 16000;
-  ml::Index batch = 32;
-  double lr = 4e-4;
-  ml::Index warmup = 500;
-  double weight_decay = 0.01;
-  double clip_norm = 1;
-  double ema = 0.999;
-  double velocity_weight = 1;   // of the loss on differences between neighbouring frames
-  double noise_focus = 0.5;     // share of the samples that come from the noisiest fifth of the diffusion
-  double root_weight = 8;       // of the four numbers that move the figure, against 1 for each of the others
-  double foot_weight = 0.2;     // of the loss on the velocity of the feet, (m/s)^2
-  double text_weight = 0.2;     // of the loss that asks a caption's vector for a summary of the motion
-  ml::Index text_steps = 3000;  // of the text encoder alone, before the denoiser is trained
-  std::uint64_t seed = 1;
-  SampleOptions samples{};
+struct RunOptions {
+  std::filesystem::path out = "training";  // folder of checkpoint and curves
+  double save_minutes = 5;
+  bool fresh = false;           // whatever checkpoint there is
+  bool other_settings = false;  // go on although the checkpoint began with other numbers
 };
 
-/// All state of a training run. Every step depends on the state and the step's number only, so that a run which is
-/// stopped and resumed gives the numbers of one that was not.
+/// What a validation found.
+struct Measure {
+  std::string name;
+  double value = 0;
+  bool larger_is_better = false;
+};
+struct Validation {
+  ml::Index step = 0;
+  std::vector<Measure> measures;  // the first decides which weights are the best
+};
+
+/// When to validate, and when to stop because of it.
+struct ValidationPlan {
+  ml::Index every = 0;     // steps; 0: never
+  ml::Index patience = 0;  // validations without a better one before training stops; 0: never
+  bool keep_best = false;  // export the weights of the best validation, not the last
+};
+
+/// What a run has seen so far.
+struct TrainingRecord {
+  std::vector<float> losses;  // of every step
+  std::vector<Validation> validations;
+
+  ml::Index steps() const { return std::ssize(losses); }
+  /// The number of the best validation, -1 without one.
+  ml::Index best() const;
+  bool gives_up(const ValidationPlan& plan) const;
+  void add_to(ml::TensorStore& store, std::map<std::string, std::string>& metadata) const;
+  void load(const ml::SafetensorsFile& file);
+  /// Loss of training and validation, and the other measures below it.
+  std::string curves() const;
+};
+
+/// Throws config_error 102 for the first setting in which a checkpoint differs; "training.*" may, where that is wanted.
+void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map<std::string, std::string>& settings,
+                           bool with_other_settings);
+
+/// What can be trained.
+/// loss       of a step, from the step's own generator: it may depend on nothing but that, the step and the state
+/// update     one step of the optimisers
+/// settings   everything that decides what a step computes, but for the number of steps
+/// add_to, load   the state
+template <class T>
+concept TrainingTask = requires(T& task, const T& same, ml::Philox rng, const ml::Gradients<TrainingTape>& gradients,
+                                ml::TensorStore& store, const ml::SafetensorsFile& file, ml::Index step) {
+  { task.loss(rng, step) } -> std::same_as<ml::Tensor<TrainingTape, 0>>;
+  task.update(gradients, step);
+  { same.seed() } -> std::convertible_to<std::uint64_t>;
+  { same.steps() } -> std::convertible_to<ml::Index>;
+  { same.settings() } -> std::same_as<std::map<std::string, std::string>>;
+  same.add_to(store);
+  task.load(file, step);
+};
+/// Tasks that can tell how good they are.
+/// validate    its first measure is watched
+/// keep_best   remembers the weights as they are
+template <class T>
+concept ValidatedTask = TrainingTask<T> && requires(T& task, const T& same) {
+  { task.validate() } -> std::same_as<std::vector<Measure>>;
+  { same.validation() } -> std::convertible_to<ValidationPlan>;
+  task.keep_best();
+};
+
+/// Every step depends on the state and the step's number only, so that a run which is stopped and resumed gives the numbers
+/// of one that was not.
+template <TrainingTask Task>
 class Trainer {
  public:
-  using B = ml::EigenBackend<float>;
-  using A = ml::Autodiff<B>;
+  explicit Trainer(Task task) : task_(std::move(task)) {}
 
-  /// A fresh run: learns the vocabulary, measures mean and deviation of the features, draws the weights.
-  Trainer(TrainingConfig config, const TrainingSet& data);
+  Task& task() { return task_; }
+  const Task& task() const { return task_; }
+  const TrainingRecord& record() const { return record_; }
+  ml::Index steps_done() const { return record_.steps(); }
 
-  ml::Index steps_done() const { return steps_; }
-  /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
-  /// the time, and its deviation. Without it the denoiser learns to move long before it learns to listen. For a fresh
-  /// run, before the first step. Returns the last loss.
-  double learn_texts(ml::Progress progress = {});
-  /// Takes denoiser and normaliser of a trained model, so that only texts are learnt anew. For a fresh run.
-  void take_denoiser(const std::filesystem::path& model);
-  /// One optimiser step; returns the loss.
-  double step();
-  const std::vector<float>& losses() const { return losses_; }
+  /// One optimiser step; returns the loss. Throws numeric_error 301 if it is not finite.
+  double step() {
+    const ml::Index k = steps_done();
+    const auto rng = ml::Philox{.seed = task_.seed()}.split("step").split(static_cast<std::uint64_t>(k));
+    const auto loss = task_.loss(rng, k);
+    const double value = static_cast<double>(loss.item());
+    if (!std::isfinite(value)) ml::raise<ml::numeric_error>(301, "training: the loss of step ", k, " is ", value);
+    task_.update(ml::backward(loss), k);
+    record_.losses.push_back(static_cast<float>(value));
+    if constexpr (ValidatedTask<Task>) {
+      const ValidationPlan plan = task_.validation();
+      if (plan.every > 0 && (steps_done() % plan.every == 0 || steps_done() == task_.steps())) {
+        record_.validations.push_back({steps_done(), task_.validate()});
+        if (plan.keep_best && record_.best() + 1 == std::ssize(record_.validations)) task_.keep_best();
+      }
+    }
+    return value;
+  }
+  bool finished() const {
+    if (steps_done() >= task_.steps()) return true;
+    if constexpr (ValidatedTask<Task>) return record_.gives_up(task_.validation());
+    return false;
+  }
 
   /// Everything that is needed to go on, in float32.
-  void save(const std::filesystem::path& checkpoint) const;
-  /// Goes on where `checkpoint` stopped. Throws config_error 102 if that run had other settings, captions or sizes
-  /// (`with_other_settings`: other sizes or captions), io_error 406, 407 if tensors are missing or wrong.
-  void resume(const std::filesystem::path& checkpoint, bool with_other_settings = false);
-  /// The averaged weights, in half precision.
-  void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
+  void save(const std::filesystem::path& checkpoint) const {
+    ml::TensorStore store;
+    auto metadata = task_.settings();
+    task_.add_to(store);
+    record_.add_to(store, metadata);
+    ml::write_safetensors(checkpoint, store.views(), metadata);
+  }
+  /// Goes on where `checkpoint` stopped. Throws config_error 102 if that run had other settings, data or sizes
+  /// (`with_other_settings`: other sizes or data), io_error 406, 407 if tensors are missing or wrong.
+  void resume(const std::filesystem::path& checkpoint, bool with_other_settings = false) {
+    const auto file = ml::SafetensorsFile::open(checkpoint);
+    require_same_settings(file, task_.settings(), with_other_settings);
+    record_.load(file);
+    task_.load(file, steps_done());
+  }
+
+  /// All steps, from the checkpoint in the folder if there is one; `begin` prepares a run that starts anew. Saves now and
+  /// then, when it is done, and on Ctrl-C, which ends it with `cancelled`.
+  template <class Begin>
+  void run(const RunOptions& o, Begin begin) {
+    std::filesystem::create_directories(o.out);
+    const auto checkpoint = o.out / "checkpoint.safetensors";
+    auto keep = [&] {
+      save(checkpoint);
+      if (steps_done() > 0) ml::write_file(o.out / "loss.svg", record_.curves());
+    };
+    if (!o.fresh && std::filesystem::exists(checkpoint)) {
+      resume(checkpoint, o.other_settings);
+      std::printf("going on at step %td of %td\n", steps_done(), task_.steps());
+    } else {
+      begin();
+      keep();
+    }
+    ProgressBar bar("training", steps_done());
+    auto saved = std::chrono::steady_clock::now();
+    double shown = 0;
+    while (!finished()) {
+      const double loss = step();
+      shown = shown == 0 ? loss : 0.98 * shown + 0.02 * loss;
+      bar.note("loss " + ml::concat_text(shown).substr(0, 6) + validation_note());
+      const bool go_on = bar(steps_done(), task_.steps());
+      const auto now = std::chrono::steady_clock::now();
+      if (!go_on || now - saved > std::chrono::duration<double>(60 * o.save_minutes)) {
+        keep();
+        saved = now;
+      }
+      if (!go_on) {
+        bar.finish();
+        std::fprintf(stderr, "stopped at step %td; the same command goes on from %s\n", steps_done(),
+                     checkpoint.c_str());
+        throw ml::cancelled();
+      }
+    }
+    bar.finish();
+    if (steps_done() < task_.steps())
+      std::printf("stopped early at step %td: the validation no longer gets better\n", steps_done());
+    keep();
+  }
 
  private:
-  std::map<std::string, std::string> settings() const;
+  std::string validation_note() const {
+    if (record_.validations.empty()) return "";
+    std::string text = "  validation";
+    for (const Measure& m : record_.validations.back().measures)
+      text += " " + m.name + " " + ml::concat_text(m.value).substr(0, 6);
+    return text;
+  }
 
-  TrainingConfig config_;
-  const TrainingSet* data_;
-  ml::GaussianDiffusion diffusion_;
-  ml::Stmc<A> model_;
-  ml::Stmc<B> average_;
-  ml::Linear<A> summary_;  // from a caption's vector to the summary of its motion; not part of the model
-  ml::AdamW<A> adam_, adam_summary_;
-  ml::Index steps_ = 0;
-  std::vector<float> losses_;
+  Task task_;
+  TrainingRecord record_;
 };
 
 }  // namespace program

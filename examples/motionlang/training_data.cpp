@@ -1,86 +1,19 @@
 #include "training_data.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
-#include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/features/smplrifke.hpp>
-#include <motionlang/io/amc.hpp>
-#include <motionlang/io/bvh.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
-#include <motionlang/kinematics/retarget.hpp>
 
-#include "motion_files.hpp"
+#include "clip_lines.hpp"
 
 namespace program {
 
 using ml::Index;
 
 namespace {
-
-std::vector<std::string> split(std::string_view line, std::string_view separator) {
-  std::vector<std::string> out;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find(separator, at), line.size());
-    std::string_view field = line.substr(at, end - at);
-    while (!field.empty() && field.front() == ' ') field.remove_prefix(1);
-    while (!field.empty() && (field.back() == ' ' || field.back() == '\r')) field.remove_suffix(1);
-    out.emplace_back(field);
-    at = end + separator.size();
-  }
-  return out;
-}
-
-struct Line {
-  std::string clip;
-  double start = 0, end = 0;
-  ml::BodyParts parts;
-  std::vector<std::string> captions;
-};
-
-std::vector<Line> read_captions(const std::filesystem::path& path) {
-  std::vector<Line> lines;
-  const std::string text = ml::read_file(path);
-  std::size_t number = 0;
-  for (const std::string& row : split(text, "\n")) {
-    ++number;
-    if (row.empty() || row[0] == '#') continue;
-    auto wrong = [&](const std::string& what) { ml::raise<ml::io_error>(403, path.string(), ":", number, ": ", what); };
-    const auto fields = split(row, "\t");
-    if (fields.size() != 5) wrong("expected clip, start, end, parts, captions, separated by tabs");
-    Line line{fields[0], 0, 0, {}, split(fields[4], "|")};
-    auto seconds = [&](const std::string& field, double& value) {
-      if (std::from_chars(field.data(), field.data() + field.size(), value).ec != std::errc{})
-        wrong("'" + field + "' is not a time");
-    };
-    seconds(fields[1], line.start);
-    seconds(fields[2], line.end);
-    if (!(line.end > line.start)) wrong("the segment is empty");
-    for (const std::string& name : split(fields[3], ",")) {
-      const auto part = ml::parse_body_part(name);
-      if (!part) wrong("'" + name + "' is no body part");
-      line.parts = line.parts.with(*part);
-    }
-    lines.push_back(std::move(line));
-  }
-  return lines;
-}
-
-/// A clip of the free tier on our skeleton, at its own frame rate. `name` has no extension: .bvh, or .amc with its
-/// .asf.
-ml::Motion read_clip(const std::filesystem::path& data, const std::string& name) {
-  const auto bvh = data / (name + ".bvh"), amc = data / (name + ".amc");
-  if (std::filesystem::exists(bvh)) return ml::retarget(ml::read_bvh_motion(bvh));
-  if (std::filesystem::exists(amc)) {
-    auto asf = asf_beside(amc);
-    if (!std::filesystem::exists(asf))
-      asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
-    return ml::retarget(ml::read_amc(amc, ml::read_asf(asf)));
-  }
-  ml::raise<ml::io_error>(401, "no ", bvh.string(), " and no ", amc.string());
-}
 
 /// The caption word by word, each replaced by what `other` makes of it.
 template <class Other>
@@ -165,18 +98,13 @@ TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::files
   std::map<std::string, ml::Motion> clips;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(lines));
-    const Line& line = lines[i];
+    const ClipLine& line = lines[i];
     auto found = clips.find(line.clip);
     if (found == clips.end()) {
-      found = clips.emplace(line.clip, ml::resample(read_clip(data, line.clip), training_fps)).first;
+      found = clips.emplace(line.clip, ml::resample(read_clip(data, line), training_fps)).first;
     }
     const ml::Motion& clip = found->second;
-    const Index first = std::clamp<Index>(static_cast<Index>(line.start * training_fps + 0.5), 0, clip.frames());
-    const Index last = std::clamp<Index>(static_cast<Index>(line.end * training_fps + 0.5), first, clip.frames());
-    if (last - first < 8)
-      ml::raise<ml::io_error>(403, captions.string(), ": ", line.clip, " ", line.start, " to ", line.end, " s holds ",
-                              last - first, " frames");
-    Segment s{line.clip, ml::crop(clip, first, last), line.parts, line.captions, {}};
+    Segment s{line.clip, segment_of(clip, line, 8), line.parts, line.texts, {}};
     s.loop = ml::find_loop(s.motion, 12);
     s.grounded = stays_on_the_ground(s.motion);
     segments_.push_back(std::move(s));

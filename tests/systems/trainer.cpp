@@ -3,7 +3,7 @@
 
 #include <motionlang/io/bvh.hpp>
 
-#include "../../examples/motionlang/trainer.hpp"
+#include "../../examples/motionlang/stmc_training.hpp"
 #include "../support/threads.hpp"
 #include "../support/training_set.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 const program::TrainingSet& data() { return captioned::training_set(); }
 
-program::TrainingConfig config() {
+program::StmcTrainingConfig config() {
   return {.model = {.denoiser = {.latent_dim = 16, .ff_size = 24, .num_layers = 1, .num_heads = 2},
                     .text = {.width = 8, .heads = 2, .d_ff = 12, .layers = 1, .out = 8},
                     .diffusion_steps = 20},
@@ -31,10 +31,10 @@ struct Run {
 
   /// Trains until step `last`; goes on where an earlier call stopped, from the file.
   void until(ml::Index last) {
-    program::Trainer trainer(config(), data());
+    program::Trainer trainer(program::StmcTask(config(), data()));
     if (std::filesystem::exists(checkpoint)) trainer.resume(checkpoint);
     while (trainer.steps_done() < last) losses.push_back(trainer.step());
-    CHECK(trainer.losses().size() == static_cast<std::size_t>(last));
+    CHECK(trainer.record().losses.size() == static_cast<std::size_t>(last));
     trainer.save(checkpoint);
   }
   std::string state() const { return ml::read_file(checkpoint); }
@@ -69,10 +69,10 @@ TEST_CASE(
   c.text_steps = 200;
   auto run = [&](int threads, const std::string& name) {
     const Threads scope(threads);
-    program::Trainer trainer(c, data());
-    trainer.export_model(folder / "before", {});
-    const double loss = trainer.learn_texts();
-    trainer.export_model(folder / name, {});
+    program::Trainer trainer(program::StmcTask(c, data()));
+    trainer.task().export_model(folder / "before", {});
+    const double loss = trainer.task().learn_texts();
+    trainer.task().export_model(folder / name, {});
     return loss;
   };
   const double loss = run(1, "one");
@@ -86,9 +86,9 @@ TEST_CASE(
   }
 
   c.seed = 2;
-  program::Trainer other(c, data());
-  other.take_denoiser(folder / "one");
-  other.export_model(folder / "other", {});
+  program::Trainer other(program::StmcTask(c, data()));
+  other.task().take_denoiser(folder / "one");
+  other.task().export_model(folder / "other", {});
   const auto taken = ml::SafetensorsFile::open(folder / "other");
   for (const auto& t : after.tensors()) {
     if (t.name.starts_with("denoiser."))
@@ -97,11 +97,11 @@ TEST_CASE(
 }
 
 TEST_CASE("training changes every weight, and its export is a model") {
-  program::Trainer trainer(config(), data());
+  program::Trainer trainer(program::StmcTask(config(), data()));
   const TemporaryFolder folder;
-  trainer.export_model(folder / "before.safetensors", {});
+  trainer.task().export_model(folder / "before.safetensors", {});
   trainer.step();
-  trainer.export_model(folder / "after.safetensors", {{"license", "MIT"}});
+  trainer.task().export_model(folder / "after.safetensors", {{"license", "MIT"}});
   trainer.save(folder / "checkpoint.safetensors");
   const auto before = ml::SafetensorsFile::open(folder / "before.safetensors");
   const auto trained = ml::SafetensorsFile::open(folder / "checkpoint.safetensors");
@@ -128,7 +128,7 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
 
   for (const std::size_t end : {std::size_t{0}, std::size_t{100}, good.size() - 1}) {
     ml::write_file(run.checkpoint, std::string_view(good).substr(0, end));
-    program::Trainer trainer(config(), data());
+    program::Trainer trainer(program::StmcTask(config(), data()));
     CHECK_THROWS_WITH_AS(trainer.resume(run.checkpoint), doctest::Contains("[motionlang.io.402]"), ml::io_error);
     CHECK(trainer.steps_done() == 0);
     CHECK(run.state() == good.substr(0, end));
@@ -137,20 +137,20 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
 
   auto other = config();
   other.model.denoiser.latent_dim = 32;
-  CHECK_THROWS_WITH_AS(program::Trainer(other, data()).resume(run.checkpoint),
+  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
                        doctest::Contains("another denoiser.latent_dim (16, not 32)"), ml::config_error);
   other = config();
   other.vocabulary = 30;
-  CHECK_THROWS_WITH_AS(program::Trainer(other, data()).resume(run.checkpoint),
+  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
                        doctest::Contains("another text.vocabulary;"), ml::config_error);
 
   other = config();
   other.lr *= 2;
-  CHECK_THROWS_WITH_AS(program::Trainer(other, data()).resume(run.checkpoint),
+  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
                        doctest::Contains("another training.lr ("), ml::config_error);
 
   // a save that fails: the folder has become a file
-  program::Trainer trainer(config(), data());
+  program::Trainer trainer(program::StmcTask(config(), data()));
   CHECK_THROWS_AS(trainer.save(run.checkpoint / "below"), ml::io_error);
   CHECK(run.state() == good);
 }

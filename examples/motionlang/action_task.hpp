@@ -1,0 +1,178 @@
+// Training of ACTOR and of classifiers: windows of motions with the class of each.
+#pragma once
+
+#include <motionlang/io/body_file.hpp>
+#include <motionlang/loss/cross_entropy.hpp>
+#include <motionlang/metrics/accuracy.hpp>
+
+#include "actor_model.hpp"
+#include "trainer.hpp"
+
+namespace program {
+
+/// What both have in common. `Config` has clips, optimiser, validation and data.
+template <class Config, ml::Module Tape, ml::Module Plain>
+class ActionTask {
+ public:
+  using B = TrainingBackend;
+  using A = TrainingTape;
+
+  std::uint64_t seed() const { return config_.optimiser.seed; }
+  ml::Index steps() const { return config_.optimiser.epochs * batches_.per_epoch(); }
+  void update(const ml::Gradients<A>& gradients, ml::Index step) {
+    learner_.update(gradients, config_.optimiser.rate(step, steps()), step);
+  }
+  ValidationPlan validation() const {
+    const auto& v = config_.validation;
+    if (data_->validation.empty()) return {};
+    return {.every = v.every * batches_.per_epoch(), .patience = v.patience, .keep_best = v.keep_best};
+  }
+  void keep_best() { learner_.best = learner_.average; }
+  void add_to(ml::TensorStore& store) const { learner_.add_to(store); }
+  void load(const ml::SafetensorsFile& file, ml::Index steps_done) { learner_.load(file, steps_done); }
+  std::map<std::string, std::string> settings() const {
+    std::map<std::string, std::string> out{{"model", system_ + " training"},
+                                           {"data.motions", std::to_string(data_->training.size())}};
+    for (const std::string& l : labels_) out["labels"] += l + "\n";
+    for (const auto& [name, value] : config_texts(config_)) {
+      if (name == "optimiser.epochs" || name.starts_with("validation.")) continue;
+      const bool free = name.starts_with("optimiser.") || name.starts_with("losses.");
+      out[free ? "training." + name : name] = value;
+    }
+    return out;
+  }
+  const Plain& result() {
+    learner_.follow();
+    return learner_.best ? *learner_.best : learner_.average;
+  }
+  ActionModelFile<Config> file() const { return {config_, labels_}; }
+
+ protected:
+  ActionTask(std::string system, Config config, const DescribedMotions& data, std::vector<std::string> labels)
+      : system_(std::move(system)),
+        config_(std::move(config)),
+        data_(&data),
+        labels_(std::move(labels)),
+        classes_(classes_of(data.training, labels_)),
+        validation_classes_(classes_of(data.validation, labels_)),
+        batches_(std::ssize(data.training), config_.optimiser.batch) {
+    config_.optimiser.rate(0, steps());
+  }
+  void begin(Plain model) {
+    learner_.average = std::move(model);
+    ml::detail::convert_module(learner_.model, learner_.average);
+    learner_.adam.config = config_.optimiser.adamw();
+    learner_.ema = config_.optimiser.ema;
+    learner_.clip_norm = config_.optimiser.clip_norm;
+  }
+  ActionBatch<A> batch(const ml::Philox& rng, ml::Index step) const {
+    return action_batch<A>(data_->training, classes_, batches_(step, seed()), config_.clips, rng.split("windows"));
+  }
+  /// Calls f(batch, generator) for the validation part, with the same windows every time; returns the mean of what it gives,
+  /// weighted by motions.
+  template <class F>
+  double over_validation(F f) {
+    learner_.follow();
+    const EpochBatches batches(std::ssize(data_->validation), config_.optimiser.batch);
+    double total = 0;
+    for (ml::Index k = 0; k < batches.per_epoch(); ++k) {
+      const auto which = batches(k, 0);
+      const auto rng = ml::Philox{.seed = seed()}.split("validation").split(static_cast<std::uint64_t>(k));
+      total +=
+          f(action_batch<B>(data_->validation, validation_classes_, which, config_.clips, rng.split("windows")), rng) *
+          static_cast<double>(which.size());
+    }
+    return total / static_cast<double>(data_->validation.size());
+  }
+
+  std::string system_;
+  Config config_;
+  const DescribedMotions* data_;
+  std::vector<std::string> labels_;
+  std::vector<ml::Index> classes_, validation_classes_;
+  EpochBatches batches_;
+  Learner<Tape, Plain> learner_;
+};
+
+class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>, ml::Actor<TrainingBackend>> {
+ public:
+  /// `from` is a model to go on from (its labels are taken), or empty; `body` a body model for losses.points = "vertices".
+  ActorTask(const ActorTrainingConfig& config, const DescribedMotions& data, const std::filesystem::path& from,
+            const std::filesystem::path& body)
+      : ActionTask("actor", config, data,
+                   from.empty() ? labels_of(data) : read_action_config<ActorTrainingConfig>(from, "actor").labels) {
+    if (config_.losses.points != "joints" && config_.losses.points != "vertices")
+      ml::raise<ml::config_error>(103, "losses.points '", config_.losses.points, "' is not joints or vertices");
+    if ((config_.losses.points == "vertices") != !body.empty())
+      ml::raise<ml::config_error>(102, "losses.points = vertices and --body belong together");
+    if (!body.empty()) {
+      if (config_.clips.is_xyz()) ml::raise<ml::config_error>(102, "vertices are made of rotations; clips.pose is xyz");
+      body_ = ml::read_body<B>(body).model;
+    }
+    auto rng = ml::Philox{.seed = seed()}.split("init");
+    ml::Actor<B> model(actor_sizes(config_, std::ssize(labels_)), rng);
+    if (!from.empty()) ml::load_module(model, ml::SafetensorsFile::open(from / "weights.safetensors"));
+    begin(std::move(model));
+  }
+
+  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) const {
+    return loss_of(learner_.model, batch(rng, step), rng, {.dropout = rng.split("dropout")});
+  }
+  std::vector<Measure> validate() {
+    return {{"loss", over_validation([&](const ActionBatch<B>& b, const ml::Philox& rng) {
+               return static_cast<double>(loss_of(learner_.average, b, rng, {}).item()) /
+                      static_cast<double>(b.classes.size()) * static_cast<double>(config_.optimiser.batch);
+             })}};
+  }
+
+ private:
+  template <ml::Backend T>
+  ml::Tensor<T, 0> loss_of(const ml::Actor<T>& model, const ActionBatch<T>& b, const ml::Philox& rng,
+                           const ml::Context& context) const {
+    const auto latent = model.encode(b.x, b.classes, context);
+    auto noise = rng.split("noise");
+    const auto written = model.teach(latent.sample(noise), b.classes, b.x, context);
+    const auto& l = config_.losses;
+    std::optional<ml::ActorLossPoints<T>> points;
+    if (l.rcxyz != 0 || l.velxyz != 0) points = {points_of(b.x), points_of(written)};
+    return ml::actor_losses(latent, b.x, written,
+                            {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz}, points)
+        .total();
+  }
+  template <ml::Backend T>
+  ml::Sequences<T> points_of(const ml::Sequences<T>& x) const {
+    if (!body_) return joint_points(x, config_.clips);
+    const ml::ActorPointOptions options{.features = {.rotations = ml::parse_pose_representation(config_.clips.pose),
+                                                     .translation = config_.clips.translation},
+                                        .translate = false};
+    const ml::Tensor<T, 2>* const none = nullptr;
+    return ml::actor_points(x, ml::convert<T>(*body_), none, ml::ActorPoints::vertices, options);
+  }
+
+  std::optional<ml::BodyModel<B>> body_;
+};
+
+class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTape>, Classifier<TrainingBackend>> {
+ public:
+  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data)
+      : ActionTask("classifier", config, data, labels_of(data)) {
+    begin(Classifier<B>(config_, std::ssize(labels_), ml::Philox{.seed = seed()}.split("init")));
+  }
+
+  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) {
+    const auto b = batch(rng, step);
+    return ml::cross_entropy(learner_.model.train(b.x, config_.clips).logits, b.classes);
+  }
+  std::vector<Measure> validate() {
+    double right = 0;
+    const double loss = over_validation([&](const ActionBatch<B>& b, const ml::Philox&) {
+      const auto logits = learner_.average(b.x, config_.clips).logits;
+      const auto confusion = ml::confusion_matrix(ml::Rows(logits.span(), logits.size(1)), std::span<const ml::Index>(b.classes));
+      right += ml::accuracy(confusion) * static_cast<double>(b.classes.size());
+      return static_cast<double>(ml::cross_entropy(logits, b.classes).item());
+    });
+    return {{"loss", loss}, {"accuracy", right / static_cast<double>(data_->validation.size()), true}};
+  }
+};
+
+}  // namespace program

@@ -1,0 +1,125 @@
+#include "actor_clips.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <motionlang/features/pose_representation.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
+#include <motionlang/kinematics/root_motion.hpp>
+
+namespace program {
+
+using ml::Index;
+
+Index ActorClipsConfig::numbers() const { return is_xyz() ? 3 : ml::size(ml::parse_pose_representation(pose)); }
+
+namespace {
+
+/// The clip turned about the vertical axis until it begins facing +Z.
+ml::Motion turned_ahead(ml::Motion motion) {
+  if (motion.frames() == 0) return motion;
+  const auto ahead = ml::rotate(motion.rotations(0)[0], ml::Vec3<double>{0, 0, 1});
+  const auto turn = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, -std::atan2(ahead.x, ahead.z));
+  for (Index f = 0; f < motion.frames(); ++f) {
+    auto& root = motion.root[static_cast<std::size_t>(f)];
+    root = ml::rotate(turn, root);
+    motion.rotations(f)[0] = turn * motion.rotations(f)[0];
+  }
+  return motion;
+}
+
+std::vector<double> rows_of(const ml::Motion& given, const ActorClipsConfig& c) {
+  const ml::Motion motion = c.turned_ahead ? turned_ahead(given) : given;
+  std::vector<double> out;
+  if (c.is_xyz()) {
+    for (const auto& p : motion.positions()) {
+      const auto from = p - motion.root_at(0);
+      out.insert(out.end(), {from.x, from.y, from.z});
+    }
+    return out;
+  }
+  const auto form = ml::parse_pose_representation(c.pose);
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (const auto& q : motion.rotations(f)) ml::append_rotation(out, form, ml::to_matrix(q));
+    if (!c.translation) continue;
+    const auto way = motion.root_at(f) - motion.root_at(0);
+    out.insert(out.end(), {way.x, way.y, way.z});
+    out.insert(out.end(), static_cast<std::size_t>(c.numbers() - 3), 0.0);
+  }
+  return out;
+}
+
+}  // namespace
+
+RowMaker actor_row_maker(const ActorClipsConfig& config) {
+  return {"actor", config.width(), config.fps, [config](const ml::Motion& m) { return rows_of(m, config); }};
+}
+
+std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsConfig& c, ml::PythonRandom& random) {
+  const auto width = static_cast<std::size_t>(c.width());
+  const Index frames = std::ssize(motion.rows) / c.width();
+  Index wanted = c.num_frames;
+  if (wanted == -1) wanted = std::min(frames, c.max_len);
+  if (wanted == -2)
+    wanted = static_cast<Index>(random.randint(c.min_len, std::max(std::min(frames, c.max_len), c.min_len)));
+  std::vector<float> out;
+  for (const Index f :
+       ml::actor_frames(frames, {.frames = wanted, .random_step = c.random_step, .step = c.sampling_step}, random)) {
+    const auto at = motion.rows.begin() + static_cast<std::ptrdiff_t>(f) * c.width();
+    out.insert(out.end(), at, at + c.width());
+  }
+  // positions count from the root of the first frame
+  const std::size_t first = c.is_xyz() ? 0 : 24 * static_cast<std::size_t>(c.numbers());
+  if (c.is_xyz() || c.translation) {
+    const float origin[] = {out[first], out[first + 1], out[first + 2]};
+    const std::size_t points = c.is_xyz() ? 24 : 1;
+    for (std::size_t at = first; at < out.size(); at += width) {
+      for (std::size_t i = 0; i < 3 * points; ++i) out[at + i] -= origin[i % 3];
+    }
+  }
+  return out;
+}
+
+ml::Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& c) {
+  const auto& skeleton = ml::smpl24_skeleton();
+  const auto vector = [&](std::size_t at) {
+    return ml::vec_cast<double>(ml::Vec3<float>{rows[at], rows[at + 1], rows[at + 2]});
+  };
+  if (c.is_xyz()) {
+    std::vector<ml::Vec3<double>> joints;
+    for (std::size_t at = 0; at + 2 < rows.size(); at += 3) joints.push_back(vector(at));
+    return ml::motion_from_joints(skeleton, joints, c.fps);
+  }
+  const auto form = ml::parse_pose_representation(c.pose);
+  const auto numbers = static_cast<std::size_t>(c.numbers());
+  ml::Motion out{skeleton, c.fps, {}, {}, {}};
+  for (std::size_t at = 0; at < rows.size(); at += static_cast<std::size_t>(c.width())) {
+    for (std::size_t j = 0; j < 24; ++j) {
+      const auto own = rows.subspan(at + j * numbers, numbers);
+      out.local.push_back(ml::to_quaternion(ml::matrix_cast<double>(ml::rotation_from(form, own))));
+    }
+    out.root.push_back(c.translation ? vector(at + 24 * numbers) : ml::Vec3<double>{});
+  }
+  return out;
+}
+
+std::vector<std::string> labels_of(const DescribedMotions& data) {
+  std::set<std::string> labels;
+  for (const auto* part : data.parts()) {
+    for (const DescribedMotion& m : *part) labels.insert(m.texts.front().text);
+  }
+  return {labels.begin(), labels.end()};
+}
+
+std::vector<Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels) {
+  std::vector<Index> out;
+  for (const DescribedMotion& m : motions) {
+    const auto found = std::find(labels.begin(), labels.end(), m.texts.front().text);
+    if (found == labels.end())
+      ml::raise<ml::config_error>(103, m.id, ": the label '", m.texts.front().text, "' is no class of the model");
+    out.push_back(found - labels.begin());
+  }
+  return out;
+}
+
+}  // namespace program

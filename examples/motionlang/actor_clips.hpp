@@ -1,0 +1,79 @@
+// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of so many frames, points.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/core/python_random.hpp>
+#include <motionlang/features/pose_representation.hpp>
+#include <motionlang/kinematics/body_model.hpp>
+#include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/tensor/sequences.hpp>
+
+#include "described_motions.hpp"
+
+namespace program {
+
+struct ActorClipsConfig {
+  std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
+  bool translation = true;     // the way of the root is a row of its own; not of xyz
+  bool turned_ahead = true;    // every clip begins facing +Z
+  double fps = 30;
+  ml::Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
+  ml::Index sampling_step = 1;  // frames that are left out between; -1: as many as fit
+  bool random_step = false;
+  ml::Index min_len = 60, max_len = 100;
+
+  static constexpr auto fields() {
+    using C = ActorClipsConfig;
+    return ml::fields("pose", &C::pose, "translation", &C::translation, "turned_ahead", &C::turned_ahead, "fps",
+                      &C::fps, "num_frames", &C::num_frames, "sampling_step", &C::sampling_step, "random_step",
+                      &C::random_step, "min_len", &C::min_len, "max_len", &C::max_len);
+  }
+  bool is_xyz() const { return pose == "xyz"; }
+  /// Rows of a frame, and numbers of each.
+  ml::Index joints() const { return is_xyz() || !translation ? 24 : 25; }
+  ml::Index numbers() const;
+  ml::Index width() const { return joints() * numbers(); }
+};
+
+/// Throws config_error 103 for an unknown pose.
+RowMaker actor_row_maker(const ActorClipsConfig& config);
+
+/// The frames of an item (features/frame_sampling.hpp), the way counted from the first of them. (frames, width)
+std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsConfig& config,
+                                ml::PythonRandom& random);
+
+/// A clip on SMPL's 24 joints from rows.
+ml::Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& config);
+
+/// All labels of the data, sorted: the number of a class is its place here.
+std::vector<std::string> labels_of(const DescribedMotions& data);
+/// The number of each motion's class. Throws config_error 103 for a label that is no class.
+std::vector<ml::Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels);
+
+/// Positions of the 24 joints, metres, as the root of the first frame of the window stood at the origin. (frames, 72)
+template <ml::Backend B>
+ml::Sequences<B> joint_points(const ml::Sequences<B>& x, const ActorClipsConfig& config) {
+  if (config.is_xyz()) return x;
+  const ml::Index frames = x.rows.size(0), numbers = config.numbers();
+  auto rotations = ml::slice(x.rows, 1, 0, 24 * numbers);
+  if (config.pose != "rot6d") {
+    const auto form = ml::parse_pose_representation(config.pose);
+    const auto matrices = ml::rotation_rows(ml::reshape<3>(rotations, {frames, 24, numbers}),
+                                            [form](const auto& n) { return ml::rotation_from(form, n); });
+    rotations = ml::reshape<2>(ml::slice(matrices, 2, 0, 6), {frames, 144});
+  }
+  const auto root =
+      config.translation ? ml::slice(x.rows, 1, 24 * numbers, 24 * numbers + 3) : ml::Tensor<B, 2>::zeros({frames, 3});
+  const auto places = ml::forward_kinematics(
+      ml::smpl24_skeleton(),
+      ml::lanes(ml::reshape<4>(rotations, {1, frames, 24, 6}), ml::reshape<3>(root, {1, frames, 3})));
+  return x.with(ml::reshape<2>(places, {frames, 72}));
+}
+
+}  // namespace program

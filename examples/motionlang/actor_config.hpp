@@ -1,0 +1,111 @@
+// The hyperparameters of ACTOR and of the classifiers that judge it: JSON by their fields, the published values as presets.
+#pragma once
+
+#include <string>
+
+#include "actor_clips.hpp"
+#include "config_json.hpp"
+#include "optimiser_config.hpp"
+
+namespace program {
+
+struct ActorNetworkConfig {
+  ml::Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
+  double dropout = 0.1;
+  std::string encoder = "tokens";            // "average", "gru", "fully_connected"
+  std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
+  std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
+
+  static constexpr auto fields() {
+    using C = ActorNetworkConfig;
+    return ml::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers, "num_heads",
+                      &C::num_heads, "dropout", &C::dropout, "encoder", &C::encoder, "decoder", &C::decoder,
+                      "conditioning", &C::conditioning);
+  }
+};
+
+/// Points are the 24 joints of our own skeleton, or the vertices of a body model that the user has.
+struct ActorLossConfig {
+  double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
+  std::string points = "joints";  // or "vertices": --body names the model
+
+  static constexpr auto fields() {
+    using C = ActorLossConfig;
+    return ml::fields("rc", &C::rc, "rcxyz", &C::rcxyz, "kl", &C::kl, "vel", &C::vel, "velxyz", &C::velxyz, "points",
+                      &C::points);
+  }
+};
+
+struct ActorTrainingConfig {
+  ActorClipsConfig clips;
+  ActorNetworkConfig network;
+  ActorLossConfig losses;
+  OptimiserConfig optimiser;
+  ValidationConfig validation;
+  DataConfig data;
+
+  static constexpr auto fields() {
+    using C = ActorTrainingConfig;
+    return ml::fields("clips", &C::clips, "network", &C::network, "losses", &C::losses, "optimiser", &C::optimiser,
+                      "validation", &C::validation, "data", &C::data);
+  }
+};
+
+/// "actor-published": spec actor.md 2, 6, with the 60 frames of its first training and HumanAct12's 5000 epochs;
+/// "actor-variable": the 100 epochs of fine-tuning after it; "small": minutes. Throws config_error 103.
+inline ActorTrainingConfig actor_preset(const std::string& name) {
+  ActorTrainingConfig c;
+  c.optimiser.batch = 20, c.optimiser.epochs = 5000, c.optimiser.seed = 10;
+  c.validation.every = 0;
+  c.data = {.min_seconds = 0.2, .max_seconds = 1000};
+  if (name == "actor-published") return c;
+  if (name == "actor-variable") {
+    c.clips.num_frames = -2;
+    c.optimiser.epochs = 100;
+    return c;
+  }
+  if (name != "small")
+    ml::raise<ml::config_error>(103, "--preset '", name, "' is not actor-published, actor-variable or small");
+  c.clips.fps = 15;
+  c.network = {.latent_dim = 128, .ff_size = 256, .num_layers = 3};
+  c.optimiser = {
+      .lr = 5e-4, .clip_norm = 1, .schedule = "cosine", .warmup = 100, .batch = 20, .epochs = 60, .seed = 10};
+  c.validation = {.every = 2};
+  return c;
+}
+
+struct ClassifierConfig {
+  std::string kind = "gru";  // of positions of joints; or "stgcn", of rotations
+  ActorClipsConfig clips;
+  ml::Index hidden_size = 128, num_layers = 2;  // of the GRU
+  ml::Index width = 64;  // of the first blocks of ST-GCN; later ones have two and four times as much
+  OptimiserConfig optimiser;
+  ValidationConfig validation;
+  DataConfig data;
+
+  static constexpr auto fields() {
+    using C = ClassifierConfig;
+    return ml::fields("kind", &C::kind, "clips", &C::clips, "hidden_size", &C::hidden_size, "num_layers",
+                      &C::num_layers, "width", &C::width, "optimiser", &C::optimiser, "validation", &C::validation,
+                      "data", &C::data);
+  }
+};
+
+/// "stgcn-published": spec actor.md 7.3; "small": a GRU. Throws config_error 103.
+inline ClassifierConfig classifier_preset(const std::string& name) {
+  ClassifierConfig c;
+  c.optimiser.batch = 64, c.optimiser.epochs = 100;
+  c.data = {.min_seconds = 0.2, .max_seconds = 1000};
+  if (name == "stgcn-published") {
+    c.kind = "stgcn";
+    c.clips.translation = false;
+    return c;
+  }
+  if (name != "small") ml::raise<ml::config_error>(103, "--preset '", name, "' is not stgcn-published or small");
+  c.clips.fps = 15;
+  c.optimiser.lr = 1e-3, c.optimiser.clip_norm = 1, c.optimiser.schedule = "cosine";
+  c.validation.keep_best = true;
+  return c;
+}
+
+}  // namespace program

@@ -1,0 +1,40 @@
+#include "actor_model.hpp"
+
+namespace program {
+
+namespace {
+
+/// The number of a name in a list. Throws config_error 103.
+template <class E, std::size_t N>
+E choice(const std::string& name, const char* key, const std::array<const char*, N>& names) {
+  std::string all;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (name == names[i]) return static_cast<E>(i);
+    all += (i == 0 ? "" : ", ") + std::string(names[i]);
+  }
+  ml::raise<ml::config_error>(103, key, " '", name, "' is none of ", all);
+}
+
+}  // namespace
+
+ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
+  const auto& n = c.network;
+  return {.njoints = c.clips.joints(),
+          .nfeats = c.clips.numbers(),
+          .num_classes = classes,
+          .latent_dim = n.latent_dim,
+          .ff_size = n.ff_size,
+          .num_layers = n.num_layers,
+          .num_heads = n.num_heads,
+          .dropout = n.dropout,
+          .encoder = choice<ml::ActorEncoderKind>(n.encoder, "network.encoder",
+                                                  std::array{"tokens", "average", "gru", "fully_connected"}),
+          .decoder = choice<ml::ActorDecoderKind>(
+              n.decoder, "network.decoder", std::array{"transformer", "gru", "fully_connected", "autoregressive"}),
+          .conditioning =
+              choice<ml::ActorConditioning>(n.conditioning, "network.conditioning",
+                                            std::array{"action_bias", "concat_bias", "zandtime", "time_encoding"}),
+          .num_frames = std::max<ml::Index>(1, c.clips.num_frames)};
+}
+
+}  // namespace program

@@ -1,0 +1,122 @@
+// A trained ACTOR, and a trained classifier of actions: how they are made, and their folders.
+//
+//     config.json            io/model_folder.hpp: "system" actor or classifier, the configuration of the training, "labels"
+//     weights.safetensors    the published names; motions are not normalised
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include <motionlang/metrics/gru_classifier.hpp>
+#include <motionlang/metrics/stgcn.hpp>
+#include <motionlang/systems/actor.hpp>
+
+#include "actor_config.hpp"
+#include "model_description.hpp"
+
+namespace program {
+
+ml::ActorConfig actor_sizes(const ActorTrainingConfig& config, ml::Index classes);
+
+/// One of the two classifiers.
+template <ml::Backend B>
+struct Classifier {
+  std::optional<ml::GruClassifier<B>> gru;
+  std::optional<ml::StGcn<B>> stgcn;
+
+  static constexpr auto fields() { return ml::fields("", &Classifier::gru, "", &Classifier::stgcn); }
+  static std::string official_key(const std::string& path) {
+    return path.starts_with("recurrent") ? ml::GruClassifier<B>::official_key(path) : path;
+  }
+  Classifier() = default;
+  /// Throws config_error 102, 103.
+  Classifier(const ClassifierConfig& c, ml::Index classes, ml::Philox rng) {
+    if (c.kind == "gru") {
+      gru.emplace(
+          ml::GruClassifierConfig{
+              .input_size = 72, .hidden_size = c.hidden_size, .num_layers = c.num_layers, .num_classes = classes},
+          rng);
+    } else if (c.kind == "stgcn") {
+      if (c.clips.is_xyz() || c.clips.translation)
+        ml::raise<ml::config_error>(102, "ST-GCN reads rotations alone: clips.pose = rot6d, clips.translation = false");
+      const ml::Index w = c.width;
+      stgcn.emplace(ml::StGcnConfig{.in_channels = c.clips.numbers(),
+                                    .num_classes = classes,
+                                    .channels = {w, w, w, w, 2 * w, 2 * w, 2 * w, 4 * w, 4 * w, 4 * w}},
+                    rng);
+    } else {
+      ml::raise<ml::config_error>(103, "kind '", c.kind, "' is not gru or stgcn");
+    }
+  }
+  /// x: windows as `clips` describes them.
+  ml::Recognition<B> operator()(const ml::Sequences<B>& x, const ActorClipsConfig& clips) const {
+    return gru ? (*gru)(joint_points(x, clips)) : (*stgcn)(x);
+  }
+  ml::Recognition<B> train(const ml::Sequences<B>& x, const ActorClipsConfig& clips) {
+    return gru ? (*gru)(joint_points(x, clips)) : stgcn->train(x);
+  }
+};
+
+/// What config.json says of either.
+template <class Config>
+struct ActionModelFile {
+  Config config;
+  std::vector<std::string> labels;
+};
+/// `system` is "actor" or "classifier". Throws io_error 401, 403, config_error 102 for another system, 103, 107.
+template <class Config>
+ActionModelFile<Config> read_action_config(const std::filesystem::path& folder, const char* system) {
+  const auto path = (folder / "config.json").string();
+  const auto model = ml::read_model_folder(folder);
+  if (model.system != system)
+    ml::raise<ml::config_error>(102, path, ": a model of '", model.system, "', not of '", system, "'");
+  const nlohmann::json config = model.config, others = model.others;
+  ActionModelFile<Config> file{{}, ml::JsonView(others, path)["labels"].template as<std::vector<std::string>>()};
+  read_config(file.config, ml::JsonView(config, path + ": config"));
+  return file;
+}
+/// `about`: license, provenance, data, command, ...
+template <ml::Module M, class Config>
+void save_action_model(const std::filesystem::path& folder, const M& weights, const char* system,
+                       const ActionModelFile<Config>& file, const std::map<std::string, std::string>& about) {
+  ml::TensorStore store;
+  store.add_module(weights);
+  auto model = described_model(system, about);
+  model.features = "actor";
+  model.fps = file.config.clips.fps;
+  model.config = config_json(file.config);
+  model.others["labels"] = file.labels;
+  overwrite_model(folder, model, store);
+}
+template <ml::Module M>
+void load_action_weights(M& model, const std::filesystem::path& folder) {
+  ml::load_module(model, ml::SafetensorsFile::open(folder / "weights.safetensors"));
+  ml::prepare(model);
+}
+
+/// A batch of windows.
+template <ml::Backend B>
+struct ActionBatch {
+  ml::Sequences<B> x;
+  std::vector<ml::Index> classes;
+};
+/// Every window is drawn with a generator of its own, so that it does not depend on the others.
+template <ml::Backend B>
+ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::span<const ml::Index> classes,
+                            std::span<const ml::Index> which, const ActorClipsConfig& clips, ml::Philox rng) {
+  ActionBatch<B> out;
+  std::vector<typename B::scalar> values;
+  std::vector<ml::Index> lengths;
+  for (const ml::Index i : which) {
+    ml::PythonRandom random(std::uint64_t{rng.bits()});
+    const auto window = actor_window(motions[static_cast<std::size_t>(i)], clips, random);
+    values.insert(values.end(), window.begin(), window.end());
+    lengths.push_back(std::ssize(window) / clips.width());
+    out.classes.push_back(classes[static_cast<std::size_t>(i)]);
+  }
+  const ml::Offsets offsets{std::span<const ml::Index>(lengths)};
+  out.x = {ml::Tensor<B, 2>::from(values, {offsets.rows(), clips.width()}), offsets};
+  return out;
+}
+
+}  // namespace program

@@ -1,0 +1,114 @@
+// Structs that list their fields (core/fields.hpp), from and to JSON: the hyperparameters of a training run.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/io/json.hpp>
+#include <motionlang/io/key_report.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+namespace detail {
+
+struct ConfigWriter {
+  nlohmann::ordered_json& out;
+  template <class T>
+  void operator()(const char* name, const T& member) const;
+};
+struct ConfigReader {
+  const ml::JsonView& view;
+  template <class T>
+  void operator()(const char* name, T& member) const;
+};
+struct NameCollector {
+  std::vector<std::string>& names;
+  template <class T>
+  void operator()(const char* name, const T&) const {
+    names.emplace_back(name);
+  }
+};
+
+}  // namespace detail
+
+/// Members in the order of the fields.
+template <ml::Module C>
+nlohmann::ordered_json config_json(const C& config) {
+  auto out = nlohmann::ordered_json::object();
+  detail::ConfigWriter write{out};
+  ml::detail::each_field(write, ml::detail::walk(config));
+  return out;
+}
+
+/// Members that the document has replace those of `config`; others stay. Throws config_error 103 for a name that is no
+/// member, with the one that is most like it; 107 for a value of the wrong kind.
+template <ml::Module C>
+void read_config(C& config, const ml::JsonView& view) {
+  std::vector<std::string> known;
+  detail::NameCollector collect{known};
+  ml::detail::each_field(collect, ml::detail::walk(config));
+  for (const std::string& name : view.keys()) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string like = ml::nearest_name(name, known), all;
+    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+    ml::raise<ml::config_error>(103, view.path(), ": has no member '", name, "'; ",
+                                like.empty() ? "there are " + all : "did you mean '" + like + "'?");
+  }
+  detail::ConfigReader read{view};
+  ml::detail::each_field(read, ml::detail::walk(config));
+}
+
+namespace detail {
+
+template <class T>
+void ConfigWriter::operator()(const char* name, const T& member) const {
+  if constexpr (ml::Module<T>)
+    out[name] = config_json(member);
+  else
+    out[name] = member;
+}
+template <class T>
+void ConfigReader::operator()(const char* name, T& member) const {
+  if (!view.contains(name)) return;
+  if constexpr (ml::Module<T>)
+    read_config(member, view[name]);
+  else
+    member = view[name].template as<T>();
+}
+
+}  // namespace detail
+
+/// `assignments` are "losses.kl=1e-4", "features=rifke", ...: JSON values, or texts where they are none.
+template <ml::Module C>
+void set_config(C& config, const std::vector<std::string>& assignments) {
+  for (const std::string& a : assignments) {
+    const std::size_t equals = a.find('=');
+    if (equals == a.npos) ml::raise<ml::config_error>(103, "--set ", a, ": expected name=value");
+    nlohmann::json value = nlohmann::json::parse(a.substr(equals + 1), nullptr, /*allow_exceptions=*/false);
+    if (value.is_discarded()) value = a.substr(equals + 1);
+    std::string path = a.substr(0, equals);
+    for (std::size_t dot; (dot = path.rfind('.')) != path.npos; path.resize(dot))
+      value = nlohmann::json::object({{path.substr(dot + 1), value}});
+    const nlohmann::json document = nlohmann::json::object({{path, value}});
+    read_config(config, ml::JsonView(document, "--set " + a));
+  }
+}
+
+/// Every leaf as a text, "losses.kl" -> "1e-05": what a checkpoint keeps, to be compared when it is resumed.
+template <ml::Module C>
+std::map<std::string, std::string> config_texts(const C& config) {
+  std::map<std::string, std::string> out;
+  const auto flat = nlohmann::json(config_json(config)).flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    std::string name = pointer.substr(1);
+    std::replace(name.begin(), name.end(), '/', '.');
+    out[name] = value.is_string() ? value.template get<std::string>() : value.dump();
+  }
+  return out;
+}
+
+}  // namespace program

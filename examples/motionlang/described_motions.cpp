@@ -1,0 +1,217 @@
+#include "described_motions.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/rng.hpp>
+#include <motionlang/io/annotations.hpp>
+#include <motionlang/io/humanml3d_folder.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+
+#include "clip_lines.hpp"
+
+namespace program {
+
+using ml::Index;
+
+namespace {
+
+constexpr Index fewest_rows = 4;
+
+std::vector<float> rows_of(const RowMaker& maker, const ml::Motion& motion) {
+  const auto values = maker.rows(motion);
+  return {values.begin(), values.end()};
+}
+
+/// Training (0), validation (1) or test (2) of every clip: by lists of ids, else by lot.
+class Split {
+ public:
+  Split(const DataSources& sources, const DataConfig& config, std::vector<std::string> clips) {
+    if (!sources.splits.empty()) {
+      for (const int part : {0, 1, 2}) {
+        const auto list =
+            sources.splits / (std::array{"train", "val", "test"}[static_cast<std::size_t>(part)] + std::string(".txt"));
+        if (part != 0 && !std::filesystem::exists(list)) continue;
+        for (const std::string& id : ml::read_ids(list)) part_.emplace(id, part);
+      }
+      return;
+    }
+    std::sort(clips.begin(), clips.end());
+    clips.erase(std::unique(clips.begin(), clips.end()), clips.end());
+    auto rng = ml::Philox{.seed = config.split_seed}.split("split");
+    for (std::size_t i = clips.size(); i > 1; --i)
+      std::swap(clips[i - 1], clips[rng.below(static_cast<std::uint32_t>(i))]);
+    const auto count = static_cast<double>(clips.size());
+    const auto test = static_cast<std::size_t>(config.test_share * count + 0.5),
+               validation = static_cast<std::size_t>(config.validation_share * count + 0.5);
+    for (std::size_t i = 0; i < clips.size(); ++i) part_[clips[i]] = i < test ? 2 : i < test + validation ? 1 : 0;
+  }
+  /// -1 for a clip that is on no list.
+  int of(const std::string& clip) const {
+    const auto found = part_.find(clip);
+    return found == part_.end() ? -1 : found->second;
+  }
+
+ private:
+  std::map<std::string, int> part_;
+};
+
+std::vector<DescribedMotion>& part_of(DescribedMotions& all, int part) {
+  return part == 0 ? all.training : part == 1 ? all.validation : all.test;
+}
+
+/// Clips of a table, each read once, on several threads.
+void read_table(DescribedMotions& out, const std::vector<ClipLine>& lines, const DataSources& sources,
+                const DataConfig& config, const RowMaker& maker, ml::Progress progress) {
+  std::vector<std::string> clips;
+  std::map<std::string, std::vector<std::size_t>> lines_of;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines_of[lines[i].clip].empty()) clips.push_back(lines[i].clip);
+    lines_of[lines[i].clip].push_back(i);
+  }
+  const Split split(sources, config, clips);
+  const bool labels = !sources.labels.empty();
+  std::vector<std::vector<DescribedMotion>> found(lines.size());
+  std::mutex mutex;
+  Index done = 0;
+  ml::parallel_for(std::ssize(clips), [&](Index c) {
+    const auto& mine = lines_of.at(clips[static_cast<std::size_t>(c)]);
+    const int part = split.of(clips[static_cast<std::size_t>(c)]);
+    if (part >= 0) {
+      const auto clip = ml::resample(read_clip(sources.data, lines[mine.front()]), maker.fps);
+      for (const std::size_t i : mine) {
+        const ClipLine& line = lines[i];
+        const double seconds = line.end - line.start;
+        if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) continue;
+        const auto motion = segment_of(clip, line, fewest_rows + 1);
+        auto add = [&](const ml::Motion& m, bool mirrored) {
+          DescribedMotion d{
+              ml::concat_text(mirrored ? "M" : "", line.clip, "@", line.start), line.clip, rows_of(maker, m), {}};
+          const Index frames = std::ssize(d.rows) / maker.width;
+          for (const std::string& t : line.texts)
+            d.texts.push_back({mirrored ? ml::mirror_caption(t) : t, {0, frames}});
+          found[i].push_back(std::move(d));
+        };
+        add(motion, false);
+        if (config.mirror && part == 0 && !labels) add(ml::mirror(motion), true);
+      }
+    }
+    const std::lock_guard lock(mutex);
+    progress(++done, std::ssize(clips));
+  });
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int part = split.of(lines[i].clip);
+    if (part < 0) continue;
+    if (found[i].empty()) ++out.left_out;
+    for (DescribedMotion& d : found[i]) part_of(out, part).push_back(std::move(d));
+  }
+}
+
+void require_guoh3d(const RowMaker& maker, const std::filesystem::path& where) {
+  if (maker.name == "guoh3d") return;
+  ml::raise<ml::config_error>(102, where.string(), " holds features of HumanML3D, the configuration wants '",
+                              maker.name, "'");
+}
+
+void read_humanml3d(DescribedMotions& out, const DataSources& sources, const RowMaker& maker, ml::Progress progress) {
+  require_guoh3d(maker, sources.data);
+  const ml::HumanMl3dFolder folder(sources.data);
+  std::vector<std::pair<std::string, int>> ids;
+  for (const int part : {0, 1, 2}) {
+    const char* name = std::array{"train", "val", "test"}[static_cast<std::size_t>(part)];
+    if (part != 0 && !std::filesystem::exists(sources.data / (name + std::string(".txt")))) continue;
+    for (const std::string& id : folder.ids(name)) ids.emplace_back(id, part);
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    progress(static_cast<Index>(i), std::ssize(ids));
+    const auto& [id, part] = ids[i];
+    const auto rows = folder.features(id);
+    const auto captions = folder.captions(id);
+    if (!std::all_of(rows.begin(), rows.end(), [](float x) { return std::isfinite(x); })) continue;
+    Index number = 0;
+    const auto items = ml::humanml3d_items(captions, std::ssize(rows) / maker.width);
+    if (items.empty()) ++out.left_out;
+    for (const auto& item : items) {
+      DescribedMotion d{ml::concat_text(id, "_", number++), id, {}, {}};
+      d.rows.assign(rows.begin() + item.frames.first * maker.width,
+                    rows.begin() + (item.frames.first + item.frames.length) * maker.width);
+      for (const std::size_t c : item.captions) d.texts.push_back({captions[c].text, {0, item.frames.length}});
+      part_of(out, part).push_back(std::move(d));
+    }
+  }
+}
+
+/// The rows of a motion of the annotation file: features as they are, or a clip.
+std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& maker, const ml::AnnotatedMotion& motion) {
+  if (!ml::detail::is_clip_id(motion.path))
+    ml::raise<ml::io_error>(403, sources.annotations.string(), ": ", motion.id, ": '", motion.path,
+                            "' is no path of a clip");
+  const auto npy = sources.data / (motion.path + ".npy");
+  if (std::filesystem::exists(npy)) {
+    require_guoh3d(maker, npy);
+    return ml::detail::read_rows(npy, {maker.width}, /*any_number=*/true);
+  }
+  const ClipLine line{sources.annotations.string() + ": " + motion.id, motion.path, 0, 0, {}, {}};
+  return rows_of(maker, ml::resample(read_clip(sources.data, line), maker.fps));
+}
+
+void read_annotations(DescribedMotions& out, const DataSources& sources, const DataConfig& config,
+                      const RowMaker& maker, ml::Progress progress) {
+  const auto file = ml::AnnotationFile::open(sources.annotations);
+  const Split split(sources, config, file.ids());
+  for (std::size_t i = 0; i < file.ids().size(); ++i) {
+    progress(static_cast<Index>(i), std::ssize(file.ids()));
+    const std::string& id = file.ids()[i];
+    const int part = split.of(id);
+    if (part < 0) continue;
+    const auto motion = file.load(id);
+    const auto texts =
+        ml::training_annotations(motion, part == 2 ? "test" : "train", config.min_seconds, config.max_seconds);
+    out.left_out += std::ssize(motion.annotations) - std::ssize(texts);
+    if (texts.empty()) continue;
+    DescribedMotion d{id, motion.path, rows_of_path(sources, maker, motion), {}};
+    for (const auto& a : texts) {
+      const auto frames = ml::annotated_frames(a, maker.fps, std::ssize(d.rows) / maker.width);
+      if (frames.length >= fewest_rows)
+        d.texts.push_back({a.text, frames});
+      else
+        ++out.left_out;
+    }
+    if (!d.texts.empty()) part_of(out, part).push_back(std::move(d));
+  }
+}
+
+}  // namespace
+
+const std::vector<DescribedMotion>& DescribedMotions::part(const std::string& name) const {
+  if (name == "training") return training;
+  if (name == "validation") return validation;
+  if (name == "test") return test;
+  ml::raise<ml::config_error>(103, "'", name, "' is not training, validation or test");
+}
+
+DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& maker,
+                                        ml::Progress progress) {
+  DescribedMotions out{maker.width, maker.fps, {}, {}, {}, 0};
+  const int given = int(!sources.captions.empty()) + int(!sources.labels.empty()) + int(!sources.annotations.empty());
+  if (given > 1) ml::raise<ml::config_error>(102, "one of --captions, --labels and --annotations, not several");
+  if (!sources.captions.empty())
+    read_table(out, read_captions(sources.captions), sources, config, maker, progress);
+  else if (!sources.labels.empty())
+    read_table(out, read_labels(sources.labels), sources, config, maker, progress);
+  else if (!sources.annotations.empty())
+    read_annotations(out, sources, config, maker, progress);
+  else if (std::filesystem::exists(sources.data / "new_joint_vecs"))
+    read_humanml3d(out, sources, maker, progress);
+  else
+    ml::raise<ml::config_error>(
+        102, sources.data.string(),
+        " has no new_joint_vecs; clips need a table of captions or labels, or an annotation file");
+  if (out.training.empty())
+    ml::raise<ml::io_error>(403, sources.data.string(), ": nothing to train on (", out.left_out, " left out)");
+  return out;
+}
+
+}  // namespace program

@@ -1,0 +1,80 @@
+// Motions with texts or labels as rows of features, split into training, validation and test: what ACTOR, TEMOS and TMR are
+// trained and measured on. From a folder of clips with a table, from folders in the form of HumanML3D, and from the unified
+// annotation file with the motions that it names.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/core/progress.hpp>
+#include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+/// How a clip on SMPL's 24 joints, at `fps`, becomes rows of `width` numbers.
+struct RowMaker {
+  std::string name;
+  ml::Index width = 0;
+  double fps = 0;
+  std::function<std::vector<double>(const ml::Motion&)> rows;
+};
+
+struct DescribedText {
+  std::string text;
+  ml::FrameSlice frames;  // of the rows, that it is about
+};
+struct DescribedMotion {
+  std::string id, clip;     // motions of one clip are never split
+  std::vector<float> rows;  // (frames, width), not normalised
+  std::vector<DescribedText> texts;
+};
+
+struct DescribedMotions {
+  ml::Index width = 0;
+  double fps = 0;
+  std::vector<DescribedMotion> training, validation, test;
+  ml::Index left_out = 0;  // texts that are too short or too long
+
+  std::array<const std::vector<DescribedMotion>*, 3> parts() const { return {&training, &validation, &test}; }
+  /// Training, validation or test. Throws config_error 103.
+  const std::vector<DescribedMotion>& part(const std::string& name) const;
+};
+
+/// Where the motions are. One of `captions`, `labels` and `annotations`, or a `data` that is a folder in the form of
+/// HumanML3D.
+struct DataSources {
+  std::filesystem::path data;      // folder
+  std::filesystem::path captions;  // table (clip_lines.hpp)
+  std::filesystem::path labels;    // table
+  std::filesystem::path
+      annotations;  // JSON of TMR and STMC; its paths lead to .npy features, .npz (AMASS) or .bvh in `data`
+  std::filesystem::path splits;  // folder with train.txt, val.txt and test.txt; of HumanML3D the data folder itself
+};
+
+struct DataConfig {
+  double min_seconds = 2, max_seconds = 10;  // of what is trained on and validated with
+  double test_share = 0.2;                   // of the clips, where there are no lists of ids
+  double validation_share = 0.05;
+  std::uint64_t split_seed = 1;
+  bool mirror = false;  // mirrored clips with mirrored captions as well, of clips in a table, for training
+
+  static constexpr auto fields() {
+    using C = DataConfig;
+    return ml::fields("min_seconds", &C::min_seconds, "max_seconds", &C::max_seconds, "test_share", &C::test_share,
+                      "validation_share", &C::validation_share, "split_seed", &C::split_seed, "mirror", &C::mirror);
+  }
+};
+
+/// Throws io_error 401, 403, ... of files (with the line of the table), config_error 102 if the sources contradict each
+/// other, 103 if ready-made features are others than those of `rows`.
+DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& rows,
+                                        ml::Progress progress);
+
+}  // namespace program

@@ -1,0 +1,64 @@
+#include "evaluate.hpp"
+
+#include <chrono>
+#include <cstdio>
+
+#include "commands.hpp"
+
+namespace program {
+
+namespace {
+
+void run(const EvaluationOptions& o) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string system = ml::read_model_folder(o.model).system;
+  if (system == "tmr")
+    evaluate_tmr(o, read_text_motion_config(o.model));
+  else if (system == "temos")
+    evaluate_temos(o, read_text_motion_config(o.model));
+  else if (system == "actor")
+    evaluate_actor(o);
+  else
+    ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
+                                "'; measured are tmr, temos and actor");
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
+  std::printf("%.1f s\n", time.count());
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app) {
+  const auto o = std::make_shared<EvaluationOptions>();
+  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS or ACTOR by the tables of its paper");
+  c->add_option("model", o->model, "Folder of the model")->required()->check(CLI::ExistingDirectory);
+  c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
+  c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
+  c->add_option("--labels", o->labels, "ACTOR: table of labels, as for training")->check(CLI::ExistingFile);
+  c->add_option("--classifier", o->classifier, "ACTOR: folder of the classifier that judges")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--seeds", o->seeds, "ACTOR: how often everything is drawn anew")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  c->add_option("--annotations", o->annotations, "Unified annotation file, as for training")->check(CLI::ExistingFile);
+  c->add_option("--splits", o->splits, "Folder with train.txt, val.txt, test.txt, as for training")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--part", o->part, "What is measured")
+      ->check(CLI::IsMember({"training", "validation", "test"}))
+      ->capture_default_str();
+  c->add_option("--text-encoder", o->text_encoder, "As for training")->check(CLI::ExistingPath);
+  c->add_option("--sentence-encoder", o->sentence_encoder, "As for training")->check(CLI::ExistingPath);
+  c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  c->add_option("--nsim", o->nsim, "TMR: list of ids of dissimilar texts; chosen unless given")
+      ->check(CLI::ExistingFile);
+  c->add_option("--samples", o->samples, "TEMOS: motions for each text")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
+  c->add_option("--count", o->count, "Film strips")->capture_default_str();
+  c->add_option("--seed", o->seed, "Seed of what is generated")->capture_default_str();
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program

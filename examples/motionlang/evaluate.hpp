@@ -1,0 +1,29 @@
+// motionlang evaluate: what a trained ACTOR, TEMOS or TMR is worth.
+#pragma once
+
+#include <filesystem>
+
+#include "text_motion_model.hpp"
+
+namespace program {
+
+struct EvaluationOptions {
+  std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
+      strips, classifier;
+  std::string part = "test";
+  double threshold = 0.95;  // texts more similar than that count as the same
+  ml::Index samples = 10;   // of TEMOS, for each text
+  ml::Index count = 20;     // film strips
+  ml::Index seeds = 20;     // of ACTOR
+  std::uint64_t seed = 0;
+};
+
+/// Retrieval in both directions by the four protocols.
+void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
+/// Errors of generated motions, and those of the mean pose and of random clips.
+void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
+
+/// Accuracy, FID, diversity and multimodality over seeds.
+void evaluate_actor(const EvaluationOptions& o);
+
+}  // namespace program

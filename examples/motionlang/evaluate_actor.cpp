@@ -1,0 +1,149 @@
+// motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones, over
+// several seeds, by a classifier that was trained on the training part.
+#include <cstdio>
+
+#include <motionlang/metrics/diversity.hpp>
+#include <motionlang/metrics/frechet.hpp>
+#include <motionlang/metrics/summary.hpp>
+
+#include "action_task.hpp"
+#include "evaluate.hpp"
+#include "motion_files.hpp"
+#include "progress_bar.hpp"
+
+namespace program {
+
+using ml::Index;
+using B = TrainingBackend;
+
+namespace {
+
+/// What the classifier says of a set of motions.
+struct Judged {
+  std::vector<float> features;
+  Index width = 0;
+  double accuracy = 0;
+  ml::Rows<float> rows() const { return {features, width}; }
+};
+
+/// Classifies motions in batches: batch(numbers) gives them with their classes.
+template <class Batch>
+Judged judge(const Classifier<B>& classifier, const ActorClipsConfig& clips, Index motions, Batch batch) {
+  Judged out;
+  constexpr Index at_once = 64;
+  double right = 0;
+  for (Index at = 0; at < motions; at += at_once) {
+    std::vector<Index> which;
+    for (Index i = at; i < std::min(at + at_once, motions); ++i) which.push_back(i);
+    const ActionBatch<B> b = batch(which);
+    const auto said = classifier(b.x, clips);
+    const auto confusion =
+        ml::confusion_matrix(ml::Rows(said.logits.span(), said.logits.size(1)), std::span<const Index>(b.classes));
+    right += ml::accuracy(confusion) * static_cast<double>(which.size());
+    out.features.insert(out.features.end(), said.features.span().begin(), said.features.span().end());
+    out.width = said.features.size(1);
+  }
+  out.accuracy = right / static_cast<double>(motions);
+  return out;
+}
+
+/// ST-GCN does not read the way of the root.
+ml::Sequences<B> without_translation(const ml::Sequences<B>& x, const ActorClipsConfig& from,
+                                     const ActorClipsConfig& to) {
+  if (from.width() == to.width()) return x;
+  return x.with(ml::slice(x.rows, 1, 0, to.width()));
+}
+
+}  // namespace
+
+void evaluate_actor(const EvaluationOptions& o) {
+  if (o.classifier.empty())
+    ml::raise<ml::config_error>(102, "ACTOR is judged by a classifier: --classifier names its folder");
+  const auto file = read_action_config<ActorTrainingConfig>(o.model, "actor");
+  const auto judge_file = read_action_config<ClassifierConfig>(o.classifier, "classifier");
+  const ActorClipsConfig &clips = file.config.clips, &seen = judge_file.config.clips;
+  if (file.labels != judge_file.labels) ml::raise<ml::config_error>(102, "model and classifier have other labels");
+  if (clips.pose != seen.pose || clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
+      (clips.translation != seen.translation && seen.translation))
+    ml::raise<ml::config_error>(102, "model and classifier have other clips (pose, fps, turned_ahead, translation)");
+  const auto data = [&] {
+    ProgressBar bar("reading motions");
+    return read_described_motions({o.data, {}, o.labels, {}, o.splits}, file.config.data, actor_row_maker(clips), bar);
+  }();
+  const auto& part = data.part(o.part);
+  if (part.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
+  const auto classes = classes_of(part, file.labels);
+  const Index count = std::ssize(part), kinds = std::ssize(file.labels);
+  std::printf("%td motions of the %s part, %td classes\n", count, o.part.c_str(), kinds);
+
+  auto rng = ml::Philox{};
+  ml::Actor<B> actor(actor_sizes(file.config, kinds), rng);
+  load_action_weights(actor, o.model);
+  Classifier<B> classifier(judge_file.config, kinds, rng);
+  load_action_weights(classifier, o.classifier);
+
+  auto windows = [&](std::span<const Index> which, const ml::Philox& seed) {
+    auto b = action_batch<B>(part, classes, which, clips, seed);
+    b.x = without_translation(b.x, clips, seen);
+    return b;
+  };
+  auto generated = [&](std::span<const Index> which, const ml::Philox& seed) {
+    auto b = action_batch<B>(part, classes, which, clips, seed.split("windows"));
+    std::vector<Index> lengths;
+    for (Index i = 0; i < b.x.count(); ++i) lengths.push_back(b.x.offsets.length(i));
+    auto noise = seed.split("noise").split(static_cast<std::uint64_t>(which.front()));
+    b.x = without_translation(ml::generate(actor, b.classes, lengths, noise), clips, seen);
+    return b;
+  };
+  std::map<std::string, std::vector<double>> results;
+  ProgressBar bar("evaluating");
+  for (Index s = 0; s < o.seeds; ++s) {
+    const auto seed = ml::Philox{.seed = o.seed + static_cast<std::uint64_t>(s)};
+    const auto first = seed.split("gt"), second = seed.split("gt2");
+    const std::map<std::string, Judged> sets{
+        {"gt", judge(classifier, seen, count, [&](auto which) { return windows(which, first); })},
+        {"gt2", judge(classifier, seen, count, [&](auto which) { return windows(which, second); })},
+        {"gen", judge(classifier, seen, count, [&](auto which) { return generated(which, seed); })}};
+    for (const auto& [name, set] : sets) {
+      ml::NumpyRandom random(static_cast<std::uint32_t>(o.seed) + static_cast<std::uint32_t>(s));
+      results["accuracy_" + name].push_back(set.accuracy);
+      results["diversity_" + name].push_back(
+          ml::mean_pair_distance(set.rows(), ml::random_pairs(set.rows().size(), 200, random)));
+      results["multimodality_" + name].push_back(
+          ml::mean_pair_distance(set.rows(), ml::pairs_within_classes(classes, kinds, 20, random)));
+      if (name != "gt") results["fid_" + name].push_back(ml::frechet_distance(sets.at("gt").rows(), set.rows()));
+    }
+    bar(s + 1, o.seeds);
+  }
+  bar.finish();
+  std::printf("  %-24s %-12s %-12s %-12s %-12s\n", "", "accuracy %", "FID", "diversity", "multimodality");
+  for (const auto& [name, what] :
+       {std::pair{"gt", "recorded"}, {"gt2", "recorded, other windows"}, {"gen", "generated"}}) {
+    std::printf("  %-24s", what);
+    for (const char* metric : {"accuracy_", "fid_", "diversity_", "multimodality_"}) {
+      const auto found = results.find(std::string(metric) + name);
+      if (found == results.end()) {
+        std::printf(" %-12s", "-");
+        continue;
+      }
+      const auto r = ml::actor_summary(found->first, found->second);
+      char text[32];
+      std::snprintf(text, sizeof text, "%.2f +-%.2f", r.mean, r.half_width);
+      std::printf(" %-12s", text);
+    }
+    std::printf("\n");
+  }
+  if (o.strips.empty()) return;
+  std::filesystem::create_directories(o.strips);
+  for (Index k = 0; k < std::min(kinds, o.count); ++k) {
+    auto noise = ml::Philox{.seed = o.seed}.split("strips").split(static_cast<std::uint64_t>(k));
+    const std::vector<Index> action{k}, length{clips.num_frames > 0 ? clips.num_frames : clips.min_len};
+    const auto made = ml::generate(actor, action, length, noise);
+    const auto rows = made.rows.to_vector();
+    auto motion = actor_motion(rows, clips);
+    motion.name = file.labels[static_cast<std::size_t>(k)];
+    write_motion(o.strips / (motion.name + ".svg"), motion);
+  }
+}
+
+}  // namespace program

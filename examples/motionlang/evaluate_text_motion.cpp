@@ -1,0 +1,219 @@
+// motionlang evaluate of TMR and TEMOS: the tables of the papers, next to what chance and simple guesses reach.
+#include "evaluate.hpp"
+
+#include <cstdio>
+
+#include <motionlang/io/film_strip.hpp>
+#include <motionlang/io/id_list.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
+#include <motionlang/metrics/ape_ave.hpp>
+
+#include "motion_files.hpp"
+#include "text_motion_task.hpp"
+#include "text_sources.hpp"
+#include "train_text_motion.hpp"
+
+namespace program {
+
+using ml::Index;
+using B = TrainingBackend;
+
+namespace {
+
+/// The data of a model's configuration, and the part that is measured.
+struct Measured {
+  DescribedMotions data;
+  const std::vector<DescribedMotion>* part;
+  std::optional<ml::EmbeddingCache> states;
+  ml::EmbeddingCache sentences;
+
+  Measured(const EvaluationOptions& o, const TextMotionFile& file)
+      : data([&] {
+          auto config = file.config.data;
+          config.mirror = false;
+          ProgressBar bar("reading motions");
+          return read_described_motions({o.data, o.captions, {}, o.annotations, o.splits}, config,
+                                        row_maker(file.config.features), bar);
+        }()),
+        part(&data.part(o.part)),
+        sentences(0) {
+    if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
+    const auto texts = all_texts(data);
+    if (!o.text_encoder.empty()) states = token_states(o.text_encoder, texts);
+    sentences = sentence_vectors(o.sentence_encoder, texts);
+    std::printf("%zu motions of the %s part\n", part->size(), o.part.c_str());
+  }
+  const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
+};
+
+void print_retrieval(const char* what, const ml::RetrievalTable& t) {
+  auto row = [](const ml::RetrievalMetrics& m) {
+    std::string out;
+    char text[32];
+    for (const double r : m.recall) std::snprintf(text, sizeof text, "%7.2f", r), out += text;
+    std::snprintf(text, sizeof text, "%8.2f", m.median_rank);
+    return out + text;
+  };
+  std::printf("  %-22s %s   %s\n", what, row(t.text_to_motion).c_str(), row(t.motion_to_text).c_str());
+}
+
+/// The mean of tables of latents that know nothing.
+ml::RetrievalTable chance(ml::RetrievalProtocol protocol, const LatentTable& table, const ml::Rows<float>& sentences,
+                          const ml::RetrievalOptions& options) {
+  constexpr Index width = 8;
+  std::vector<ml::RetrievalTable> tables;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    auto rng = ml::Philox{.seed = seed}.split("chance");
+    std::vector<float> texts(table.texts.size() * width), motions(texts.size());
+    rng.normal(std::span<float>(texts));
+    rng.normal(std::span<float>(motions));
+    tables.push_back(ml::retrieve(protocol, ml::Rows(std::span<const float>(texts), width),
+                                  ml::Rows(std::span<const float>(motions), width), sentences, options));
+  }
+  return ml::detail::mean_table(tables);
+}
+
+}  // namespace
+
+void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
+  const Measured m(o, file);
+  const auto model = load_text_motion<ml::Tmr, B>(o.model, file);
+  const auto table = latents_of(model, *m.part, m.token_cache());
+  const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
+  const ml::Rows sentences(e.span(), e.size(1));
+  ml::RetrievalOptions options{.threshold = o.threshold};
+  for (const DescribedMotion& d : *m.part) options.ids.push_back(d.id);
+  if (!o.nsim.empty()) {
+    options.nsim_ids = ml::read_ids(o.nsim);
+  } else {
+    const std::set<std::string> different(table.texts.begin(), table.texts.end());
+    const auto count = std::min<Index>(100, std::ssize(different));
+    if (count >= 2) {
+      for (const Index i : ml::dissimilar_subset(sentences, options.ids, count))
+        options.nsim_ids.push_back(options.ids[static_cast<std::size_t>(i)]);
+    }
+  }
+  std::printf(
+      "%-25s %-44s %s\n%25s    R@1    R@2    R@3    R@5   R@10    MedR       R@1    R@2    R@3    R@5   R@10    MedR\n",
+      "", "text to motion", "motion to text", "");
+  const ml::Rows texts(std::span(table.text), table.width), motions(std::span(table.motion), table.width);
+  using enum ml::RetrievalProtocol;
+  for (const auto& [protocol, name] :
+       {std::pair{normal, "all"}, {threshold, "all, texts alike"}, {nsim, "dissimilar"}, {guo, "batches of 32"}}) {
+    if (protocol == guo && std::ssize(*m.part) < options.batch) continue;
+    if (protocol == nsim && options.nsim_ids.empty()) continue;
+    print_retrieval(name, ml::retrieve(protocol, texts, motions, sentences, options));
+    print_retrieval("  by chance", chance(protocol, table, sentences, options));
+  }
+}
+
+namespace {
+
+/// SMPL's 22 joints in metres, Z up.
+ml::RifkeVariant joints_of_people() {
+  return {.joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}};
+}
+using Joints = std::vector<ml::Vec3<double>>;
+
+Joints joints_of(const ml::MotionFeatures& f, std::span<const float> rows) {
+  const std::vector<double> values(rows.begin(), rows.end());
+  return ml::detail::turned_up(f.joints_of(values), true);
+}
+std::span<const float> rows_of(const DescribedMotion& d, Index width) {
+  const auto& frames = d.texts.front().frames;
+  return std::span(d.rows).subspan(static_cast<std::size_t>(frames.first * width),
+                                   static_cast<std::size_t>(frames.length * width));
+}
+
+/// The mean of all poses, seen from the body, standing still.
+Joints mean_pose(const std::vector<DescribedMotion>& motions, const ml::MotionFeatures& f) {
+  Joints sum(22);
+  double frames = 0;
+  for (const DescribedMotion& d : motions) {
+    const auto c =
+        ml::canonical_motion(joints_of_people(), std::span<const ml::Vec3<double>>(joints_of(f, rows_of(d, f.width))));
+    for (Index t = 0; t < c.frames(); ++t, ++frames) {
+      const auto frame = static_cast<std::size_t>(t);
+      sum[0] = sum[0] + ml::Vec3<double>{0, 0, c.root[frame].z};
+      for (std::size_t j = 1; j < 22; ++j) sum[j] = sum[j] + c.local[frame * 21 + j - 1];
+    }
+  }
+  for (auto& p : sum) p = (1 / frames) * p;
+  return sum;
+}
+
+void print_errors(const char* what, const ml::ApeAve& e) {
+  std::printf("  %-22s", what);
+  for (const ml::PositionErrors* p : {&e.ape, &e.ave})
+    std::printf("   %7.3f %7.3f %7.3f %7.3f", p->root, p->trajectory, p->mean_local(), p->mean_joints());
+  std::printf("\n");
+}
+
+}  // namespace
+
+void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
+  const Measured m(o, file);
+  const auto model = load_text_motion<ml::Temos, B>(o.model, file);
+  const auto& features = ml::motion_features(file.config.features);
+  using Metric = ml::ApeAveMetric<double>;
+  const auto n = static_cast<std::size_t>(o.samples);
+  std::vector<Metric> of_sample(n, Metric(joints_of_people()));
+  Metric best(joints_of_people()), at_mean(joints_of_people()), pose(joints_of_people()), clip(joints_of_people());
+  const auto still = mean_pose(m.data.training, features);
+  auto lot = ml::Philox{.seed = o.seed}.split("random clips");
+  std::set<std::string> shown;
+  std::filesystem::create_directories(o.strips.empty() ? "." : o.strips);
+  ProgressBar bar("generating");
+  for (std::size_t i = 0; i < m.part->size(); ++i) {
+    const DescribedMotion& d = (*m.part)[i];
+    const auto truth = joints_of(features, rows_of(d, features.width));
+    const auto frames = static_cast<std::size_t>(std::ssize(truth) / 22);
+    const std::vector<std::string> text{d.texts.front().text};
+    const auto tokens = model.tokens(text, m.token_cache());
+    const ml::Offsets length{std::vector<Index>{static_cast<Index>(frames)}};
+    auto made = [&](const ml::Sequences<B>& s) { return model.motion_normalizer.denormalize(s.rows).to_vector(); };
+    std::vector<Joints> samples;
+    const auto rng = ml::Philox{.seed = o.seed};
+    for (const auto& s : ml::text_to_motion(model.system, tokens, length, rng, o.samples))
+      samples.push_back(joints_of(features, made(s)));
+    std::vector<Metric::Joints> all(samples.begin(), samples.end());
+    for (std::size_t k = 0; k < n; ++k) of_sample[k].add(all[k], truth);
+    best.add_best(all, truth);
+    const auto mean_rows = made(ml::text_to_motion(model.system, tokens, length, rng, 1, {.mean = true}).front());
+    at_mean.add(joints_of(features, mean_rows), truth);
+    Joints standing;
+    for (std::size_t t = 0; t < frames; ++t) standing.insert(standing.end(), still.begin(), still.end());
+    pose.add(standing, truth);
+    Joints other;  // a clip that is long enough, if one of a hundred is
+    for (int tries = 0; tries < 100 && other.size() < truth.size(); ++tries) {
+      const auto& any = m.data.training[lot.below(static_cast<std::uint32_t>(m.data.training.size()))];
+      other = joints_of(features, rows_of(any, features.width));
+    }
+    clip.add(other, truth);
+    if (!o.strips.empty() && shown.insert(text[0]).second && std::ssize(shown) <= o.count) {
+      const std::vector<double> values(mean_rows.begin(), mean_rows.end());
+      auto motion = features.to_motion != nullptr
+                        ? features.to_motion(values, features.fps)
+                        : ml::motion_from_joints(ml::smpl24_skeleton(), features.joints_of(values), features.joints,
+                                                 features.fps);
+      motion.name = text[0];
+      write_motion(o.strips / ml::concat_text(shown.size(), ".svg"), motion);
+    }
+    bar(static_cast<Index>(i) + 1, std::ssize(*m.part));
+  }
+  bar.finish();
+  std::vector<ml::ApeAve> results;
+  for (const Metric& r : of_sample) results.push_back(r.result());
+  std::printf("  %-22s   %-31s   %s\n  %22s      root   traj.   local  global      root   traj.   local  global\n", "",
+              "APE (m)", "AVE (m^2)", "");
+  print_errors("one sample", results.front());
+  if (n > 1) {
+    print_errors(ml::concat_text("mean of ", n, " samples").c_str(), ml::mean_errors(results));
+    print_errors(ml::concat_text("best of ", n, " samples").c_str(), best.result());
+  }
+  print_errors("mean of the latent", at_mean.result());
+  print_errors("mean pose", pose.result());
+  print_errors("random clip", clip.result());
+}
+
+}  // namespace program

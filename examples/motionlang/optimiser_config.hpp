@@ -1,0 +1,81 @@
+// Hyperparameters that every training has: the optimiser, and when to validate.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/optim/adamw.hpp>
+#include <motionlang/optim/lr_schedule.hpp>
+
+#include "trainer.hpp"
+
+namespace program {
+
+/// AdamW. The defaults are those of TEMOS and TMR.
+struct OptimiserConfig {
+  double lr = 1e-4, beta1 = 0.9, beta2 = 0.999, eps = 1e-8, weight_decay = 0.01;
+  double clip_norm = 0;               // longest gradient; 0: any
+  double ema = 0;                     // rate of the running average that is used in the end; 0: the weights themselves
+  std::string schedule = "constant";  // or "cosine", down to a fiftieth
+  ml::Index warmup = 0;               // steps
+  ml::Index batch = 32;
+  ml::Index epochs = 500;
+  std::uint64_t seed = 1234;
+
+  static constexpr auto fields() {
+    using C = OptimiserConfig;
+    return ml::fields("lr", &C::lr, "beta1", &C::beta1, "beta2", &C::beta2, "eps", &C::eps, "weight_decay",
+                      &C::weight_decay, "clip_norm", &C::clip_norm, "ema", &C::ema, "schedule", &C::schedule, "warmup",
+                      &C::warmup, "batch", &C::batch, "epochs", &C::epochs, "seed", &C::seed);
+  }
+
+  ml::AdamWConfig adamw() const {
+    return {.lr = lr, .beta1 = beta1, .beta2 = beta2, .eps = eps, .weight_decay = weight_decay};
+  }
+  /// The rate of a step out of `total`. Throws config_error 103 for an unknown schedule.
+  double rate(ml::Index step, ml::Index total) const {
+    if (schedule == "cosine")
+      return ml::WarmupCosine{.peak = lr, .floor = lr * 0.02, .warmup = warmup, .total = total}(step);
+    if (schedule != "constant")
+      ml::raise<ml::config_error>(103, "optimiser.schedule '", schedule, "' is not constant or cosine");
+    return step < warmup ? lr * static_cast<double>(step + 1) / static_cast<double>(warmup) : lr;
+  }
+};
+
+struct ValidationConfig {
+  ml::Index every = 1;         // epochs; 0: never
+  ml::Index patience = 0;      // validations without a better one before training stops; 0: it does not
+  bool keep_best = false;      // the weights of the best validation are used, not the last
+  std::string watch = "loss";  // what "better" means; TMR: or "retrieval", the sum of the recalls
+
+  static constexpr auto fields() {
+    using C = ValidationConfig;
+    return ml::fields("every", &C::every, "patience", &C::patience, "keep_best", &C::keep_best, "watch", &C::watch);
+  }
+};
+
+/// The batches of an epoch after the other: every item once in an epoch, in a new order, the last batch kept.
+class EpochBatches {
+ public:
+  EpochBatches(ml::Index items, ml::Index batch) : items_(items), batch_(batch) {
+    if (items < 1 || batch < 1) ml::raise<ml::config_error>(101, "batches of ", batch, " out of ", items, " items");
+  }
+  ml::Index per_epoch() const { return (items_ + batch_ - 1) / batch_; }
+
+  /// Numbers of the items of a step.
+  std::vector<ml::Index> operator()(ml::Index step, std::uint64_t seed) const {
+    const ml::Index epoch = step / per_epoch(), first = step % per_epoch() * batch_;
+    std::vector<ml::Index> order(static_cast<std::size_t>(items_));
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<ml::Index>(i);
+    auto rng = ml::Philox{.seed = seed}.split("epoch").split(static_cast<std::uint64_t>(epoch));
+    for (std::size_t i = order.size(); i > 1; --i)
+      std::swap(order[i - 1], order[rng.below(static_cast<std::uint32_t>(i))]);
+    return {order.begin() + first, order.begin() + std::min(first + batch_, items_)};
+  }
+
+ private:
+  ml::Index items_, batch_;
+};
+
+}  // namespace program

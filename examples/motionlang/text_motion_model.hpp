@@ -1,0 +1,139 @@
+// A trained TEMOS or TMR with what belongs to it: word pieces where it has no language model, statistics of the features,
+// its configuration. How it is made, and its folder.
+//
+//     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces; "about"
+//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/io/model_folder.hpp>
+#include <motionlang/io/module_file.hpp>
+#include <motionlang/systems/temos.hpp>
+#include <motionlang/systems/tmr.hpp>
+#include <motionlang/text/word_piece_tokens.hpp>
+
+#include "text_motion_config.hpp"
+
+namespace program {
+
+template <ml::Backend B, template <class> class System>
+struct TextMotionModel {
+  System<B> system;
+  std::optional<ml::WordPieceTokens<B>> words;
+  ml::Normalizer<B> motion_normalizer;
+
+  static constexpr auto fields() {
+    using M = TextMotionModel;
+    return ml::fields("", &M::system, "words", &M::words, "motion_normalizer", &M::motion_normalizer);
+  }
+  static std::string official_key(const std::string& path) {
+    if constexpr (requires { System<B>::official_key(path); })
+      return System<B>::official_key(path);
+    else
+      return path;
+  }
+
+  /// What the text encoder reads: rows of word pieces, or the states of a language model, which has all texts.
+  ml::Sequences<B> tokens(std::span<const std::string> texts, const ml::EmbeddingCache* states) const {
+    if (words) return (*words)(texts).tokens;
+    if (states == nullptr)
+      ml::raise<ml::config_error>(102, "this model reads the states of a language model: --text-encoder names it");
+    return states->encode<B>(texts).tokens;
+  }
+};
+
+template <ml::Backend B>
+using TmrModel = TextMotionModel<B, ml::Tmr>;
+template <ml::Backend B>
+using TemosModel = TextMotionModel<B, ml::Temos>;
+
+template <template <class> class System>
+constexpr const char* system_name() {
+  return std::is_same_v<System<ml::EigenBackend<float>>, ml::Tmr<ml::EigenBackend<float>>> ? "tmr" : "temos";
+}
+
+inline ml::TemosNetwork temos_network(const std::string& name, const char* key) {
+  if (name == "transformer") return ml::TemosNetwork::transformer;
+  if (name == "gru") return ml::TemosNetwork::gru;
+  if (name == "none") return ml::TemosNetwork::none;
+  ml::raise<ml::config_error>(103, key, " '", name, "' is not transformer, gru or none");
+}
+
+/// New weights. Throws config_error 101, 102, 103 for sizes and options that cannot be.
+template <template <class> class System, ml::Backend B>
+TextMotionModel<B, System> make_text_motion(const TextMotionConfig& c, ml::Index width,
+                                            std::optional<ml::WordPiece> pieces, const ml::Philox& rng) {
+  TextMotionModel<B, System> m;
+  auto init = rng.split("system"), words = rng.split("words");
+  const auto& n = c.network;
+  if constexpr (std::is_same_v<System<B>, ml::Tmr<B>>) {
+    if (n.motion_encoder != "transformer" || n.motion_decoder != "transformer")
+      ml::raise<ml::config_error>(102, "TMR has transformers; network.motion_encoder and motion_decoder are of TEMOS");
+    m.system = System<B>({.motion_nfeats = width,
+                          .text_nfeats = c.text.width,
+                          .latent_dim = n.latent_dim,
+                          .ff_size = n.ff_size,
+                          .num_layers = n.num_layers,
+                          .num_heads = n.num_heads,
+                          .dropout = n.dropout,
+                          .vae = n.vae},
+                         init);
+  } else {
+    m.system = System<B>({.nfeats = width,
+                          .text_dim = c.text.width,
+                          .latent_dim = n.latent_dim,
+                          .ff_size = n.ff_size,
+                          .num_layers = n.num_layers,
+                          .num_heads = n.num_heads,
+                          .dropout = n.dropout,
+                          .vae = n.vae,
+                          .motion_encoder = temos_network(n.motion_encoder, "network.motion_encoder"),
+                          .motion_decoder = temos_network(n.motion_decoder, "network.motion_decoder")},
+                         init);
+  }
+  if (pieces) m.words.emplace(std::move(*pieces), c.text.width, words);
+  m.motion_normalizer = ml::Normalizer<B>::identity(width);
+  return m;
+}
+
+/// What config.json says.
+struct TextMotionFile {
+  std::string system;
+  double fps = 0;
+  TextMotionConfig config;
+  std::optional<ml::WordPiece> pieces;
+};
+/// Throws io_error 401, 403, config_error 103, 107.
+TextMotionFile read_text_motion_config(const std::filesystem::path& folder);
+
+/// Writes config.json and weights.safetensors, over those that are there.
+void write_text_motion(const std::filesystem::path& folder, const TextMotionFile& file,
+                       const std::map<std::string, std::string>& about, const ml::TensorStore& weights);
+/// `about`: license, provenance, data, command, ...
+template <template <class> class System, ml::Backend B>
+void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
+                      const TextMotionConfig& config, const std::map<std::string, std::string>& about) {
+  ml::TensorStore store;
+  store.add_module(model);
+  TextMotionFile file{system_name<System>(), ml::motion_features(config.features).fps, config, {}};
+  if (model.words) file.pieces = model.words->tokenizer;
+  write_text_motion(folder, file, about, store);
+}
+/// Throws what the readers throw; config_error 102 for a folder of the other system.
+template <template <class> class System, ml::Backend B>
+TextMotionModel<B, System> load_text_motion(const std::filesystem::path& folder, const TextMotionFile& file) {
+  if (file.system != system_name<System>())
+    ml::raise<ml::config_error>(102, folder.string(), ": a model of ", file.system, ", not ", system_name<System>());
+  auto model = make_text_motion<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
+                                           ml::Philox{});
+  ml::load_module(model, ml::SafetensorsFile::open(folder / "weights.safetensors"));
+  ml::prepare(model);
+  return model;
+}
+
+}  // namespace program

@@ -1,0 +1,43 @@
+#include "text_sources.hpp"
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/text_encoder_folder.hpp>
+#include <motionlang/text/bag_of_words.hpp>
+
+namespace program {
+
+using B = ml::EigenBackend<float>;
+
+namespace {
+
+/// The part of a cache or of an encoder that is about these texts.
+template <class Encoder>
+ml::EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> texts) {
+  constexpr std::size_t at_once = 64;
+  ml::EmbeddingCache out(0);
+  for (std::size_t at = 0; at < texts.size(); at += at_once) {
+    const auto part = texts.subspan(at, std::min(at_once, texts.size() - at));
+    if (at == 0) out = ml::EmbeddingCache(encoder.template encode<B>(part.first(1)).tokens.width());
+    out.add<B>(encoder, part);
+  }
+  return out;
+}
+
+ml::EmbeddingCache states_from(const std::filesystem::path& from, std::span<const std::string> texts,
+                               const ml::TextEncoderOptions& options) {
+  if (from.extension() != ".npy") return states_of(ml::load_text_encoder<B>(from, options), texts);
+  return states_of(ml::EmbeddingCache::read(from.parent_path(), from.stem().string()), texts);
+}
+
+}  // namespace
+
+ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts) {
+  return states_from(from, texts, {});
+}
+
+ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, std::span<const std::string> texts) {
+  if (from.empty()) return states_of(ml::BagOfWords(texts), texts);
+  return states_from(from, texts, {.text = {.pooling = ml::Pooling::mean, .normalize = true}});
+}
+
+}  // namespace program

@@ -1,0 +1,23 @@
+// Vectors of texts that are not trained here: states of a language model for the text encoder, and one vector for each text
+// that says which texts mean the same.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include <motionlang/io/embedding_cache.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+/// The states of all `texts`. `from` is a folder of Hugging Face (DistilBERT), or the .npy file of an embedding cache, which
+/// has to have them. Throws what the readers throw, config_error 103 for a text that a cache lacks.
+ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts);
+
+/// A unit vector for each of `texts`: of a sentence encoder (a folder of MPNet) or a cache as above; "": of the bag of its
+/// words.
+ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, std::span<const std::string> texts);
+
+}  // namespace program

@@ -1,0 +1,40 @@
+// motionlang train-actor: motions for actions.
+#include "action_task.hpp"
+#include "training_command.hpp"
+
+namespace program {
+
+namespace {
+
+struct Options {
+  TrainingOptions common;
+  std::filesystem::path labels, from, body;
+};
+
+void run(const Options& o) {
+  auto config = actor_preset(o.common.preset);
+  if (!configure(config, o.common)) return;
+  const auto data = read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data,
+                              actor_row_maker(config.clips));
+  Trainer trainer(ActorTask(config, data, o.from, o.body));
+  trainer.run(o.common.run, [] {});
+  const auto folder = o.common.run.out / "model";
+  save_action_model(folder, trainer.task().result(), "actor", trainer.task().file(), about(o.common, data));
+  std::printf("model    %s\nlosses   %s\n", folder.c_str(), (o.common.run.out / "loss.svg").c_str());
+}
+
+}  // namespace
+
+void add_train_actor(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand(
+      "train-actor", "Trains ACTOR, which makes motions for actions; Ctrl-C saves, the same command goes on");
+  add_training_options(*c, o->common, "actor-published");
+  c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
+  c->add_option("--from", o->from, "Model to begin with: motions of many lengths after those of 60 frames")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--body", o->body, "SMPL, for losses.points = vertices")->check(CLI::ExistingFile);
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program

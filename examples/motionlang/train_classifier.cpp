@@ -1,0 +1,37 @@
+// motionlang train-classifier: what tells actions apart, and so judges generated motions.
+#include "action_task.hpp"
+#include "training_command.hpp"
+
+namespace program {
+
+namespace {
+
+struct Options {
+  TrainingOptions common;
+  std::filesystem::path labels;
+};
+
+void run(const Options& o) {
+  auto config = classifier_preset(o.common.preset);
+  if (!configure(config, o.common)) return;
+  const auto data = read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data,
+                              actor_row_maker(config.clips));
+  Trainer trainer(ClassifierTask(config, data));
+  trainer.run(o.common.run, [] {});
+  const auto folder = o.common.run.out / "model";
+  save_action_model(folder, trainer.task().result(), "classifier", trainer.task().file(), about(o.common, data));
+  std::printf("model    %s\nlosses   %s\n", folder.c_str(), (o.common.run.out / "loss.svg").c_str());
+}
+
+}  // namespace
+
+void add_train_classifier(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("train-classifier",
+                                   "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
+  add_training_options(*c, o->common, "small");
+  c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program

@@ -1,0 +1,12 @@
+// motionlang train-temos: motions from texts.
+#include "train_text_motion.hpp"
+
+namespace program {
+
+void add_train_temos(CLI::App& app) {
+  add_text_motion<ml::Temos>(app, "train-temos",
+                             "Trains TEMOS, which makes motions from texts; Ctrl-C saves, the same command goes on",
+                             "temos-published", &temos_preset);
+}
+
+}  // namespace program

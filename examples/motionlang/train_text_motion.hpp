@@ -1,0 +1,63 @@
+// The commands train-tmr and train-temos: options, data, the run, the folder of the model.
+#pragma once
+
+#include "text_motion_task.hpp"
+#include "text_sources.hpp"
+#include "training_command.hpp"
+
+namespace program {
+
+struct TextMotionOptions {
+  TrainingOptions common;
+  std::filesystem::path captions, annotations, text_encoder, sentence_encoder;
+};
+
+inline RowMaker row_maker(const std::string& features) {
+  const ml::MotionFeatures& f = ml::motion_features(features);
+  return {std::string(f.name), f.width, f.fps, f.from_motion};
+}
+
+template <template <class> class System>
+void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset) {
+  TextMotionConfig config = preset;
+  if (!configure(config, o.common)) return;
+  if (config.text.encoder != "word_pieces" && config.text.encoder != "distilbert")
+    ml::raise<ml::config_error>(103, "text.encoder '", config.text.encoder, "' is not word_pieces or distilbert");
+  const bool pieces = config.text.encoder == "word_pieces";
+  if (pieces != o.text_encoder.empty())
+    ml::raise<ml::config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
+                                            : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
+                                              "without one: --set text.encoder=word_pieces");
+  const auto data = read_data(o.common, {o.common.data, o.captions, {}, o.annotations, o.common.splits}, config.data,
+                              row_maker(config.features));
+  const auto texts = all_texts(data);
+  std::printf("%zu different texts\n", texts.size());
+  std::optional<ml::EmbeddingCache> states;
+  if (!pieces) states = token_states(o.text_encoder, texts);
+  const auto sentences = sentence_vectors(o.sentence_encoder, texts);
+  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences));
+  trainer.run(o.common.run, [] {});
+  const auto folder = o.common.run.out / "model";
+  save_text_motion(folder, trainer.task().result(), trainer.task().config(), about(o.common, data));
+  std::printf("model    %s\nlosses   %s\n", folder.c_str(), (o.common.run.out / "loss.svg").c_str());
+}
+
+template <template <class> class System>
+void add_text_motion(CLI::App& app, const char* name, const char* what, const char* published,
+                     TextMotionConfig (*preset)(const std::string&)) {
+  const auto o = std::make_shared<TextMotionOptions>();
+  CLI::App* c = app.add_subcommand(name, what);
+  add_training_options(*c, o->common, published);
+  c->add_option("--captions", o->captions, "Table of the clips: clip, start, end, body parts, captions")
+      ->check(CLI::ExistingFile);
+  c->add_option("--annotations", o->annotations, "Unified annotation file (JSON); its paths lead into --data")
+      ->check(CLI::ExistingFile);
+  c->add_option("--text-encoder", o->text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
+      ->check(CLI::ExistingPath);
+  c->add_option("--sentence-encoder", o->sentence_encoder,
+                "MPNet, which tells texts that mean the same: a folder or a cache; words are compared unless given")
+      ->check(CLI::ExistingPath);
+  c->callback([o, preset] { run_text_motion<System>(*o, preset(o->common.preset)); });
+}
+
+}  // namespace program

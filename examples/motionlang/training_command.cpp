@@ -1,0 +1,65 @@
+#include "training_command.hpp"
+
+#include <motionlang/core/parallel.hpp>
+
+namespace program {
+
+void add_training_options(CLI::App& command, TrainingOptions& o, const char* published) {
+  o.preset = published;
+  command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML")
+      ->check(CLI::ExistingDirectory);
+  command.add_option("--splits", o.splits, "Folder with train.txt, val.txt, test.txt; by lot unless given")
+      ->check(CLI::ExistingDirectory);
+  command.add_option("--preset", o.preset, std::string("Hyperparameters: ") + published + " or small")
+      ->capture_default_str();
+  command.add_option("--config", o.config, "JSON with the hyperparameters that differ from the preset")
+      ->check(CLI::ExistingFile);
+  command.add_option("--set", o.set, "One hyperparameter: optimiser.lr=3e-4; may be repeated")->allow_extra_args(false);
+  command.add_flag("--print-config", o.print_config, "Print all hyperparameters as JSON, and stop");
+  command.add_option("--out", o.run.out, "Folder for checkpoint, curves and model")->capture_default_str();
+  command.add_option("--save-minutes", o.run.save_minutes, "Minutes between checkpoints")->capture_default_str();
+  command.add_flag("--fresh", o.run.fresh, "Start anew even if there is a checkpoint");
+  command.add_flag("--other-settings", o.run.other_settings,
+                   "Go on with a checkpoint that began with other rates or weights of losses");
+  command.add_option("--license", o.license, "Licence of the weights, for their metadata")->capture_default_str();
+  command.add_option("--provenance", o.provenance, "Where the data come from, for the metadata")->capture_default_str();
+  command.add_option("--commit", o.commit, "Commit of the program, for the metadata");
+  command.add_option("--threads", o.threads, "Threads; as many as the machine has unless given")
+      ->check(CLI::Range(1, 1024));
+}
+
+bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config) {
+  if (o.print_config) {
+    std::printf("%s\n", config.dump(2).c_str());
+    return false;
+  }
+  if (o.data.empty()) ml::raise<ml::config_error>(102, "--data is required");
+  if (o.threads > 0) ml::set_thread_count(o.threads);
+  return true;
+}
+
+DescribedMotions read_data(const TrainingOptions&, const DataSources& sources, const DataConfig& config,
+                           const RowMaker& rows) {
+  auto data = [&] {
+    ProgressBar bar("reading motions");
+    return read_described_motions(sources, config, rows, bar);
+  }();
+  std::printf("%zu motions to train on, %zu for validation, %zu for tests; %td left out\n", data.training.size(),
+              data.validation.size(), data.test.size(), data.left_out);
+  return data;
+}
+
+std::map<std::string, std::string> about(const TrainingOptions& o, const DescribedMotions& data) {
+  double frames = 0;
+  for (const DescribedMotion& m : data.training)
+    frames += static_cast<double>(m.rows.size()) / static_cast<double>(data.width);
+  return {
+      {"license", o.license},
+      {"provenance", o.provenance},
+      {"data", ml::concat_text(data.training.size(), " motions, ", std::floor(frames / data.fps / 6) / 10, " minutes")},
+      {"command", command_line},
+      {"commit", o.commit},
+      {"version", MOTIONLANG_VERSION}};
+}
+
+}  // namespace program

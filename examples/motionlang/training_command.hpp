@@ -1,0 +1,54 @@
+// What the commands train-tmr, train-temos and train-actor have in common: options, configuration, reading of data.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "config_json.hpp"
+#include "described_motions.hpp"
+#include "trainer.hpp"
+
+namespace program {
+
+struct TrainingOptions {
+  std::filesystem::path data, splits, config;
+  std::string preset;
+  std::vector<std::string> set;
+  bool print_config = false;
+  RunOptions run;
+  std::string license = "not stated", provenance = "own training", commit;
+  int threads = 0;
+};
+
+/// `published` is the preset that is taken unless another is named.
+void add_training_options(CLI::App& command, TrainingOptions& o, const char* published);
+
+/// Reads the motions and says how many there are.
+DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources, const DataConfig& config,
+                           const RowMaker& rows);
+
+/// License, provenance, data, command: for the metadata of a model.
+std::map<std::string, std::string> about(const TrainingOptions& o, const DescribedMotions& data);
+
+/// Puts --config and --set over a preset, and --threads to work. False if it was only to be printed.
+template <ml::Module C>
+bool configure(C& config, const TrainingOptions& o);
+
+/// Prints, and sets the number of threads.
+bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config);
+
+template <ml::Module C>
+bool configure(C& config, const TrainingOptions& o) {
+  if (!o.config.empty()) {
+    const auto document = ml::read_json(o.config);
+    read_config(config, ml::JsonView(document, o.config.string()));
+  }
+  set_config(config, o.set);
+  return begin_training(o, config_json(config));
+}
+
+}  // namespace program

@@ -1,0 +1,193 @@
+// The commands that train TMR, TEMOS, ACTOR and classifiers, and evaluate: on a few made-up clips, in seconds.
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/safetensors.hpp>
+
+#include "../support/synthetic_motion.hpp"
+#include "../support/temporary_folder.hpp"
+#include "process.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Eight short walks of two kinds, with captions and labels.
+struct Clips : TemporaryFolder {
+  Clips() {
+    std::string captions = "# clip\tstart\tend\tparts\tcaptions\n", labels = "# clip\tstart\tend\tlabel\n";
+    for (int i = 0; i < 8; ++i) {
+      const bool turns = i % 2 == 1;
+      const std::string name = "clip" + std::to_string(i);
+      ml::write_bvh(*this / (name + ".bvh"), synthetic::walk({.frames = 40 + 2 * i, .turn = turns ? 0.8 : 0.0}));
+      captions += name + "\t0\t2\tlegs\t" +
+                  (turns ? "a person turns left | someone turns\n" : "a person walks ahead | someone walks\n");
+      labels += name + "\t0\t2\t" + (turns ? "turn" : "walk") + "\n";
+    }
+    ml::write_file(*this / "captions.tsv", captions);
+    ml::write_file(*this / "labels.tsv", labels);
+  }
+
+  /// Small networks, an eighth of the clips to validate with and a quarter for tests.
+  Outcome train(const std::string& command, const std::string& out, std::vector<std::string> more = {},
+                const std::string& interrupt_at = "") const {
+    const bool texts = command == "train-tmr" || command == "train-temos";
+    std::vector<std::string> arguments{command,
+                                       "--data",
+                                       ".",
+                                       "--out",
+                                       out,
+                                       "--preset",
+                                       "small",
+                                       texts ? "--captions" : "--labels",
+                                       texts ? "captions.tsv" : "labels.tsv"};
+    auto set = [&](const std::string& assignment) { arguments.insert(arguments.end(), {"--set", assignment}); };
+    for (const char* a :
+         {"data.min_seconds=0.5", "data.test_share=0.25", "data.validation_share=0.25", "optimiser.batch=2",
+          "optimiser.schedule=constant", "optimiser.epochs=4", "optimiser.lr=0.002"})
+      set(a);
+    if (command != "train-classifier") {
+      for (const char* a : {"network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"})
+        set(a);
+    } else {
+      set("hidden_size=8");
+    }
+    if (texts) {
+      for (const char* a : {"data.mirror=false", "text.width=8", "text.vocabulary=40"}) set(a);
+    } else {
+      set("clips.num_frames=12");
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments, path, interrupt_at);
+  }
+  std::vector<float> losses(const std::string& out) const {
+    return ml::values_of<float>(ml::SafetensorsFile::open(*this / (out + "/checkpoint.safetensors")).tensor("losses"));
+  }
+  std::string weights(const std::string& out) const {
+    return ml::read_file(*this / (out + "/model/weights.safetensors"));
+  }
+};
+
+double mean(std::span<const float> x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
+
+}  // namespace
+
+TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curves; two halves make the same weights") {
+  const Clips clips;
+  for (const std::string command : {"train-tmr", "train-temos", "train-actor", "train-classifier"}) {
+    CAPTURE(command);
+    const std::string whole = command + "_whole", halves = command + "_halves";
+    const auto done = clips.train(command, whole, {"--set", "optimiser.epochs=30"});
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK(contains(done.text, "4 motions to train on, 2 for validation, 2 for tests"));
+    const auto losses = clips.losses(whole);
+    REQUIRE(losses.size() == 60);
+    CHECK(mean(std::span(losses).last(10)) < 0.9 * mean(std::span(losses).first(10)));
+    CHECK(contains(ml::read_file(clips / (whole + "/loss.svg")), "validation"));
+    CHECK(run({"info", whole + "/model/weights.safetensors"}, clips.path).code == 0);
+
+    REQUIRE(clips.train(command, halves, {"--set", "optimiser.epochs=14"}).code == 0);
+    const auto rest = clips.train(command, halves, {"--set", "optimiser.epochs=30"});
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK(contains(rest.text, "going on at step 28 of 60"));
+    CHECK(clips.losses(halves) == losses);
+    CHECK(clips.weights(halves) == clips.weights(whole));
+  }
+  auto evaluate = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(), {"evaluate", name + "_whole/model", "--data", "."});
+    return run(more, clips.path);
+  };
+  const auto tmr = evaluate("train-tmr", {"--captions", "captions.tsv"});
+  CHECK_MESSAGE(tmr.code == 0, tmr.text);
+  for (const char* word : {"text to motion", "all, texts alike", "by chance", "dissimilar"})
+    CHECK_MESSAGE(contains(tmr.text, word), tmr.text);
+  const auto temos = evaluate("train-temos", {"--captions", "captions.tsv", "--samples", "2", "--strips", "strips"});
+  CHECK_MESSAGE(temos.code == 0, temos.text);
+  for (const char* word : {"APE", "best of 2 samples", "mean pose", "random clip"})
+    CHECK_MESSAGE(contains(temos.text, word), temos.text);
+  CHECK(std::filesystem::exists(clips / "strips/1.svg"));
+  const auto actor = evaluate("train-actor", {"--labels", "labels.tsv", "--classifier", "train-classifier_whole/model",
+                                              "--seeds", "2", "--part", "training"});
+  CHECK_MESSAGE(actor.code == 0, actor.text);
+  for (const char* word : {"accuracy", "FID", "recorded", "generated"})
+    CHECK_MESSAGE(contains(actor.text, word), actor.text);
+}
+
+TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {
+  const Clips clips;
+  const auto stopped = clips.train("train-tmr", "run", {"--set", "optimiser.epochs=20000"}, "training [");
+  CHECK_MESSAGE(stopped.code == 130, stopped.text);
+  CHECK(contains(stopped.text, "the same command goes on from run/checkpoint.safetensors"));
+  CHECK(!std::filesystem::exists(clips / "run/model"));
+  const auto steps = clips.losses("run").size();
+  CHECK(steps > 0);
+  const auto other = clips.train("train-tmr", "run", {"--set", "optimiser.lr=0.1"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "this run began with another training.optimiser.lr (0.002, not 0.1)"), other.text);
+  // a rate that makes everything worse: two validations without a better one end it
+  const auto early =
+      clips.train("train-classifier", "early",
+                  {"--set", "optimiser.lr=3", "--set", "validation.patience=2", "--set", "optimiser.epochs=2000"});
+  REQUIRE_MESSAGE(early.code == 0, early.text);
+  CHECK_MESSAGE(contains(early.text, "stopped early at step"), early.text);
+  CHECK(clips.losses("early").size() < 4000);
+}
+
+TEST_CASE("hyperparameters: presets, files, single ones; unknown names with the nearest") {
+  const Clips clips;
+  auto print = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), {command, "--print-config"});
+    return run(more, clips.path);
+  };
+  const auto tmr = print("train-tmr", {});
+  CHECK(tmr.code == 0);
+  for (const char* line : {"\"latent_dim\": 256", "\"num_layers\": 6", "\"contrastive\": 0.1", "\"temperature\": 0.1",
+                           "\"threshold\": 0.8", "\"batch\": 32", "\"epochs\": 500", "\"seed\": 1234"})
+    CHECK_MESSAGE(contains(tmr.text, line), line);
+  CHECK(contains(print("train-temos", {}).text, "\"epochs\": 1001"));
+  for (const char* line : {"\"num_layers\": 8", "\"batch\": 20", "\"epochs\": 5000", "\"num_frames\": 60"})
+    CHECK_MESSAGE(contains(print("train-actor", {}).text, line), line);
+  ml::write_file(clips / "mine.json", "{\"losses\": {\"kl\": 0.5}, \"optimiser\": {\"batch\": 7}}");
+  const auto mine =
+      print("train-tmr", {"--config", "mine.json", "--set", "optimiser.batch=9", "--set", "features=rifke"});
+  for (const char* line : {"\"kl\": 0.5", "\"batch\": 9", "\"features\": \"rifke\""})
+    CHECK_MESSAGE(contains(mine.text, line), line);
+
+  auto refused = [&](std::vector<std::string> more, const std::string& message) {
+    const auto out = print("train-tmr", std::move(more));
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::write_file(clips / "wrong.json", "{\"losses\": {\"kll\": 0.5}}");
+  refused({"--config", "wrong.json"}, "wrong.json: losses: has no member 'kll'; did you mean 'kl'?");
+  refused({"--set", "optimizer.lr=1"}, "has no member 'optimizer'; did you mean 'optimiser'?");
+  refused({"--set", "network.num_layers=many"}, "network.num_layers");
+  refused({"--preset", "large"}, "--preset 'large' is not tmr-published or small");
+}
+
+TEST_CASE("tables that cannot be used are refused with file and line") {
+  const Clips clips;
+  auto refused = [&](const std::string& command, const std::string& option, const std::string& line,
+                     const std::string& message) {
+    ml::write_file(clips / "wrong.tsv", "# a table\n" + line + "\n");
+    const auto out = run({command, "--data", ".", "--preset", "small", "--out", "out", option, "wrong.tsv", "--set",
+                          "data.min_seconds=0", "--set", "data.test_share=0"},
+                         clips.path);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+    CHECK(!std::filesystem::exists(clips / "out/checkpoint.safetensors"));
+  };
+  refused("train-tmr", "--captions", "clip0\t0\t2\tlegs", "wrong.tsv:2: expected clip, start, end, parts, captions");
+  refused("train-temos", "--captions", "clip0\t0\t2\twings\ta person flies", "wrong.tsv:2: 'wings' is no body part");
+  refused("train-tmr", "--captions", "clip0\t0\t2\tlegs\ta person walks | ", "wrong.tsv:2: an empty text");
+  refused("train-tmr", "--captions", "clip9\t0\t2\tlegs\ta person walks", "wrong.tsv:2: no ./clip9.bvh");
+  refused("train-actor", "--labels", "clip0\tsoon\t2\twalk", "wrong.tsv:2: 'soon' is not a time");
+  refused("train-actor", "--labels", "clip0\t0\t2\twalk\tturn", "wrong.tsv:2: expected clip, start, end, label");
+  refused("train-classifier", "--labels", "clip0\t1\t1.1\twalk", "wrong.tsv:2: clip0 1 to 1.1 s holds");
+}
