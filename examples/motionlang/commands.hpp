@@ -30,6 +30,7 @@ void add_judge(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
 void add_doctor(CLI::App& app);
 void add_embed(CLI::App& app);
+void add_pack(CLI::App& app);
 
 /// The weights that come with the repository, unless MOTIONLANG_MODEL names others.
 inline std::filesystem::path default_model() {

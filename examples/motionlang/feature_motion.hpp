@@ -6,14 +6,18 @@
 
 #include <motionlang/kinematics/motion.hpp>
 
-namespace program {
+#include "generation.hpp"
 
-namespace ml = motionlang;
+namespace program {
 
 /// rows      (frames, features), not normalised, of one of these layouts:
 ///           smplrifke (205): rotations of SMPL, facing as published; guoh3dfeats of 22 joints (263): SMPL's skeleton with the
-///           lengths and the directions of the predicted positions; of 21 joints (251): KIT's skeleton, in metres
+///           lengths and the directions of the predicted positions; of 21 joints (251): KIT's skeleton, in metres;
+///           rifke (64): the same skeleton; smplvelp (135): rotations of SMPL
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
+
+/// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's skeleton.
+ml::Motion finished(ml::Motion motion, const GenerationSettings& settings);
 
 }  // namespace program

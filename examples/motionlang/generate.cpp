@@ -108,18 +108,19 @@ void add_generate(CLI::App& app) {
   const auto what = c->add_option_group("what", "What is to be done: one of these");
   const auto timeline = what->add_option(
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), or 'text # duration'");
-  const auto text = what->add_option("--text", o->text, "One text for the whole body")->excludes(timeline);
+  what->add_option("--text", o->text, "One text for the whole body");
+  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR)");
   what->require_option(1);
-  c->add_option("--seconds", o->seconds, "Duration of the text")
-      ->needs(text)
+  c->add_option("--seconds", o->seconds, "Duration of the text or the action")
+      ->excludes(timeline)
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();
   c->add_option("--model", o->model,
-                "Weights: a .safetensors file, a folder with one, or the folder that STMC, MDM or MotionDiffuse publish")
+                "Weights: a .safetensors file, a folder with one, or a folder of STMC, MDM, MotionDiffuse, ACTOR or TEMOS as published")
       ->capture_default_str();
   c->add_option("--text-encoder", o->sources.text_encoder,
                 "Of a published model: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as a folder of "
-                "Hugging Face; looked for beside the model unless given")
+                "Hugging Face; TEMOS: distilbert-base-uncased; looked for beside the model unless given")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->sources.statistics,
                 "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")

@@ -8,16 +8,21 @@ namespace program {
 
 namespace {
 
-/// A folder that is not one of ours with a single file in it.
-bool is_published(const std::filesystem::path& model) {
-  return std::filesystem::is_directory(model) && !ml::find_run(model).system.empty();
+/// Of a folder; "" of a file, and of a folder that only has one of ours in it.
+std::string system_of(const std::filesystem::path& model) {
+  return std::filesystem::is_directory(model) ? ml::find_run(model).system : "";
 }
 
 }  // namespace
 
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
                                           const ModelSources& sources) {
-  const bool published = is_published(model);
+  const std::string system = system_of(model);
+  if (system == "actor" || system == "temos") {
+    if (backend != "eigen") ml::raise<ml::config_error>(103, system, " is generated with backend 'eigen', not '", backend, "'");
+    return system == "actor" ? load_actor(model) : load_temos(model, sources);
+  }
+  const bool published = !system.empty();
   if (backend == "eigen") return published ? load_published_eigen(model, sources) : load_eigen(model_file(model));
   if (backend == "xtensor") return published ? load_published_xtensor(model, sources) : load_xtensor(model_file(model));
   if (backend == "reference")

@@ -3,8 +3,6 @@
 
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/io/safetensors.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
-#include <motionlang/kinematics/smooth_motion.hpp>
 
 #include <motionlang/systems/stmc.hpp>
 
@@ -39,11 +37,7 @@ class GeneratorOver final : public Generator {
     std::vector<ml::Motion> motions;
     for (const auto& f : features) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
-      ml::Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
-      const bool on_smpl = motion.skeleton.names == ml::smpl24_skeleton().names;
-      if (s.smooth) motion = ml::smooth_motion(motion);
-      if (s.fix_feet && on_smpl) motion = ml::fix_feet(motion);  // last: feet that stand are to be still
-      motions.push_back(std::move(motion));
+      motions.push_back(finished(motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps), s));
     }
     return motions;
   }

@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   program::add_convert(app);
   program::add_doctor(app);
   program::add_embed(app);
+  program::add_pack(app);
   try {
     app.parse(argc, argv);
     return program::ok;

@@ -1,0 +1,121 @@
+// ACTOR and TEMOS, as their repositories leave them, behind the Generator: one text, or one action, for each motion.
+#include <charconv>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/vae_run.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+#include "feature_motion.hpp"
+
+namespace program {
+
+namespace {
+
+using B = ml::EigenBackend<float>;
+
+/// The only text of a timeline. Throws timeline_error 509.
+const ml::Interval& only_text(const ml::Timeline& timeline) {
+  if (timeline.intervals.size() != 1)
+    ml::raise<ml::timeline_error>(509, timeline.intervals.size(), " texts in a timeline; this model takes one, with a duration");
+  return timeline.intervals.front();
+}
+void refuse_noise(const GenerationSettings& s) {
+  if (!s.noise_file.empty()) ml::raise<ml::config_error>(102, "--noise is for diffusion models; ACTOR and TEMOS take --seed");
+}
+
+class ActorGenerator final : public Generator {
+ public:
+  explicit ActorGenerator(ml::ActorRun<B> run) : run_(std::move(run)) {}
+
+  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
+                              ml::Progress progress) const override {
+    refuse_noise(s);
+    std::vector<ml::Motion> motions;
+    const ml::Philox rng{.seed = s.seed};
+    for (std::size_t m = 0; m < timelines.size(); ++m) {
+      const ml::Interval& wanted = only_text(timelines[m]);
+      const ml::Index action = action_of(wanted.text), frames = wanted.end - wanted.start;
+      auto noise = rng.split("noise").split(m);
+      const auto x = ml::generate(run_.model, std::span(&action, 1), std::span(&frames, 1), noise);
+      motions.push_back(finished(motion_of(x.rows.span()), s));
+      progress(static_cast<ml::Index>(m) + 1, static_cast<ml::Index>(timelines.size()));
+    }
+    return motions;
+  }
+  double fps() const override { return 20; }  // the viewer's, of the repository; data have none
+
+ private:
+  /// Throws config_error 103 for what is no class.
+  ml::Index action_of(const std::string& text) const {
+    const ml::Index classes = run_.model.config.num_classes;
+    const auto found = std::find(run_.labels.begin(), run_.labels.end(), text);
+    if (found != run_.labels.end()) return found - run_.labels.begin();
+    ml::Index number = -1;
+    const char* const end = text.data() + text.size();
+    if (std::from_chars(text.data(), end, number).ptr == end && number >= 0 && number < classes) return number;
+    std::string known;
+    for (const std::string& label : run_.labels) known += (known.empty() ? "; they are called " : ", ") + label;
+    ml::raise<ml::config_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
+  }
+
+  /// Rows of rotations and the way of the root, on the floor. The figure of a camera's world is turned by 180 degrees about x.
+  ml::Motion motion_of(std::span<const float> rows) const {
+    const auto form = run_.features.rotations;
+    const auto numbers = static_cast<std::size_t>(ml::size(form));
+    const std::size_t width = static_cast<std::size_t>(run_.model.config.njoints) * numbers, given = run_.features.global ? 24 : 23;
+    const auto upright = ml::from_axis_angle(ml::Vec3<double>{1, 0, 0}, std::numbers::pi);
+    ml::Motion out{ml::smpl24_skeleton(), fps(), {}, {}, {}};
+    for (std::size_t at = 0; at < rows.size(); at += width) {
+      if (!run_.features.global) out.local.push_back(ml::Quaternion<double>::identity());
+      for (std::size_t j = 0; j < given; ++j) {
+        const auto own = rows.subspan(at + j * numbers, numbers);
+        const auto q = ml::to_quaternion(ml::matrix_cast<double>(ml::rotation_from(form, own)));
+        out.local.push_back(run_.features.global && j == 0 ? upright * q : q);
+      }
+      const float* way = rows.data() + at + given * numbers;
+      out.root.push_back(run_.features.translation ? ml::Vec3<double>{way[0], -way[1], -way[2]} : ml::Vec3<double>{});
+    }
+    ml::place_on_floor(out);
+    return out;
+  }
+
+  ml::ActorRun<B> run_;
+};
+
+class TemosGenerator final : public Generator {
+ public:
+  explicit TemosGenerator(ml::TemosRun<B> run) : run_(std::move(run)) {}
+
+  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
+                              ml::Progress progress) const override {
+    refuse_noise(s);
+    std::vector<ml::Motion> motions;
+    const ml::Philox rng{.seed = s.seed};
+    for (std::size_t m = 0; m < timelines.size(); ++m) {
+      const ml::Interval& wanted = only_text(timelines[m]);
+      const auto tokens = run_.text_encoder.encode<B>(std::span(&wanted.text, 1)).tokens;
+      const auto x = ml::text_to_motion(run_.model, tokens, ml::Offsets{wanted.end - wanted.start}, rng.split("noise").split(m));
+      const auto rows = run_.normalizer.denormalize(x.front().rows);
+      const std::vector<double> numbers(rows.span().begin(), rows.span().end());
+      motions.push_back(finished(motion_of_features(run_.width() == 64 ? "rifke" : "smplvelp", numbers, run_.width(), run_.fps), s));
+      progress(static_cast<ml::Index>(m) + 1, static_cast<ml::Index>(timelines.size()));
+    }
+    return motions;
+  }
+  double fps() const override { return run_.fps; }
+
+ private:
+  ml::TemosRun<B> run_;
+};
+
+}  // namespace
+
+std::unique_ptr<Generator> load_actor(const std::filesystem::path& run) {
+  return std::make_unique<ActorGenerator>(ml::load_actor_run<B>(ml::FilePath(run)));
+}
+std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources) {
+  return std::make_unique<TemosGenerator>(ml::load_temos_run<B>(
+      ml::FilePath(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+}
+
+}  // namespace program

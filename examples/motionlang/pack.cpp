@@ -1,0 +1,76 @@
+// motionlang pack: the folder of a published diffusion model as a model folder of ours.
+#include <cstdio>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/diffusion_folder.hpp>
+
+#include "commands.hpp"
+#include "weights.hpp"
+
+namespace program {
+
+namespace {
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+
+struct Options {
+  std::string run, out, license, provenance, text_encoder, statistics;
+  bool with_text_encoder = false;
+};
+
+void run(const Options& o) {
+  ml::pack_diffusion_run<B>(ml::find_run(o.run), o.out,
+                            {.license = o.license,
+                             .provenance = o.provenance,
+                             .sources = {.text_encoder = o.text_encoder, .statistics = o.statistics},
+                             .text_encoder = o.with_text_encoder});
+  std::printf("%s\n%s", o.out.c_str(), describe_folder(o.out).c_str());
+}
+
+}  // namespace
+
+std::string describe_folder(const std::filesystem::path& folder) {
+  const ml::RunFolder run = ml::find_run(folder);
+  std::string out, system = run.system;
+  const auto say = [&](std::string key, const std::string& value) {
+    key.resize(std::max<std::size_t>(key.size() + 1, 25), ' ');
+    if (!value.empty()) out += "  " + key + printable(value) + "\n";
+  };
+  say("system", system);
+  if (system.empty()) return out;
+  say("options", run.options_file.string());
+  say("weights", run.weights.string());
+  for (const auto& [part, file] : run.parts) say(part, file.string());
+  if (system == "motionlang") {
+    const ml::ModelFolder model = ml::read_model_folder(folder);
+    system = model.system;
+    say("model of", system);
+    say("license", model.license);
+    say("provenance", model.provenance);
+  }
+  if (system != "stmc" && system != "mdm" && system != "motiondiffuse") return out;
+  const ml::RunFolder inner = ml::detail::published_run(run);
+  const ml::DiffusionRun about = ml::diffusion_run(inner, ml::detail::run_weights(inner));
+  say("motions", ml::concat_text(about.features, ", ", about.width(), " numbers a frame, ", about.fps, " frames per second"));
+  say("diffusion", ml::concat_text(about.schedule, ", ", about.steps, " steps"));
+  say("text encoder", about.text_encoder);
+  return out;
+}
+
+void add_pack(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand(
+      "pack", "Makes one folder of config.json and weights.safetensors of a model that STMC, MDM or MotionDiffuse publish");
+  c->add_option("run", o->run, "Folder as the repository leaves it")->required()->check(CLI::ExistingDirectory);
+  c->add_option("-o,--out", o->out, "Folder to make")->required();
+  c->add_option("--license", o->license, "What the weights may be used for")->required();
+  c->add_option("--provenance", o->provenance, "Where they come from: repository, data")->required();
+  c->add_option("--statistics", o->statistics, "Folder with mean and std of the features, if they are not in the model's own")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--text-encoder", o->text_encoder, "Looked for beside the model unless given")->check(CLI::ExistingPath);
+  c->add_flag("--with-text-encoder", o->with_text_encoder, "Copies the text encoder into the folder");
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace program
