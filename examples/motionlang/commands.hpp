@@ -29,6 +29,8 @@ void add_evaluate(CLI::App& app);
 void add_judge(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
 void add_doctor(CLI::App& app);
+void add_index(CLI::App& app);
+void add_search(CLI::App& app);
 void add_embed(CLI::App& app);
 void add_pack(CLI::App& app);
 

@@ -158,7 +158,7 @@ class Indexer {
         stopped = !bar(static_cast<std::ptrdiff_t>(begin + some.size()), std::ssize(fresh));
       }
     }
-    if (added_ + removed_ + renamed_ > 0 || !fs::exists(o_.out)) write();
+    if (added_ + removed_ + renamed_ > 0 || model_moved_ || !fs::exists(o_.out)) write();
     for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
     std::printf("%s: %td clips, %zu moments (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n",
                 o_.out.c_str(), index_->count(), index_->moments().size(), added_, removed_, renamed_, unchanged_,
@@ -194,6 +194,7 @@ class Indexer {
     if ((o_.windows_given || o_.no_moments) && (is.windows != wanted.windows || is.stride != wanted.stride))
       ml::raise<ml::config_error>(102, "index: ", o_.out, " has moments of ", is.windows.size(),
                                   " other lengths or another stride; they are chosen when an index is made");
+    model_moved_ = is.path != wanted.path || is.text_encoder != wanted.text_encoder;
     index_->move_model(wanted.path, wanted.text_encoder);
   }
 
@@ -326,6 +327,7 @@ class Indexer {
   const Options& o_;
   std::optional<ml::MotionIndex> index_;
   std::optional<SearchModel> model_;
+  bool model_moved_ = false;
   LicenseFiles* licenses_ = nullptr;
   std::map<std::string, std::vector<ClipLine>> lines_of_;  // by path without extension
   std::map<std::string, std::vector<float>> vector_of_;    // of captions

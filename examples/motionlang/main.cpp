@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
   program::add_judge(app);
   program::add_convert(app);
   program::add_doctor(app);
+  program::add_index(app);
+  program::add_search(app);
   program::add_embed(app);
   program::add_pack(app);
   try {

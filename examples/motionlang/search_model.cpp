@@ -23,14 +23,15 @@ struct SearchModel::Parts {
 namespace {
 
 /// A published TMR: HumanML3D's features, the states of DistilBERT.
-TmrModel<B> published_tmr(const ml::TensorSet& weights) {
+TmrModel<B> published_tmr(const ml::RunFolder& run, const ml::TensorSet& weights) {
   TmrModel<B> m;
-  m.system = ml::load_tmr<B>(weights);
-  const ml::Index width = m.system.motion_encoder.projection.in();
-  m.motion_normalizer = ml::Normalizer<B>::identity(width);
-  for (auto [name, tensor] :
-       {std::pair{"stats.mean", &m.motion_normalizer.mean}, {"stats.std", &m.motion_normalizer.std}})
-    ml::assign_tensor(*tensor, weights.tensor(name), nullptr, weights.name());
+  m.system = ml::load_tmr<B>(weights, run);
+  auto statistics = ml::detail::find_normalizer<B>(ml::detail::statistics_of(run),
+                                                   m.system.motion_encoder.projection.in(), {"stats.", ""});
+  if (!statistics)
+    ml::raise<ml::io_error>(401, run.folder.string(),
+                            ": no statistics of the motions: stats/mean.pt and std.pt are missing");
+  m.motion_normalizer = std::move(*statistics);
   ml::prepare(m);
   return m;
 }
@@ -49,7 +50,7 @@ SearchModel::SearchModel(const std::filesystem::path& folder, const std::filesys
     parts.features = &ml::motion_features(file.config.features);
     parts.fps = file.fps;
   } else if (run.system == "tmr") {
-    parts.model = published_tmr(weights);
+    parts.model = published_tmr(run, weights);
     parts.features = &ml::motion_features("guoh3d");
     parts.fps = parts.features->fps;
   } else {

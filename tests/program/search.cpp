@@ -8,6 +8,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../examples/motionlang/text_motion_model.hpp"
+#include "../support/official_folders.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
@@ -177,6 +178,76 @@ TEST_CASE("index: listing, removing, captions") {
   CHECK(g.search({"a person walks"}).size() == 3);
   check_contains(g.index({"--windows", "1,2"}), 1,
                  {"[motionlang.config.102] index: moves.index has moments of 1 other lengths"});
+}
+
+TEST_CASE("index: Ctrl-C leaves an index of what is done, and the same command goes on") {
+  const Gallery g;
+  fs::remove(g / "clips/broken.bvh");
+  for (int i = 0; i < 90; ++i)
+    ml::write_bvh(g / ("clips/more" + std::to_string(i) + ".bvh"), walk("more", 300, 0.01 * i));
+  const Outcome o =
+      ::run({"index", "clips", "--model", "model", "-o", "moves.index", "--threads", "1", "--stride", "0.05"}, g.path,
+            "indexing");
+  check_contains(o, 130, {"stopped", "moves.index: "});
+  const ml::Index done = ml::read_motion_index(g / "moves.index").count();
+  CHECK((done > 0 && done < 96));
+  check_contains(g.run({"index", "clips", "-o", "moves.index", "--no-moments"}), 1,
+                 {"they are chosen when an index is made"});
+  check_contains(g.run({"index", "clips", "-o", "moves.index"}), 0,
+                 {"moves.index: 96 clips", "0 removed", "0 skipped"});
+}
+
+TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of states") {
+  const Gallery g;
+  constexpr ml::Index states = 12;
+  ml::Philox rng{.seed = 5};
+  const ml::Tmr<B> tmr({.text_nfeats = states, .latent_dim = 16, .ff_size = 24, .num_layers = 2}, rng);
+  const auto statistics = official::statistics(263, 6);
+  const auto part = [&](const char* name, const auto& module) {
+    TorchArchive archive;
+    official::add_module(archive, module);
+    official::write_bytes(g / "tmr/last_weights" / (std::string(name) + ".pt"), archive.finish());
+  };
+  part("motion_encoder", tmr.motion_encoder);
+  part("text_encoder", tmr.text_encoder);
+  part("motion_decoder", tmr.motion_decoder);
+  official::write_bytes(g / "tmr/stats/mean.pt", TorchArchive::of_tensor(official::view_of(statistics.mean)));
+  official::write_bytes(g / "tmr/stats/std.pt", TorchArchive::of_tensor(official::view_of(statistics.std)));
+  official::write_text(g / "tmr/config.json", R"({"model": {"motion_encoder": {"nfeats": 263, "latent_dim": 16}}})");
+  ml::EmbeddingCache cache(states);
+  for (const char* text : {"a person walks", "a person turns"}) {
+    std::vector<float> rows(3 * states);
+    rng.normal(std::span(rows));
+    cache.add(text, rows);
+  }
+  cache.write(g / "states", "bert");
+
+  check_contains(g.run({"index", "clips", "--model", "tmr", "-o", "moves.index"}), 0, {"6 clips"});
+  check_contains(g.run({"search", "moves.index", "a person walks"}), 1, {"[motionlang.config.102]", "--text-encoder"});
+  CHECK(g.search({"a person walks", "--text-encoder", "states/bert.npy"}).size() == 6);
+  check_contains(g.run({"search", "moves.index", "a person flies", "--text-encoder", "states/bert.npy"}), 1,
+                 {"[motionlang.config.103]"});
+  CHECK(file_of(g.search({"--like", "clips/slow.npz", "--top", "1"})[0]) == "slow.npz");
+  CHECK(g.run({"index", "clips", "-o", "moves.index", "--text-encoder", "states/bert.npy"}).code == 0);  // remembered
+  CHECK(g.search({"a person walks"}).size() == 6);
+  fs::remove(g / "tmr/stats/mean.pt");
+  check_contains(g.run({"search", "moves.index", "a person walks", "--text-encoder", "states/bert.npy"}), 1,
+                 {"[motionlang."});
+}
+
+TEST_CASE("index and search: help names every option") {
+  const TemporaryFolder folder;
+  for (const auto& [command, names] : std::map<std::string, std::vector<std::string>>{
+           {"index",
+            {"folder", "--out", "--model", "--text-encoder", "--captions", "--license", "--windows", "--stride",
+             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--threads"}},
+           {"search",
+            {"index", "text", "--like", "--from", "--to", "--moments", "--captions", "--top", "--overlap", "--html",
+             "--json", "--exact", "--model", "--text-encoder", "--scale"}}}) {
+    const auto help = ::run({command, "--help"}, folder.path);
+    CHECK(help.code == 0);
+    for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), command << " " << name);
+  }
 }
 
 TEST_CASE("index and search: what is refused") {
