@@ -98,8 +98,9 @@ void add_input(CLI::App& c, Options& o) {
 }
 
 void add_body(CLI::App& c, Options& o) {
-  c.add_option("--body", o.body.file, "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl")
-      ->check(CLI::ExistingFile);
+  c.add_option("--body", o.body.file,
+               "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; \"free\" for capsules")
+      ->check(CLI::ExistingFile | CLI::IsMember({"free"}));
   c.add_option("--betas", o.body.betas, "Shape of the body: its first coefficients, separated by commas")
       ->delimiter(',');
 }

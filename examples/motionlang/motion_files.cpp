@@ -2,12 +2,8 @@
 
 #include <cstdio>
 
-#include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
-#include <motionlang/io/body_file.hpp>
-#include <motionlang/io/body_glb.hpp>
-#include <motionlang/io/body_viewer.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
@@ -113,33 +109,17 @@ RigWriter rig_writer(const RigOptions& options) {
     if (kind_of(path) != ".glb")
       ml::raise<ml::config_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path),
                                   "'");
-    ml::write_glb(path, rig, motions, {.keep_animations = !options.drop_animations});
+    if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no motion");
     const ml::SkeletonMap map(motions.front().skeleton, rig.skeleton());
+    std::vector<ml::Motion> on_rig;
+    for (const ml::Motion& m : motions) {
+      on_rig.push_back(m.skeleton == rig.skeleton() ? m
+                       : m.skeleton == map.source() ? ml::retarget(m, map)
+                                                    : ml::retarget(m, rig.skeleton()));
+    }
+    ml::write_glb(path, rig, on_rig, {.keep_animations = !options.drop_animations});
     std::printf("%s on %s\n%s\n", path.c_str(), options.file.c_str(), to_string(map.report()).c_str());
   };
-}
-
-void write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options) {
-  using B = ml::EigenBackend<float>;
-  const auto body = ml::read_body<B>(options.file, {.betas = std::ssize(options.betas), .expressions = 0});
-  const std::vector<float> betas(options.betas.begin(), options.betas.end());
-  std::vector<ml::Motion> own;
-  for (const ml::Motion& m : motions) own.push_back(on_smpl(m));
-  const std::string kind = kind_of(path);
-  if (kind == ".glb") {
-    ml::write_body_glb(path, body, std::span<const ml::Motion>(own), std::span<const float>(betas));
-  } else if (kind == ".html") {
-    std::vector<ml::ViewerMotion> shown;
-    for (ml::Motion& m : own) shown.push_back({std::move(m)});
-    ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), std::span<const float>(betas));
-  } else if (kind == ".obj" && own.size() == 1) {
-    std::printf("%td files: ", ml::write_body_objs(path, body, own.front(), std::span<const float>(betas)));
-  } else {
-    ml::raise<ml::config_error>(103, path.string(), ": ", motions.size(),
-                                " motions on a body are written to .glb and .html, one also to .obj, not '", kind, "'");
-  }
-  std::printf("%s: %zu motions on %s of %td vertices\n", path.c_str(), motions.size(), to_string(body.kind).c_str(),
-              body.model.vertices());
 }
 
 ml::Motion on_smpl(const ml::Motion& motion) {

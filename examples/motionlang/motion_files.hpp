@@ -62,7 +62,7 @@ RigWriter rig_writer(const RigOptions& options);
 
 /// A body to show motions on: --body.
 struct BodyOptions {
-  std::string file{};           // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl
+  std::string file{};           // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
   std::vector<double> betas{};  // its shape; the others are 0
 };
 /// Motions on a body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one motion). Motions on other

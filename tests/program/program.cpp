@@ -234,6 +234,9 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
     CHECK_MESSAGE(contains(made.text, "1 motions on SMPL of 144 vertices"), made.text);
   }
   CHECK(ml::read_file(w / "body_0001.obj").starts_with("v "));
+  const auto free = w.run({"convert", "walk.bvh", "free.obj", "--body", "free"});
+  CHECK_MESSAGE(contains(free.text, "1 motions on the free body of"), free.text);
+  CHECK(ml::read_file(w / "free_0001.obj").starts_with("v "));
   CHECK(contains(ml::read_file(w / "body.html"), "\"triangles\""));
   CHECK(w.run({"view", "walk.bvh", "page.html", "--body", "body.npz"}).code == 0);
   CHECK(contains(w.run({"convert", "walk.bvh", "x.bvh", "--body", "body.npz"}).text, "on a body are written to .glb and .html"));
