@@ -54,3 +54,26 @@ TEST_CASE("slerp window: even steps the shorter way round") {
   CHECK(window.trans[2] == ml::Vec3<double>{3, 6, 0});
   CHECK_ERROR(ml::slerp_window<double>({a, {}}, {{}, {}}, 3), "[motionlang.shape.205] slerp_window: 2 and 0 joints");
 }
+
+TEST_CASE("parts of a motion: each goes on where the one before it ends, and the frames between are filled") {
+  const Rotations given{heading(0), heading(0), heading(2), heading(2), heading(2.5), heading(1)};
+  const Places trans{{0, 0, 1}, {2, 0, 1}, {9, 9, 9}, {5, 5, 3}, {6, 5, 3}, {7, 7, 1}};
+  const std::vector<ml::Index> lengths{2, 3, 1};
+  ml::SmplVelpMotion<double> motion{given, trans};
+  ml::join_parts<double>(motion, lengths);
+  CHECK(motion.trans[2] == ml::Vec3<double>{2, 0, 9});
+  CHECK(motion.rotations[2](1, 0) == doctest::Approx(0));
+  CHECK(motion.rotations[5](1, 0) == doctest::Approx(std::sin(0.5)));  // as the part before it ends, which has turned
+  const auto first = std::vector<ml::Index>{2, 3};
+  motion = {Rotations(given.begin(), given.end() - 1), Places(trans.begin(), trans.end() - 1)};
+  ml::join_parts<double>(motion, first, 1, ml::Alignment::translation);
+  CHECK(motion.trans[2] == ml::Vec3<double>{2, 0, 2});  // between (2, 0, 1) and (2, 0, 3)
+  CHECK(motion.trans[4] == ml::Vec3<double>{3, 0, 3});
+  CHECK(motion.rotations[2](1, 0) == doctest::Approx(std::sin(1.0)));
+  CHECK(motion.rotations[4](1, 0) == doctest::Approx(std::sin(2.5)));
+  CHECK_ERROR(ml::join_parts<double>(motion, lengths), "[motionlang.shape.205] join_parts: part 2 of 1 frames");
+  CHECK_ERROR(ml::join_parts<double>(motion, first, 3),
+              "[motionlang.shape.205] join_parts: part 1 of 3 frames, window 3");
+  const std::vector<ml::Index> one{2};
+  CHECK_ERROR(ml::join_parts<double>(motion, one), "[motionlang.shape.205] join_parts: parts of 2 frames, motion of 5");
+}

@@ -35,6 +35,8 @@ TEST_CASE("losses of sequences: padding counts in one, not in the other") {
   CHECK(each.span()[0] == Approx(1));
   CHECK(each.span()[1] == Approx(8 / 6.0));
   CHECK(ml::padded_smooth_l1(a, b).item() == Approx((0.5 + 0.5 + 1.5 + 1.5) / 12.0));
+  // each on its own: (0.5 + 0.5) / 2 and (1.5 + 1.5) / 6
+  CHECK(ml::smooth_l1_of_sequences(a, b).item() == Approx((0.5 + 0.5) / 2));
   CHECK_ERROR(ml::padded_mse(a, Matrix::zeros({4, 3})), "[motionlang.shape.202]");
 }
 
@@ -56,6 +58,15 @@ TEST_CASE("the divergence of two Gaussians: against the standard normal, against
   CHECK(ml::kl_divergence(zero + 3.0, wide, zero + 1.0, narrow).item() == Approx(2.5 - 0.5 - std::log(2.0)));
 }
 
+TEST_CASE("the divergences of rows, whose mean is that of all") {
+  const auto zero = Matrix::zeros({2, 3});
+  const auto mu = Matrix::from({1, 1, 1, 3, 3, 3}, {2, 3});
+  const auto rows = ml::kl_to_standard_normal_of_rows(mu, zero);
+  CHECK(rows.to_vector() == std::vector<double>{0.5, 4.5});
+  CHECK(ml::mean(rows).item() == Approx(ml::kl_to_standard_normal(mu, zero).item()));
+  CHECK(ml::kl_divergence_of_rows(mu, zero, zero + 1.0, zero).to_vector() == std::vector<double>{0, 2});
+}
+
 TEST_CASE("named terms: the total weighs them, parts are picked by name") {
   ml::LossTerms<B> terms;
   CHECK(terms.total().item() == 0);
@@ -64,6 +75,12 @@ TEST_CASE("named terms: the total weighs them, parts are picked by name") {
   terms.add("recons", 1, ml::Tensor<B, 0>(1));
   CHECK(terms.total().item() == 5);
   CHECK(terms.sum_of("kl_").item() == 12);
+  ml::LossTerms<B> both;
+  both.append(terms, "_0");
+  both.append(terms);
+  CHECK(both.terms[2].name == "recons_0");
+  CHECK(both.terms[3].name == "kl_text");
+  CHECK(both.total().item() == 10);
 }
 
 TEST_CASE("InfoNCE: perfect pairs, no pairs, filtered negatives") {
