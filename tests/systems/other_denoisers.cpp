@@ -37,6 +37,42 @@ TEST_CASE_TEMPLATE("without overlap, neighbours know nothing of each other", D, 
   }
 }
 
+namespace {
+
+/// MotionDiffuse that counts how often it encodes its texts.
+struct Counting {
+  ml::MotionDiffuseDenoiser<B> inner;
+  std::shared_ptr<int> encodings = std::make_shared<int>(0);
+
+  static constexpr auto fields() { return ml::fields("inner", &Counting::inner); }
+  ml::DenoiserTraits traits() const { return inner.traits(); }
+  auto encode(const ml::TextFeatures<B>& text) const {
+    ++*encodings;
+    return inner.encode(text);
+  }
+  template <class Text>
+  ml::Sequences<B> operator()(const ml::Sequences<B>& x, std::span<const Index> t, const Text& text) const {
+    if constexpr (std::same_as<Text, ml::TextFeatures<B>>)
+      return inner(x, t, encode(text));
+    else
+      return inner(x, t, text);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("texts are encoded once for all steps") {
+  const auto model = small::model_of<ml::MotionDiffuseDenoiser<B>>();
+  const ml::Stmc<B, Counting, small::Encoder> counting{.denoiser = {model.denoiser},
+                                                       .text_encoder = model.text_encoder,
+                                                       .motion_normalizer = model.motion_normalizer,
+                                                       .text_normalizer = model.text_normalizer,
+                                                       .diffusion = model.diffusion};
+  const auto motion = counting.generate(small::one_text(12), noise_rng);
+  CHECK(*counting.denoiser.encodings == 1);
+  CHECK(small::numbers(motion) == small::numbers(model.generate(small::one_text(12), noise_rng)));
+}
+
 TEST_CASE_TEMPLATE("every mode and overlap gives a motion, on intervals of a single frame too", D,
                    ml::MdmSmplDenoiser<B>, ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
   const auto model = small::model_of<D>();
