@@ -20,22 +20,31 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
+/// What the configurations of TEMOS, TEACH and SINC have in common.
+template <class Config>
+Config temos_sizes(const RunReader& r) {
+  const std::string stack = "textencoder.seqTransEncoder.layers.";
+  Config c;
+  c.nfeats = r.size("motiondecoder.final_layer.weight", 0);
+  c.text_dim = r.size("textencoder.projection.1.weight", 1);
+  c.latent_dim = r.size("textencoder.projection.1.weight", 0, {"model/latent_dim"});
+  c.ff_size = r.size(stack + "0.linear1.weight", 0, {"model/ff_size"});
+  c.num_layers = r.count(stack, ".linear1.weight", {"model/num_layers"});
+  c.num_heads = r.number({"model/num_heads"}, 4, 1024);
+  c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
+  return c;
+}
+
 inline TemosConfig temos_config(const RunReader& r) {
   auto network = [&](const std::string& module, const char* transformer) {
     if (r.has(module + ".gru.weight_ih_l0")) return TemosNetwork::gru;
     return r.has(module + transformer) ? TemosNetwork::transformer : TemosNetwork::none;
   };
-  const std::string stack = "textencoder.seqTransEncoder.layers.";
-  return {.nfeats = r.size("motiondecoder.final_layer.weight", 0),
-          .text_dim = r.size("textencoder.projection.1.weight", 1),
-          .latent_dim = r.size("textencoder.projection.1.weight", 0, {"model/latent_dim"}),
-          .ff_size = r.size(stack + "0.linear1.weight", 0, {"model/ff_size"}),
-          .num_layers = r.count(stack, ".linear1.weight", {"model/num_layers"}),
-          .num_heads = r.number({"model/num_heads"}, 4, 1024),
-          .activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"})),
-          .vae = r.has("textencoder.mu_token"),
-          .motion_encoder = network("motionencoder", ".skel_embedding.weight"),
-          .motion_decoder = network("motiondecoder", ".final_layer.weight")};
+  auto c = temos_sizes<TemosConfig>(r);
+  c.vae = r.has("textencoder.mu_token");
+  c.motion_encoder = network("motionencoder", ".skel_embedding.weight");
+  c.motion_decoder = network("motiondecoder", ".final_layer.weight");
+  return c;
 }
 
 inline TmrConfig tmr_config(const RunReader& r) {

@@ -4,28 +4,15 @@
 #include <motionlang/io/actor_file.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/file_of_model.hpp"
 #include "../../support/small_actor.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
 using ml::Index;
+using models::file_of;
 using small_actor::B;
 using tensors::same_bits;
-
-namespace {
-
-/// A file in memory: all tensors of a model, and others.
-template <ml::Module M>
-ml::SafetensorsFile file_of(const M& model, std::initializer_list<const char*> others = {}) {
-  ml::TensorStore store;
-  store.add_module(model);
-  const std::vector<float> numbers(4);
-  for (const char* name : others) store.add<float>(name, {4}, numbers, ml::DType::F32);
-  const auto bytes = std::make_shared<std::vector<std::byte>>(ml::safetensors_bytes(store.views()));
-  return ml::SafetensorsFile::from_bytes(*bytes, "checkpoint_0100.pth.tar", bytes);
-}
-
-}  // namespace
 
 TEST_CASE("ACTOR: networks are known by their tensors, the rest by the options; tables of positions are passed over") {
   const std::vector<Index> actions{1, 3};

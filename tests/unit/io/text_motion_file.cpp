@@ -3,27 +3,14 @@
 #include <motionlang/io/text_motion_file.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/file_of_model.hpp"
 #include "../../support/small_text_motion.hpp"
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
+using models::file_of;
 using tensors::same_bits;
 namespace small = small_text_motion;
-
-namespace {
-
-/// A file in memory: all tensors of a model, and others.
-template <ml::Module M>
-ml::SafetensorsFile file_of(const M& model, std::initializer_list<const char*> others = {}) {
-  ml::TensorStore store;
-  store.add_module(model);
-  const std::vector<float> numbers(4);
-  for (const char* name : others) store.add<float>(name, {4}, numbers, ml::DType::F32);
-  const auto bytes = std::make_shared<std::vector<std::byte>>(ml::safetensors_bytes(store.views()));
-  return ml::SafetensorsFile::from_bytes(*bytes, "model.ckpt", bytes);
-}
-
-}  // namespace
 
 TEST_CASE("TEMOS: the variants are known by their tensors; tables, language model and sums of losses are passed over") {
   auto c = small::temos_config;
