@@ -98,8 +98,13 @@ struct BertLayer {
   }
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores) const {
-    const auto a = attention(query(x), key(x), value(x), offsets, offsets, {.heads = heads}, relative_scores);
-    const auto y = attended_norm(attended(a, Activation::none, &x));
+    return reading(x, offsets, x, offsets, relative_scores);
+  }
+  /// `rows` attend to x, which need not contain them.
+  Tensor<B, 2> reading(const Tensor<B, 2>& rows, const Offsets& of_rows, const Tensor<B, 2>& x, const Offsets& offsets,
+                       const Tensor<B, 2>* relative_scores = nullptr) const {
+    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets, {.heads = heads}, relative_scores);
+    const auto y = attended_norm(attended(a, Activation::none, &rows));
     return norm(down(up(y, activation), Activation::none, &y));
   }
 };
@@ -143,19 +148,40 @@ struct BertNetwork {
   /// an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     const Offsets offsets = token_offsets(batch);
-    if (offsets.longest() > longest())
-      raise<config_error>(101, Keys::model_type, ": a text of ", offsets.longest(), " pieces; there are positions for ",
-                          longest(), " (let the tokenizer cut it)");
-    auto x = words(batch.ids) + positions(position_ids(batch));
-    if (token_types) x = x + slice(token_types->weight, 0, 0, 1);
-    x = norm(x);
+    check_length(offsets.longest());
+    auto x = embedded(batch.ids, position_ids(batch));
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
     for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr);
     return {{x, offsets}};
   }
 
+  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which attends to the text
+  /// and is not attended to. Published SINC models with separate texts see it. Throws config_error 101 if there is no such position.
+  Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {
+    const Offsets offsets = token_offsets(batch), one = Offsets::equal(offsets.count(), 1);
+    check_length(std::max(offsets.longest(), place + 1));
+    const auto texts = static_cast<std::size_t>(offsets.count());
+    auto x = embedded(batch.ids, position_ids(batch));
+    auto pad = embedded(std::vector<Index>(texts, padding), std::vector<Index>(texts, place));
+    for (const auto& layer : layers) {
+      pad = layer.reading(pad, one, x, offsets);
+      x = layer(x, offsets, nullptr);
+    }
+    return pad;
+  }
+
  private:
+  void check_length(Index pieces) const {
+    if (pieces > longest())
+      raise<config_error>(101, Keys::model_type, ": a text of ", pieces, " pieces; there are positions for ", longest(),
+                          " (let the tokenizer cut it)");
+  }
+  Tensor<B, 2> embedded(std::span<const Index> ids, std::span<const Index> places) const {
+    auto x = words(ids) + positions(places);
+    if (token_types) x = x + slice(token_types->weight, 0, 0, 1);
+    return norm(x);
+  }
   Index first_position() const { return Keys::positions_behind_padding ? padding + 1 : 0; }
 
   std::vector<Index> position_ids(const TokenBatch& batch) const {

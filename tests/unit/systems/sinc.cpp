@@ -88,6 +88,38 @@ TEST_CASE("the published mask hides the last token of a further text and shows t
   CHECK_ERROR(model.encode_text(without_end), "[motionlang.config.101] SincTextEncoder: the published mask");
 }
 
+TEST_CASE("the published mask, as it lies over the padded batch: shifted by one behind the first text") {
+  const Index words = 4;
+  const auto padded = normal<B, 3>({6, words, 5}, 30);
+  const std::vector<Index> lengths{3, 4, 1, 2, 4, 2}, motion{0, 0, 0, 1, 2, 2};
+  const Texts texts{ml::from_padded(padded, std::span<const Index>(lengths)), motion,
+                    ml::last_row(ml::from_equal(padded))};
+  const auto model = small::sinc<B>(SincMode::separate_texts);
+  const auto& encoder = model.textencoder.text;
+  const auto table = ml::concat(0, encoder.beginning(), encoder.separation(), ml::Tensor<B, 2>::zeros({1, 8}),
+                                encoder.projected(ml::from_equal(padded)).rows);
+  std::vector<Index> rows;
+  std::vector<unsigned char> mask;
+  for (Index m = 0, t = 0; m < 3; ++m) {
+    rows.insert(rows.end(), {0, 1});
+    mask.insert(mask.end(), {1, 1});
+    for (int slot = 0; slot < 3; ++slot) {
+      const bool there = t < 6 && motion[static_cast<std::size_t>(t)] == m;
+      if (slot > 0) rows.push_back(2);
+      for (Index i = 0; i < words; ++i) {
+        rows.push_back(there ? 4 + t * words + i : 3);
+        mask.push_back(there && i < lengths[static_cast<std::size_t>(t)]);
+      }
+      if (slot > 0) mask.push_back(1);  // meant for the separation token, which stands before the text
+      t += there;
+    }
+  }
+  const auto sequence = ml::reshape<3>(ml::gather(table, rows), {3, 2 + 3 * words + 2, 8});
+  const auto seen = ml::from_padded(sequence, std::span<const unsigned char>(mask));
+  CHECK(model.textencoder.joined(texts, true).offsets == seen.offsets);
+  CHECK(distance(model.encode_text(texts).mu, encoder.encode(seen).mu) < 1e-13);
+}
+
 TEST_CASE("texts say in order of which motion they are") {
   const auto per_motion = [](std::vector<Index> motion) {
     return Texts{small::sequences<B>({1, 1, 1}, 5, 1), std::move(motion)}.per_motion();

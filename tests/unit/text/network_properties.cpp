@@ -77,6 +77,29 @@ TEST_CASE("MPNet counts positions by ids: padding inside of a text has none") {
   CHECK(same_bits(ml::slice(x, 0, 2, 4), ml::slice(y, 0, 1, 3)));
 }
 
+TEST_CASE("a piece of padding behind a text attends to the text and not to itself") {
+  auto network = tiny<B, ml::DistilBertKeys>();
+  const ml::TokenBatch two{{2, 5, 6, 3, 2, 9, 3}, {4, 3}}, second{{2, 9, 3}, {3}};
+  CHECK(tensors::distance(network.padding_states(second, 5), ml::slice(network.padding_states(two, 5), 0, 1, 2)) <
+        1e-6);
+  CHECK(tensors::distance(network.padding_states(second, 6), network.padding_states(second, 5)) > 1e-3);
+  CHECK_ERROR(network.padding_states(second, 16), "[motionlang.config.101] distilbert: a text of 17 pieces");
+
+  const auto layer = network.layers[0];
+  network.layers.clear();
+  const auto x = network(second).tokens.rows, pad = network.padding_states(second, 5);
+  CHECK(same_bits(pad, network.norm(network.words(std::vector<Index>{0}) + network.positions(std::vector<Index>{5}))));
+  const auto q = layer.query(pad), k = layer.key(x), v = layer.value(x);
+  const auto head = [&](Index first) {
+    const auto of_head = [&](const ml::Tensor<B, 2>& t) { return ml::slice(t, 1, first, first + 4); };
+    return ml::matmul(ml::softmax(ml::matmul(of_head(q), of_head(k), {.transpose_b = true}) * 0.5), of_head(v));
+  };
+  const auto y = layer.attended_norm(layer.attended(ml::concat(1, head(0), head(4))) + pad);
+  network.layers.push_back(layer);
+  CHECK(tensors::distance(network.padding_states(second, 5),
+                          layer.norm(layer.down(layer.up(y, layer.activation)) + y)) < 1e-5);
+}
+
 TEST_CASE("ids behind the end token have no influence on CLIP's vector") {
   const auto network = tiny_clip_text<B>();
   const auto vector = [&](std::vector<Index> ids) {
