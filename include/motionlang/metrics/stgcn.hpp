@@ -25,11 +25,11 @@ inline std::vector<double> stgcn_adjacency(std::span<const int> parents, Index c
   auto hops = [&](Index j) { return j == centre ? 0 : linked(j, centre) ? 1 : 2; };
   std::vector<double> out(static_cast<std::size_t>(3 * n * n));
   for (Index j = 0; j < n; ++j) {
-    Index degree = 0;
-    for (Index i = 0; i < n; ++i) degree += linked(i, j) ? 1 : 0;
+    Index links = 0;
+    for (Index i = 0; i < n; ++i) links += linked(i, j) ? 1 : 0;
     for (Index i = 0; i < n; ++i) {
       const Index part = i == j ? 0 : hops(i) < hops(j) ? 2 : 1;
-      if (linked(i, j)) out[static_cast<std::size_t>((part * n + i) * n + j)] = 1 / static_cast<double>(degree);
+      if (linked(i, j)) out[static_cast<std::size_t>((part * n + i) * n + j)] = 1 / static_cast<double>(links);
     }
   }
   return out;
