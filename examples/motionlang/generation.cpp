@@ -30,6 +30,16 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
   ml::raise<ml::config_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
 }
 
+const ml::Interval& only_text(const ml::Timeline& timeline) {
+  if (timeline.intervals.size() != 1)
+    ml::raise<ml::timeline_error>(509, timeline.intervals.size(), " texts in a timeline; this model takes one, with a duration");
+  return timeline.intervals.front();
+}
+void require_no_noise(const GenerationSettings& settings) {
+  if (!settings.noise_file.empty())
+    ml::raise<ml::config_error>(102, "--noise is for diffusion models; this one takes --seed");
+}
+
 std::filesystem::path model_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return path;
   std::vector<std::filesystem::path> found;

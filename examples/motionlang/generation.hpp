@@ -43,8 +43,8 @@ struct ModelSources {
   std::string statistics{};    // a folder with mean and std
 };
 
-/// model: a file of ours, a folder with one, or the folder of a published model: STMC, MDM, MotionDiffuse, ACTOR, TEMOS. backend:
-/// eigen, xtensor or reference; throws config_error 103 for another, and for ACTOR and TEMOS over another than eigen.
+/// model: a file of ours, a folder with one, or the folder of a published model: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TEACH,
+/// SINC. backend: eigen, xtensor or reference; throws config_error 103 for another, and where there is no diffusion for another than eigen.
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
                                           const ModelSources& sources = {});
 
@@ -55,8 +55,16 @@ std::unique_ptr<Generator> load_reference(const std::filesystem::path& model);
 std::unique_ptr<Generator> load_published_eigen(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_published_xtensor(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_published_reference(const std::filesystem::path& run, const ModelSources& sources);
-/// ACTOR takes the name or the number of an action as its text; ACTOR and TEMOS take one text for the whole body.
+/// ACTOR takes the name or the number of an action as its text; ACTOR and TEMOS take one text for the whole body, TEACH texts one after
+/// the other, SINC texts at the same time. load_temos looks which of the last three it is.
 std::unique_ptr<Generator> load_actor(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources);
+std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources);
+std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources);
+
+/// The only text of a timeline. Throws timeline_error 509.
+const ml::Interval& only_text(const ml::Timeline& timeline);
+/// Throws config_error 102 if there is a file of noise, which models without diffusion do not take.
+void require_no_noise(const GenerationSettings& settings);
 
 }  // namespace program

@@ -13,23 +13,13 @@ namespace {
 
 using B = ml::EigenBackend<float>;
 
-/// The only text of a timeline. Throws timeline_error 509.
-const ml::Interval& only_text(const ml::Timeline& timeline) {
-  if (timeline.intervals.size() != 1)
-    ml::raise<ml::timeline_error>(509, timeline.intervals.size(), " texts in a timeline; this model takes one, with a duration");
-  return timeline.intervals.front();
-}
-void refuse_noise(const GenerationSettings& s) {
-  if (!s.noise_file.empty()) ml::raise<ml::config_error>(102, "--noise is for diffusion models; ACTOR and TEMOS take --seed");
-}
-
 class ActorGenerator final : public Generator {
  public:
   explicit ActorGenerator(ml::ActorRun<B> run) : run_(std::move(run)) {}
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
-    refuse_noise(s);
+    require_no_noise(s);
     std::vector<ml::Motion> motions;
     const ml::Philox rng{.seed = s.seed};
     for (std::size_t m = 0; m < timelines.size(); ++m) {
@@ -88,7 +78,7 @@ class TemosGenerator final : public Generator {
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
-    refuse_noise(s);
+    require_no_noise(s);
     std::vector<ml::Motion> motions;
     const ml::Philox rng{.seed = s.seed};
     for (std::size_t m = 0; m < timelines.size(); ++m) {
@@ -114,8 +104,14 @@ std::unique_ptr<Generator> load_actor(const std::filesystem::path& run) {
   return std::make_unique<ActorGenerator>(ml::load_actor_run<B>(ml::FilePath(run)));
 }
 std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources) {
-  return std::make_unique<TemosGenerator>(ml::load_temos_run<B>(
-      ml::FilePath(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+  const ml::RunFolder folder = ml::find_run(run);
+  if (!folder.weights.empty()) {
+    const std::string system = ml::lightning_system(ml::open_weights(folder.weights));
+    if (system == "teach") return load_teach(run, sources);
+    if (system == "sinc") return load_sinc(run, sources);
+  }
+  return std::make_unique<TemosGenerator>(
+      ml::load_temos_run<B>(folder, {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
 }
 
 }  // namespace program

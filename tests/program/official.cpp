@@ -98,6 +98,28 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   CHECK(w.joints("out/a_walk.npy") == std::vector<ml::Index>{25, 21, 3});
 }
 
+TEST_CASE("generate: TEACH takes texts one after the other, SINC texts at the same time") {
+  const Workplace w;
+  const auto teach = official::small_teach();
+  const auto sinc = official::small_sinc();
+  official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
+  official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
+  official::write_temos_statistics(w / "statistics", 135);
+  official::write_text(w / "distilbert-base-uncased/vocab.txt", official::bert_vocabulary);
+  ml::write_file(w / "after.txt", std::string_view("a walk # 0 # 1 # legs # spine\nwalk # 1 # 2.5 # legs\n"));
+  ml::write_file(w / "together.txt", std::string_view("a walk # 0 # 1 # legs\nwalk # 0 # 1 # right arm\n"));
+  const auto generate = [&](const std::string& model, const std::string& timeline) {
+    return w.run({"generate", "--model", model, "--timeline", timeline, "--statistics", "statistics"});
+  };
+  CHECK(generate("teach", "after.txt").code == 0);
+  CHECK(w.joints("out/after.npy") == std::vector<ml::Index>{75, 24, 3});
+  const Outcome overlapping = generate("teach", "together.txt");
+  CHECK(overlapping.code == 3);
+  CHECK(contains(overlapping.text, "'a walk' and 'walk' overlap; this model (TEACH) takes texts one after the other"));
+  CHECK(generate("sinc", "together.txt").code == 0);
+  CHECK(w.joints("out/together.npy") == std::vector<ml::Index>{30, 24, 3});
+}
+
 TEST_CASE("embed: a cache in the layout of TMR and STMC") {
   const Workplace w;
   const auto sizes = official::small();

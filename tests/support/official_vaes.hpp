@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Run folders of ACTOR and TEMOS as their repositories leave them, with drawn weights.
+/// Run folders of ACTOR, TEMOS, TEACH and SINC as their repositories leave them, with drawn weights.
 #pragma once
 
 #include <motionlang/io/vae_run.hpp>
@@ -40,10 +40,11 @@ inline ml::Temos<B> temos(const ml::TemosConfig& c) {
   ml::Philox rng{.seed = 61};
   return {c, rng};
 }
-/// .hydra/config.yaml and checkpoints/last.ckpt with a small DistilBERT inside.
-inline void write_temos_run(const fs::path& folder, const ml::TemosConfig& c, const std::string& extra = "") {
+/// .hydra/config.yaml and checkpoints/last.ckpt of TEMOS, TEACH or SINC with a small DistilBERT inside.
+template <ml::Module M, class Config>
+void write_lightning_run(const fs::path& folder, const M& model, const Config& c, double fps, const std::string& extra = "") {
   write_text(folder / ".hydra/config.yaml",
-             ml::concat_text("data:\n  dataname: kit-amass-xyz\n  framerate: 12.5\nmodel:\n  latent_dim: ", c.latent_dim,
+             ml::concat_text("data:\n  dataname: kit-amass-xyz\n  framerate: ", fps, "\nmodel:\n  latent_dim: ", c.latent_dim,
                              "\n  ff_size: ", c.ff_size, "\n  num_layers: ", c.num_layers,
                              "\n  num_head: 6\n  vae: true\n  textencoder:\n    latent_dim: ${model.latent_dim}\n"));
   ml::Philox rng{.seed = 62};
@@ -51,7 +52,7 @@ inline void write_temos_run(const fs::path& folder, const ml::TemosConfig& c, co
   TorchArchive archive;
   archive.number("epoch", 999);
   archive.begin("state_dict");
-  add_module(archive, temos(c));
+  add_module(archive, model);
   add_module(archive, words, "textencoder.text_model.");
   for (const char* name : {"textencoder", "motionencoder", "motiondecoder"})
     add_zeros(archive, std::string(name) + ".sequence_pos_encoding.pe", {5, 1, c.latent_dim});
@@ -59,6 +60,21 @@ inline void write_temos_run(const fs::path& folder, const ml::TemosConfig& c, co
   if (!extra.empty()) add_zeros(archive, extra, {c.latent_dim});
   archive.end();
   write_bytes(folder / "checkpoints/last.ckpt", archive.finish());
+}
+inline void write_temos_run(const fs::path& folder, const ml::TemosConfig& c, const std::string& extra = "") {
+  write_lightning_run(folder, temos(c), c, 12.5, extra);
+}
+inline ml::TeachConfig small_teach() {
+  return {.text_dim = 64, .latent_dim = 16, .ff_size = 24, .num_layers = 2, .unused_encoder = true};
+}
+inline ml::Teach<B> teach(const ml::TeachConfig& c) {
+  ml::Philox rng{.seed = 71};
+  return {c, rng};
+}
+inline ml::SincConfig small_sinc() { return {.text_dim = 64, .latent_dim = 16, .ff_size = 24, .num_layers = 2}; }
+inline ml::Sinc<B> sinc(const ml::SincConfig& c) {
+  ml::Philox rng{.seed = 81};
+  return {c, rng};
 }
 inline void write_temos_statistics(const fs::path& folder, Index width) {
   const std::string kind = width == 135 ? "rfeats" : "jfeats";

@@ -96,8 +96,25 @@ TEST_CASE("TEMOS: .hydra/config.yaml, checkpoints/last.ckpt with DistilBERT insi
               "model/latent_dim is 17, tensor 'textencoder.projection.1.weight'");
 }
 
-TEST_CASE("TEACH's and SINC's checkpoints are called by their names") {
+TEST_CASE("TEACH and SINC: the same folder, other tensors") {
   const TemporaryFolder folder;
-  official::write_temos_run(folder.path, official::small_temos(), "textencoder.seperation_token");
-  CHECK_ERROR(ml::load_temos_run<B>(folder.path), "of TEACH or SINC (it has 'textencoder.seperation_token')");
+  official::write_temos_statistics(folder / "stats", 135);
+  official::write_text(folder / "words/vocab.txt", official::bert_vocabulary);
+  const ml::TemosRunOptions options{.text_encoder = folder / "words", .statistics = folder / "stats"};
+  const auto teach = official::small_teach();
+  official::write_lightning_run(folder / "teach", official::teach(teach), teach, 30);
+  const auto loaded = ml::load_teach_run<B>(ml::find_run(folder / "teach"), options);
+  CHECK(loaded.model.config == teach);
+  CHECK(all_numbers(loaded.model) == all_numbers(official::teach(teach)));
+  CHECK((loaded.fps == 30 && loaded.width() == 135 && loaded.normalizer.eps == 0));
+
+  const auto sinc = official::small_sinc();
+  official::write_lightning_run(folder / "sinc", official::sinc(sinc), sinc, 30);
+  const auto other = ml::load_sinc_run<B>(ml::find_run(folder / "sinc"), options);
+  CHECK(all_numbers(other.model) == all_numbers(official::sinc(sinc)));
+  CHECK(other.normalizer.eps == ml::sinc_eps);
+
+  CHECK_ERROR(ml::load_temos_run<B>(folder / "teach", options), "a checkpoint of teach, expected temos");
+  CHECK_ERROR(ml::load_teach_run<B>(ml::find_run(folder / "sinc"), options), "a checkpoint of sinc, expected teach");
+  CHECK_ERROR(ml::load_sinc_run<B>(ml::find_run(folder / "teach"), options), "a checkpoint of teach, expected sinc");
 }

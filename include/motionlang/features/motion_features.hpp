@@ -34,6 +34,21 @@ struct MotionFeatures {
   Motion (*to_motion)(std::span<const double> rows, double fps);
 };
 
+/// Rotations of 22 joints and translation, Z up, as a clip on SMPL's 24 joints.
+template <Scalar S>
+Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
+  const auto y_up = axis_rotation(0, -std::numbers::pi / 2);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.trans)
+    out.root.push_back({static_cast<double>(p.x), static_cast<double>(p.z), -static_cast<double>(p.y)});
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
+    if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
+  }
+  return out;
+}
+
 namespace detail {
 
 inline void require_smpl24(const Motion& motion) {
@@ -86,17 +101,7 @@ inline std::vector<double> smplvelp_rows_of(const Motion& motion) {
                            std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = true});
 }
 inline Motion smplvelp_motion(std::span<const double> rows, double fps) {
-  const auto from = smplvelp_inverse(rows);
-  const auto y_up = axis_rotation(0, -std::numbers::pi / 2);
-  Motion out;
-  out.skeleton = smpl24_skeleton();
-  out.fps = fps;
-  out.root = turned_up(from.trans, false);
-  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
-    out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * from.rotations[i] : from.rotations[i]));
-    if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
-  }
-  return out;
+  return motion_of_smplvelp(smplvelp_inverse(rows), fps);
 }
 inline std::vector<Vec3<double>> joints_of_smplvelp(std::span<const double> rows) {
   return first_joints(smplvelp_motion(rows, 12.5), 22);

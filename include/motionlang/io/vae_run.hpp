@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR and TEMOS from the folders in which their repositories leave them.
+/// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
 ///
 ///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
 ///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
@@ -7,15 +7,16 @@
 ///
 /// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
 /// ACTOR    all networks of its repository (io/actor_file.hpp)
-/// TEMOS    with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder
-/// Source   spec actor.md 3, 8; temos.md 3, 4.4
+/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their folders look alike:
+///          `lightning_system` tells them apart by their tensors
+/// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
 /// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
 ///          config_error 101, 102 where options and tensors differ, 103, 107
 #pragma once
 
 #include <motionlang/io/actor_file.hpp>
+#include <motionlang/io/teach_sinc_file.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
-#include <motionlang/io/text_motion_file.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -31,15 +32,22 @@ struct ActorRun {
   std::vector<std::string> labels;  // of the classes; empty if they are numbers
 };
 
-template <Backend B>
-struct TemosRun {
-  Temos<B> model;
+/// A model from texts to motions, with all that it needs.
+template <Backend B, class Model>
+struct TextMotionRun {
+  Model model;
   Normalizer<B> normalizer;
   AnyTextEncoder<B> text_encoder;
   double fps = 12.5;
 
   Index width() const { return normalizer.mean.count(); }
 };
+template <Backend B>
+using TemosRun = TextMotionRun<B, Temos<B>>;
+template <Backend B>
+using TeachRun = TextMotionRun<B, Teach<B>>;
+template <Backend B>
+using SincRun = TextMotionRun<B, Sinc<B>>;
 
 struct TemosRunOptions {
   FilePath text_encoder = "";  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
@@ -100,31 +108,60 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
   return load_actor_run<B>(find_run(folder));
 }
 
-template <Backend B>
-TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
-  detail::require_checkpoint(run, "temos", "checkpoints/last.ckpt");
-  const WeightFile weights = open_weights(run.weights);
-  for (const char* name : {"textencoder.seperation_token", "textencoder.separation_token"}) {
-    if (weights.find(name) != nullptr)
-      raise<io_error>(404, weights.name(), ": of TEACH or SINC (it has '", name, "'), expected TEMOS");
-  }
-  const detail::RunReader r(run, weights, "");
-  const TemosConfig config = detail::temos_config(r);
+/// "temos", "teach" or "sinc", by the token that stands between texts.
+inline std::string lightning_system(const TensorSet& weights) {
+  if (weights.find("textencoder.seperation_token") != nullptr) return "teach";  // as published
+  return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
+}
+
+namespace detail {
+
+/// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
+template <Backend B, class Model>
+TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps, double eps,
+                                        const TemosRunOptions& options) {
+  const RunReader r(run, weights, "");
+  const Index nfeats = r.size("motiondecoder.final_layer.weight", 0);
   const RunFolder statistics = options.statistics.string().empty() ? run : find_run(options.statistics);
-  auto normalizer = statistics.parts.empty() ? std::nullopt
-                                             : detail::find_normalizer<B>(detail::statistics_of(statistics), config.nfeats,
-                                                                          {"", "stats.", "motion_stats."});
+  auto normalizer = statistics.parts.empty()
+                        ? std::nullopt
+                        : find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
   if (!normalizer)
     raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
-                    config.nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
                     " (deps/transforms/... of TEMOS) there, or name their folder");
-  normalizer->eps = 0;
-  TemosRun<B> out{.model = load_temos<B>(weights, run),
-                  .normalizer = std::move(*normalizer),
-                  .text_encoder = detail::temos_text_encoder<B>(run, weights, options),
-                  .fps = r.real("data/framerate", 12.5)};
+  normalizer->eps = eps;
+  TextMotionRun<B, Model> out{.model = std::move(model),
+                              .normalizer = std::move(*normalizer),
+                              .text_encoder = temos_text_encoder<B>(run, weights, options),
+                              .fps = r.real("data/framerate", fps)};
   prepare(out.model);
   return out;
+}
+inline WeightFile lightning_weights(const RunFolder& run, const char* system) {
+  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
+  WeightFile weights = open_weights(run.weights);
+  if (const std::string found = lightning_system(weights); found != system)
+    raise<io_error>(404, weights.name(), ": a checkpoint of ", found, ", expected ", system);
+  return weights;
+}
+
+}  // namespace detail
+
+template <Backend B>
+TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "temos");
+  return detail::text_motion_run<B>(run, weights, load_temos<B>(weights, run), 12.5, 0, options);
+}
+template <Backend B>
+TeachRun<B> load_teach_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "teach");
+  return detail::text_motion_run<B>(run, weights, load_teach<B>(weights, run), 30, 0, options);
+}
+template <Backend B>
+SincRun<B> load_sinc_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "sinc");
+  return detail::text_motion_run<B>(run, weights, load_sinc<B>(weights, run), 30, sinc_eps, options);
 }
 template <Backend B>
 TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {
