@@ -36,6 +36,33 @@ struct TeachConfig {
 /// The frames of the gap that published evaluations fill between two actions.
 inline constexpr Index teach_window = 8;
 
+namespace detail {
+
+/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that leaves fewer than
+/// two.
+inline Offsets generated_frames(const Offsets& lengths, Index gap) {
+  PoolVector<Index> out;
+  for (Index i = 0; i < lengths.count(); ++i) {
+    out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
+    if (i > 0 && gap > 0 && out[static_cast<std::size_t>(i)] < 2)
+      raise<config_error>(101, "TEACH: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
+                          " has to have two or more behind it");
+  }
+  return Offsets(std::span<const Index>(out));
+}
+/// Parts, generated frames one behind the other, with rows of 0 in the gaps.
+template <Backend B>
+Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index gap) {
+  PoolVector<Index> pick;
+  Index next = 0;
+  for (Index i = 0; i < lengths.count(); ++i) {
+    for (Index f = 0; f < lengths.length(i); ++f) pick.push_back(i > 0 && f < gap ? frames.size(0) : next++);
+  }
+  return {gather(concat(0, frames, Tensor<B, 2>::zeros({1, frames.size(1)})), pick), lengths};
+}
+
+}  // namespace detail
+
 /// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and tables of positions.
 template <Backend B>
 struct Teach {
@@ -112,22 +139,27 @@ struct Teach {
                         Index window = 0) const {
     if (lengths.count() != texts.count() || eps.size(0) != texts.count())
       raise<shape_error>(204, "Teach: ", texts.count(), " texts, ", lengths.count(), " lengths, eps ", eps.shape());
+    const Offsets frames = detail::generated_frames(lengths, window);
     std::vector<Tensor<B, 2>> rows;
     TeachPast<B> past;
     for (Index i = 0; i < texts.count(); ++i) {
-      const Index gap = i == 0 ? 0 : window, frames = lengths.length(i) - gap;
-      if (frames < 2 && gap > 0)
-        raise<config_error>(101, "Teach: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
-                            " has to have two or more");
       const auto z = encode_text({texts[i], Offsets{texts.offsets.length(i)}}, past).sample(slice(eps, 0, i, i + 1));
-      const auto part = decode(z, Offsets{frames});
-      if (gap > 0) rows.push_back(Tensor<B, 2>::zeros({gap, config.nfeats}));
+      const auto part = decode(z, Offsets{frames.length(i)});
       rows.push_back(part.rows);
       if (i + 1 < texts.count()) past = past_of(part, z);
     }
-    return {concat(std::span<const Tensor<B, 2>>(rows), 0), lengths};
+    return detail::with_gaps(concat(std::span<const Tensor<B, 2>>(rows), 0), lengths, window);
   }
 };
+
+/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135 features). The
+/// baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
+template <Backend B, class Model>
+Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, const Offsets& lengths,
+                                 const Tensor<B, 2>& eps, Index window = 0) {
+  const auto parts = model.decode(model.encode_text(texts).sample(eps), detail::generated_frames(lengths, window));
+  return detail::with_gaps(parts.rows, lengths, window);
+}
 
 /// The parts of one motion, with noise that depends on seed and place only.
 template <Backend B>

@@ -2,6 +2,8 @@
 /// A training step of TEACH: two actions that follow each other, each with the branches and losses of TEMOS.
 #pragma once
 
+#include <algorithm>  // max
+
 #include <motionlang/vae/text_motion.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -32,15 +34,37 @@ struct TeachLossOptions {
   TemosLossOptions each{.feats = "rfeats",
                         .mean = ReconstructionMean::sequences};  // weights, the same for both actions
   bool loss_on_transition = true;                                // false: reconstructions leave the transition out
+  double velocity = 0;  // of a term that published code has, with 0.5, but cannot run
 };
 
-/// The terms of temos_losses for the first action (their names end in _0) and the second (_1).
+///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and velocity of the
+///                                                      root (columns 0 to 2), in the mean over sequences
+template <Backend B>
+LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, double weight) {
+  PoolVector<Index> lengths;
+  for (Index i = 0; i < motion.count(); ++i) lengths.push_back(std::max<Index>(motion.offsets.length(i) - 1, 0));
+  const Offsets steps{std::span<const Index>(lengths)};
+  auto velocity = [&](const Sequences<B>& x) { return Sequences<B>(slice(frame_steps(x), 1, 3, x.width()), steps); };
+  LossTerms<B> out;
+  auto add = [&](const char* name, const Tensor<B, 2>& frames) {
+    out.add(name, weight, smooth_l1_of_sequences(velocity(motion), velocity(motion.with(frames)).rows));
+  };
+  add("velocity_text2rfeats", branches.text.frames);
+  if (branches.motion) add("velocity_rfeats2rfeats", branches.motion->frames);
+  return out;
+}
+
+/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and the second, _1.
 /// Source  spec teach.md 3
 template <Backend B>
 LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>& pairs,
                           const TeachLossOptions& options = {}) {
   LossTerms<B> out;
-  out.append(temos_losses(branches.first, pairs.first_motion, options.each), "_0");
+  auto add = [&](const TextMotionBranches<B>& action, const Sequences<B>& motion, const char* suffix) {
+    out.append(temos_losses(action, motion, options.each), suffix);
+    if (options.velocity != 0) out.append(teach_velocity_losses(action, motion, options.velocity), suffix);
+  };
+  add(branches.first, pairs.first_motion, "_0");
   auto second = branches.second;
   auto motion = pairs.second_motion;
   if (!options.loss_on_transition) {
@@ -52,7 +76,7 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
     if (second.motion) cut(second.motion->frames);
     motion = last_rows(motion, action);
   }
-  out.append(temos_losses(second, motion, options.each), "_1");
+  add(second, motion, "_1");
   return out;
 }
 

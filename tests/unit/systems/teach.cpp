@@ -86,6 +86,26 @@ TEST_CASE("branches: where the past comes from, padding, the terms of the loss")
   CHECK(all.sum_of("recons_text2rfeats_1").item() == doctest::Approx((error(0, 0) + error(1, 0) + error(2, 0)) / 3));
 }
 
+TEST_CASE("velocities: steps of the rotations, each sequence on its own") {
+  const auto pairs = small::pairs<B>();
+  const auto out = small::teach<B>().branches(pairs, noise());
+  const auto losses = ml::teach_losses(out, pairs, {.velocity = 0.5});
+  REQUIRE(losses.terms.size() == 18);
+  CHECK(losses.terms[7].name == "velocity_text2rfeats_0");
+  CHECK(losses.terms[8].name == "velocity_rfeats2rfeats_0");
+  CHECK(losses.terms[8].weight == 0.5);
+  double wanted = 0;
+  for (Index i = 0; i < 3; ++i) {
+    const auto steps = [&](const ml::Sequences<B>& x) {
+      const auto rows = ml::slice(x[i], 1, 3, 135);
+      return ml::slice(rows, 0, 1, rows.size(0)) - ml::slice(rows, 0, 0, rows.size(0) - 1);
+    };
+    wanted +=
+        ml::smooth_l1(steps(pairs.first_motion), steps(pairs.first_motion.with(out.first.text.frames))).item() / 3;
+  }
+  CHECK(losses.terms[7].value.item() == doctest::Approx(wanted));
+}
+
 TEST_CASE("gradients pass through the decoded past; a few steps lower the loss") {
   const auto pairs = small::pairs<A>();
   const auto draw = [](std::uint64_t seed) { return ml::TeachNoise<A>::draw(3, 8, ml::Philox{.seed = seed}, 0.1); };
@@ -133,9 +153,15 @@ TEST_CASE("a sequence of actions: gaps, pasts, seeds, refusals") {
   CHECK(same_bits(make(1), make(1)));
   CHECK(distance(make(1), make(2)) > 1e-6);
   CHECK(same_bits(make(1, {.mean = true}), make(2, {.fact = 0})));
-  CHECK_ERROR(model.generate(texts, Offsets{5, 4, 6}, eps, 3), "[motionlang.config.101] Teach: action 1 of 4 frames");
+  CHECK_ERROR(model.generate(texts, Offsets{5, 4, 6}, eps, 3), "[motionlang.config.101] TEACH: action 1 of 4 frames");
   CHECK_ERROR(model.generate(texts, Offsets{5, 4}, eps), "[motionlang.shape.204] Teach: 3 texts, 2 lengths");
   CHECK_ERROR(model.generate(texts, Offsets{1, 4, 4}, eps), "[motionlang.shape.207] last_rows");
+
+  const auto independent = ml::independent_actions(model, texts, lengths, eps, 3);
+  CHECK(independent.offsets == lengths);
+  CHECK(distance(independent[0], parts[0]) < 1e-13);
+  CHECK(distance(ml::slice(independent[2], 0, 3, 6), model.decode(sample(2, {}), Offsets{3}).rows) < 1e-13);
+  CHECK(same_bits(ml::slice(independent[2], 0, 0, 3), ml::Tensor<B, 2>::zeros({3, 135})));
 
   const auto motion = ml::teach_motion(ml::Normalizer<B>::identity(135), parts, 3);
   REQUIRE(motion.trans.size() == 18);
