@@ -116,11 +116,11 @@ void add_generate(CLI::App& app) {
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();
   c->add_option("--model", o->model,
-                "Weights: a .safetensors file, a folder with one, or a folder of STMC, MDM, MotionDiffuse, ACTOR or TEMOS as published")
+                "Weights: a .safetensors file, a folder with one, or a folder of STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TEACH or SINC as published")
       ->capture_default_str();
   c->add_option("--text-encoder", o->sources.text_encoder,
                 "Of a published model: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as a folder of "
-                "Hugging Face; TEMOS: distilbert-base-uncased; looked for beside the model unless given")
+                "Hugging Face; TEMOS, TEACH, SINC: distilbert-base-uncased; looked for beside the model unless given")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->sources.statistics,
                 "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")
