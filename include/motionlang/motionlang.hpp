@@ -115,6 +115,7 @@
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/seq2seq_gru.hpp>
 #include <motionlang/nn/seq2seq_transformer.hpp>
+#include <motionlang/nn/seq2seq_writer.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>

@@ -3,6 +3,7 @@
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
 #include <motionlang/nn/decoding.hpp>
+#include <motionlang/nn/seq2seq_writer.hpp>
 
 #include "tm2t_models.hpp"
 
@@ -42,7 +43,7 @@ void transformer_sampling(Case& c) {
     return m.encode(golden::ids(c, "in/motion_ids", config["codebook"].as<Index>() + 2));
   }();
   const ml::Sequences<B> first(memory[0], ml::Offsets{memory.offsets.length(0)});
-  auto next = [&](const ml::IdSequences& written) { return m.next_logits(written, memory); };
+  ml::Seq2SeqWriter<B> writer(m, memory);
   auto next_of_first = [&](const ml::IdSequences& written) { return m.next_logits(written, first); };
   const ml::DecodingOptions all{.begin = config["sos"].as<Index>(),
                                 .end = config["eos"].as<Index>(),
@@ -56,9 +57,9 @@ void transformer_sampling(Case& c) {
   const auto single = c.values<double>("noise/uniforms_single");
   std::size_t drawn = 0;
   out_ids(c, "sampled", {ml::decode_one(next_of_first, filtered, [&] { return single.at(drawn++); })});
-  out_decoded(c, "batch_greedy", ml::decode_batch(next, memory.count(), filtered));
+  out_decoded(c, "batch_greedy", ml::decode_batch(writer, memory.count(), filtered));
   out_decoded(c, "batch_sampled",
-              ml::decode_batch(next, memory.count(), filtered, uniforms(c, "noise/uniforms_batch")));
+              ml::decode_batch(writer, memory.count(), filtered, uniforms(c, "noise/uniforms_batch")));
 }
 
 template <ml::Backend B>
@@ -73,12 +74,8 @@ void beam_search(Case& c) {
                                 .alpha = config["alpha"].as<double>()};
   const auto sources = golden::ids(c, "in/motion_ids", config["codebook"].as<Index>() + 2);
   for (Index i = 0; i < sources.count(); ++i) {
-    const auto memory = m.encode(ml::IdSequences::one(sources[i])).rows;
-    const auto found = ml::beam_search(
-        [&](const ml::IdSequences& written) {
-          return m.next_logits(written, ml::repeat_sequence(memory, written.count()));
-        },
-        options);
+    ml::Seq2SeqWriter<B> writer(m, m.encode(ml::IdSequences::one(sources[i])));
+    const auto found = ml::beam_search(writer, options);
     const auto n = std::to_string(i);
     c.out("ids" + n, found.ids);
     out_ids(c, "beams" + n, found.beams);

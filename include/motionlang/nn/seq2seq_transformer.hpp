@@ -75,9 +75,14 @@ struct Seq2SeqAttention {
   /// causal: row i reads the memory up to row i.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& memory, bool causal,
                           const Context& context = {}) const {
-    const auto read = attention(w_qs(x.rows), w_ks(memory.rows), w_vs(memory.rows), x.offsets, memory.offsets,
-                                {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
-    return layer_norm(dropout(fc(read), dropout_p, context), x.rows);
+    return read(x, memory.with(w_ks(memory.rows)), w_vs(memory.rows), causal, context);
+  }
+  /// The same with keys and values that are known.
+  Tensor<B, 2> read(const Sequences<B>& x, const Sequences<B>& keys, const Tensor<B, 2>& values, bool causal,
+                    const Context& context = {}) const {
+    const auto heard = attention(w_qs(x.rows), keys.rows, values, x.offsets, keys.offsets,
+                                 {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+    return layer_norm(dropout(fc(heard), dropout_p, context), x.rows);
   }
 };
 
@@ -291,7 +296,7 @@ struct Seq2SeqTransformer {
   Tensor<B, 2> logits(const Target& target, const Sequences<B>& memory, const Context& context = {}) const {
     return project(decoder(embed_target(target), memory, context).rows);
   }
-  /// The same for the last symbol of each sequence only.
+  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where sequences grow.
   Tensor<B, 2> next_logits(const IdSequences& target, const Sequences<B>& memory) const {
     return project(last_row(decoder(embed_target(target), memory)));
   }

@@ -13,7 +13,7 @@
 #include <motionlang/features/tm2t_data.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/nn/seq2seq_gru.hpp>
-#include <motionlang/nn/seq2seq_transformer.hpp>
+#include <motionlang/nn/seq2seq_writer.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/vae/motion_tokenizer.hpp>
 
@@ -94,10 +94,8 @@ struct Tm2t {
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
     std::vector<std::string> out;
     for (Index i = 0; i < memory.count(); ++i) {
-      auto next = [&, own = memory[i]](const IdSequences& written) {
-        return m2t_transformer.next_logits(written, repeat_sequence(own, written.count()));
-      };
-      out.push_back(sentence(beam_search(next, options).ids, glove));
+      Seq2SeqWriter<B> writer(m2t_transformer, {memory[i], Offsets{memory.offsets.length(i)}});
+      out.push_back(sentence(beam_search(writer, options).ids, glove));
     }
     return out;
   }
@@ -106,8 +104,8 @@ struct Tm2t {
                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    auto next = [&](const IdSequences& written) { return m2t_transformer.next_logits(written, memory); };
-    const auto words = decode_batch(next, memory.count(), options, uniform_of(rng)).written();
+    const auto words =
+        decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
     std::vector<std::string> out;
     for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
     return out;

@@ -6,7 +6,7 @@
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/nn/seq2seq_gru.hpp>
-#include <motionlang/nn/seq2seq_transformer.hpp>
+#include <motionlang/nn/seq2seq_writer.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"
@@ -109,6 +109,27 @@ TEST_CASE("a shared projection stands twice in files; a copy that is another ten
   ml::load_module(loaded, ml::SafetensorsFile::from_bytes(twice), "m.");
   CHECK(distance(loaded.decoder.symbols->weight, m.decoder.symbols->weight) == 0);
   CHECK_ERROR(ml::load_module(loaded, ml::SafetensorsFile::from_bytes(another), "m."), "[motionlang.io.407]");
+}
+
+TEST_CASE("a writer says what the transformer says, for beginnings that grow, change places, multiply or are new") {
+  const auto m = small_transformer();
+  const auto memory = m.encode(source);
+  const ml::Sequences<B> each(ml::concat(0, memory[0], memory[0], memory[1], memory[1]), Offsets{3, 3, 5, 5});
+  ml::Seq2SeqWriter<B> writer(m, memory);
+  auto same = [&](const std::vector<std::vector<Index>>& written) {
+    const auto ids = IdSequences::from(written);
+    return distance(writer(ids), m.next_logits(ids, ids.count() == 2 ? memory : each)) < 1e-12;
+  };
+  CHECK(same({{0}, {0}}));
+  CHECK(same({{0, 3}, {0, 4}, {0, 5}, {0, 2}}));              // two beams of each source
+  CHECK(same({{0, 4, 1}, {0, 3, 2}, {0, 5, 6}, {0, 5, 3}}));  // changed places, both of one parent
+  CHECK(same({{0, 3, 2, 2}, {0, 4, 1, 1}, {0, 5, 3, 1}, {0, 5, 6, 1}}));
+  CHECK(same({{0, 6, 6}, {0, 1, 2}}));  // nothing of this was there before
+  CHECK(same({{0}, {0}}));
+  CHECK_ERROR(writer(IdSequences::from({{0}, {0}, {0}})), "[motionlang.shape.205]");
+  CHECK_ERROR(writer(IdSequences::from({{0, 1}, {0}})), "[motionlang.shape.205]");
+  const std::vector<Index> longer(7, 0);
+  CHECK_ERROR(writer(IdSequences::from({longer, longer})), "[motionlang.shape.203]");
 }
 
 TEST_CASE("cross_entropies: smoothing gives the other classes their share") {

@@ -1,16 +1,12 @@
-// Golden functions: TM2T's transformers from motion to text and from text to motion, with gradients through Autodiff.
+// Golden functions: TM2T's transformers from motion to text and from text to motion, with gradients through Autodiff. A source for each backend registers them:
+// together they would take long to compile.
+#pragma once
+
 #include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/backend/reference.hpp>
-#include <motionlang/backend/xtensor.hpp>
 
 #include "tm2t_models.hpp"
 
-namespace {
-
-using golden::Case, golden::Registration, golden::tensor;
-namespace ml = motionlang;
-using ml::Index;
+namespace golden::tm2t_transformers {
 
 /// Encoder output and logits with their padding, and the loss of packed sequences.
 template <ml::Backend B>
@@ -26,10 +22,10 @@ void transformer(Case& c) {
   const std::string source_name = to_text ? "in/motion_ids" : "in/word_ids";
   const Index target_pad = to_text ? word_pad : token_pad, source_pad = to_text ? token_pad : word_pad;
   const double smoothing = config.value_or("label_smoothing", false) ? 0.1 : 0;
-  const auto lengths = c.values<Index>("in/text_lengths");
 
   ml::Sequences<A> all, memory;  // the encoder's output with padding, and without
   if (kind == "t2m") {
+    const auto lengths = c.values<Index>("in/text_lengths");
     const auto vectors = tensor<A, 3>(c, "in/word_emb");
     const auto embedded = ml::from_equal(vectors);
     const auto mask = golden::visible_rows(c, "in/text_lengths", vectors.size(1));
@@ -84,8 +80,5 @@ std::vector<Registration> over(const std::string& variant) {
           {"tm2t text2motion transformer with word ids", variant, transformer<B>},
           {"tm2t one-hot source", variant, one_hot_source<B>}};
 }
-const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");
-const auto eigen = over<ml::EigenBackend<float>>("eigen<float>");
-const auto xtensor = over<ml::XtensorBackend<float>>("xtensor<float>");
 
-}  // namespace
+}  // namespace golden::tm2t_transformers

@@ -1,18 +1,14 @@
-// Golden functions: the training losses of Guo's evaluator, with gradients through Autodiff.
+// Golden functions: the training losses of Guo's evaluator, with gradients through Autodiff. A source for each backend registers them:
+// together they would take long to compile.
+#pragma once
+
 #include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/backend/reference.hpp>
-#include <motionlang/backend/xtensor.hpp>
 #include <motionlang/loss/margin.hpp>
 #include <motionlang/optim/adamw.hpp>
 
 #include "guo_models.hpp"
 
-namespace {
-
-using golden::Case, golden::Registration, golden::tensor;
-namespace ml = motionlang;
-using ml::Index;
+namespace golden::guo_training {
 
 template <ml::Backend B>
 void matching_loss(Case& c) {
@@ -66,8 +62,5 @@ std::vector<Registration> over(const std::string& variant) {
   return {{"guo matching loss", variant, matching_loss<B>},
           {"guo movement autoencoder losses", variant, movement_autoencoder<B>}};
 }
-const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");
-const auto eigen = over<ml::EigenBackend<float>>("eigen<float>");
-const auto xtensor = over<ml::XtensorBackend<float>>("xtensor<float>");
 
-}  // namespace
+}  // namespace golden::guo_training

@@ -1,17 +1,13 @@
-// Golden functions: TM2T's motion tokenizer, its losses and its discriminator.
+// Golden functions: TM2T's motion tokenizer, its losses and its discriminator. A source for each backend registers them:
+// together they would take long to compile.
+#pragma once
+
 #include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/backend/reference.hpp>
-#include <motionlang/backend/xtensor.hpp>
 #include <motionlang/features/normalizer.hpp>
 
 #include "tm2t_models.hpp"
 
-namespace {
-
-using golden::Case, golden::Registration, golden::tensor;
-namespace ml = motionlang;
-using ml::Index;
+namespace golden::tm2t_tokens {
 
 template <ml::Backend B>
 ml::Sequences<B> batch(const Case& c, const std::string& name) {
@@ -156,8 +152,5 @@ std::vector<Registration> over(const std::string& variant) {
           {"tm2t discriminator", variant, discriminator_alone<B>},
           {"tm2t tokenising", variant, tokenising<B>}};
 }
-const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");
-const auto eigen = over<ml::EigenBackend<float>>("eigen<float>");
-const auto xtensor = over<ml::XtensorBackend<float>>("xtensor<float>");
 
-}  // namespace
+}  // namespace golden::tm2t_tokens

@@ -1,17 +1,13 @@
-// Golden functions: TM2T's recurrent model from text to motion, and its training against the model from motion to text.
+// Golden functions: TM2T's recurrent model from text to motion, and its training against the model from motion to text. A source for each backend registers them:
+// together they would take long to compile.
+#pragma once
+
 #include <motionlang/backend/autodiff.hpp>
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/backend/reference.hpp>
-#include <motionlang/backend/xtensor.hpp>
 #include <motionlang/optim/adamw.hpp>
 
 #include "tm2t_models.hpp"
 
-namespace {
-
-using golden::Case, golden::Registration, golden::tensor;
-namespace ml = motionlang;
-using ml::Index;
+namespace golden::tm2t_gru {
 
 template <ml::Backend B>
 ml::Sequences<B> words(const Case& c) {
@@ -102,8 +98,5 @@ template <ml::Backend B>
 std::vector<Registration> over(const std::string& variant) {
   return {{"tm2t text2motion gru", variant, gru<B>}, {"tm2t inverse alignment", variant, inverse_alignment<B>}};
 }
-const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");
-const auto eigen = over<ml::EigenBackend<float>>("eigen<float>");
-const auto xtensor = over<ml::XtensorBackend<float>>("xtensor<float>");
 
-}  // namespace
+}  // namespace golden::tm2t_gru

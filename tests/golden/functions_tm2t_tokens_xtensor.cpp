@@ -1,0 +1,6 @@
+// Golden functions: TM2T's motion tokenizer over one backend; see tm2t_tokens.hpp.
+#include <motionlang/backend/xtensor.hpp>
+
+#include "tm2t_tokens.hpp"
+
+static const auto registered = golden::tm2t_tokens::over<motionlang::XtensorBackend<float>>("xtensor<float>");

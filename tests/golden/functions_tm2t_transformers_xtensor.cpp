@@ -1,0 +1,6 @@
+// Golden functions: TM2T's transformers over one backend; see tm2t_transformers.hpp.
+#include <motionlang/backend/xtensor.hpp>
+
+#include "tm2t_transformers.hpp"
+
+static const auto registered = golden::tm2t_transformers::over<motionlang::XtensorBackend<float>>("xtensor<float>");
