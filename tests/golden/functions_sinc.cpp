@@ -1,5 +1,4 @@
-// Golden functions: SINC's networks, training step and generation.
-#include <motionlang/backend/autodiff.hpp>
+// Golden functions: SINC's networks and generation.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
@@ -8,15 +7,9 @@
 
 namespace {
 
-using golden::Case, golden::Layout, golden::Registration, golden::tensor;
+using golden::Case, golden::Registration, golden::tensor;
 namespace ml = motionlang;
 using ml::Index;
-
-/// (sequences, latent) where the case has a latent for every one of `slots`: (sequences, slots, latent).
-template <ml::Backend B>
-void out_rows(Case& c, const std::string& name, const ml::Tensor<B, 2>& t) {
-  if (c.wants(name)) c.out(name, {t.size(0), 1, t.size(1)}, t.span());
-}
 
 template <ml::Backend B>
 ml::SincTextEncoder<B> loaded_text_encoder(const Case& c) {
@@ -29,8 +22,8 @@ ml::SincTextEncoder<B> loaded_text_encoder(const Case& c) {
 }
 template <ml::Backend B>
 void out_distribution(Case& c, const ml::LatentGaussian<B>& g) {
-  out_rows(c, "mu", g.mu);
-  out_rows(c, "std", g.std());
+  golden::out_rows(c, "mu", g.mu);
+  golden::out_rows(c, "std", g.std());
 }
 
 template <ml::Backend B, ml::SincMode mode>
@@ -106,7 +99,7 @@ void motion_encoder(Case& c) {
   const auto features = tensor<B, 3>(c, "in/features");
   const auto lengths = c.values<Index>("in/lengths");
   out_distribution(c, m(ml::from_padded(features, std::span<const Index>(lengths))));
-  out_rows(c, "mu_no_lengths", m(ml::from_equal(features)).mu);
+  golden::out_rows(c, "mu_no_lengths", m(ml::from_equal(features)).mu);
 }
 
 template <ml::Backend B>
@@ -122,31 +115,6 @@ void motion_decoder(Case& c) {
   if (c.has("in/memory_mask")) mask = c.values<unsigned char>("in/memory_mask");
   const auto memory = ml::from_padded(z, std::span<const unsigned char>(mask));
   golden::out(c, "features", ml::to_padded(m(memory, golden::lengths_of(c))));
-}
-
-template <ml::Backend B>
-void training_step(Case& c) {
-  using A = ml::Autodiff<B>;
-  const auto config = c.config();
-  auto model = ml::convert<A>(golden::sinc_model<B>(c));
-  const auto texts = golden::sinc_texts<A>(c);
-  const auto lengths = c.values<Index>("in/lengths");
-  const auto motion = ml::from_padded(tensor<A, 3>(c, "in/features"), std::span<const Index>(lengths));
-  const auto both =
-      model.branches(texts, motion, {golden::rows<A>(c, "noise/eps_text"), golden::rows<A>(c, "noise/eps_motion")});
-  auto branch = [&](const std::string& modality, const ml::LatentBranch<A>& b) {
-    golden::out_padded(c, "features_" + modality, motion.with(b.frames), c.shape("in/features")[1],
-                       Layout::batch_first);
-    out_rows(c, "mu_" + modality, b.distribution.mu);
-    out_rows(c, "std_" + modality, b.distribution.std());
-  };
-  branch("text", both.text);
-  branch("motion", *both.motion);
-  out_rows(c, "z_motion", both.motion->z);
-  const auto z = ml::to_padded(ml::Sequences<A>(both.text.z, model.latents(texts)));
-  c.out("z_text", c.shape("out/z_text"), z.span());
-  golden::out_training_step<A>(
-      c, model, model.losses(both, texts, motion, golden::loss_weights(config, ml::sinc_loss_options())));
 }
 
 template <ml::Backend B>
@@ -181,7 +149,6 @@ std::vector<Registration> over(const std::string& variant) {
           {"sinc text encoder with separate latents", variant, text_encoder<B, ml::SincMode::separate_latents>},
           {"sinc motion encoder", variant, motion_encoder<B>},
           {"sinc motion decoder", variant, motion_decoder<B>},
-          {"sinc training step", variant, training_step<B>},
           {"sinc generation", variant, generation<B>}};
 }
 const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");

@@ -1,5 +1,4 @@
-// Golden functions: TEACH's networks, training step and sequences of actions.
-#include <motionlang/backend/autodiff.hpp>
+// Golden functions: TEACH's networks and sequences of actions.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
@@ -8,7 +7,7 @@
 
 namespace {
 
-using golden::Case, golden::Layout, golden::Registration, golden::tensor;
+using golden::Case, golden::Registration, golden::tensor;
 namespace ml = motionlang;
 using ml::Index;
 
@@ -66,42 +65,6 @@ void motion_decoder(Case& c) {
 }
 
 template <ml::Backend B>
-void training_step(Case& c) {
-  using A = ml::Autodiff<B>;
-  const auto config = c.config();
-  auto model = ml::convert<A>(golden::teach_model<B>(c));
-  const auto first = c.values<Index>("in/length_0"), transition = c.values<Index>("in/length_transition");
-  auto second = c.values<Index>("in/length_1");
-  for (std::size_t i = 0; i < second.size(); ++i) second[i] += transition[i];
-  auto motion = [&](const std::string& name, const std::vector<Index>& lengths) {
-    return ml::from_padded(tensor<A, 3>(c, "in/" + name), std::span<const Index>(lengths));
-  };
-  const ml::TeachPairs<A> pairs{golden::packed<A>(c, "text_hidden_0", "text_mask_0"),
-                                golden::packed<A>(c, "text_hidden_1", "text_mask_1"), motion("features_0", first),
-                                motion("features_1", second), ml::Offsets(transition)};
-  const auto out = model.branches(pairs,
-                                  {{golden::noise<A>(c, "eps_text_0"), golden::noise<A>(c, "eps_motion_0")},
-                                   {golden::noise<A>(c, "eps_text_1"), golden::noise<A>(c, "eps_motion_1")}},
-                                  {}, config["teacher_forcing"].template as<bool>());
-  golden::out(c, "past", ml::to_padded(out.past));
-  auto branch = [&](const std::string& modality, const std::string& number, const ml::LatentBranch<A>& b,
-                    const ml::Sequences<A>& like) {
-    golden::out_padded(c, "features_" + modality + number, like.with(b.frames), c.shape("in/features" + number)[1],
-                       Layout::batch_first);
-    golden::out_if_wanted(c, "mu_" + modality + number, b.distribution.mu);
-    golden::out_if_wanted(c, "std_" + modality + number, b.distribution.std());
-    golden::out_if_wanted(c, "z_" + modality + number, b.z);
-  };
-  branch("text", "_0", out.first.text, pairs.first_motion);
-  branch("text", "_1", out.second.text, pairs.second_motion);
-  branch("motion", "_0", *out.first.motion, pairs.first_motion);
-  branch("motion", "_1", *out.second.motion, pairs.second_motion);
-  ml::TeachLossOptions options{.loss_on_transition = config["loss_on_transition"].template as<bool>()};
-  options.each = golden::loss_weights(config, options.each);
-  golden::out_training_step<A>(c, model, ml::teach_losses(out, pairs, options));
-}
-
-template <ml::Backend B>
 void sequence_generation(Case& c) {
   const auto config = c.config();
   const auto model = golden::teach_model<B>(c);
@@ -118,7 +81,6 @@ std::vector<Registration> over(const std::string& variant) {
   return {{"teach text encoder", variant, text_encoder<B>},
           {"teach motion encoder", variant, motion_encoder<B>},
           {"teach motion decoder", variant, motion_decoder<B>},
-          {"teach training step", variant, training_step<B>},
           {"teach sequence generation", variant, sequence_generation<B>}};
 }
 const auto reference = over<ml::ReferenceBackend<double>>("reference<double>");

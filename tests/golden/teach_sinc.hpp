@@ -90,13 +90,19 @@ inline ml::TemosLossOptions loss_weights(const ml::JsonView& config, ml::TemosLo
   return options;
 }
 
+/// (sequences, latent) where the case has an axis of one between them.
+template <ml::Backend B>
+void out_rows(Case& c, const std::string& name, const ml::Tensor<B, 2>& t) {
+  if (c.wants(name)) c.out(name, {t.size(0), 1, t.size(1)}, t.span());
+}
+
 /// One text of a generation case, in/text_hidden_I (tokens, width).
 template <ml::Backend B>
 ml::Sequences<B> one_text(const Case& c, Index i) {
   const auto rows = tensor<B, 2>(c, "in/text_hidden_" + std::to_string(i));
   return {rows, ml::Offsets{rows.size(0)}};
 }
-/// All of them; `joined` are the rows one behind the other.
+/// All of them.
 template <ml::Backend B>
 ml::Sequences<B> all_texts(const Case& c) {
   std::vector<ml::Tensor<B, 2>> rows;
