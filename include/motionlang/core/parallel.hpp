@@ -166,4 +166,11 @@ void parallel_for(Index count, const F& f) {
       count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
 }
 
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

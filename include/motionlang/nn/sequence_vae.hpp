@@ -6,6 +6,9 @@
 /// Source  Petrovich, Black, Varol: ACTOR (ICCV 2021), section 3.1; TEMOS (ECCV 2022), 3.2; TMR (ICCV 2023), 3.1
 #pragma once
 
+#include <algorithm>  // find
+
+#include <motionlang/core/parallel.hpp>
 #include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
@@ -79,6 +82,34 @@ Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& fram
 
 namespace detail {
 
+/// Sequences first ... last-1.
+inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
+  PoolVector<Index> lengths;
+  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+template <Backend B>
+Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
+  if (first == 0 && last == x.count()) return x;
+  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
+}
+
+/// The rows f(first, last) of sequences first ... last-1, a few of them at a time: what one layer writes is still in the cache when
+/// the next reads it. f treats each sequence on its own, so the numbers are those of all at once. Where gradients are kept or dropout
+/// counts rows it is called for all at once.
+template <Backend B, class F>
+Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
+  const Index at_once = 256 * thread_count(), count = offsets.count();
+  if (AutodiffBackend<B> || context.dropout || offsets.rows() <= at_once) return f(Index{0}, count);
+  std::vector<Tensor<B, 2>> parts;
+  for (Index first = 0, last = 0; first < count; first = last) {
+    do ++last;
+    while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
+    parts.push_back(f(first, last));
+  }
+  return concat(std::span<const Tensor<B, 2>>(parts), 0);
+}
+
 /// A post-norm layer for rows that attend to `x` and are not attended to: tokens behind the last layer, padding.
 template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
@@ -96,13 +127,22 @@ Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Seq
 template <Backend B>
 Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences<B>& sequence, Index n,
                            double dropout_p, const Context& context = {}) {
-  auto x = sequence.with(dropout(sequence.rows, dropout_p, context));
-  for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
-    const ModuleScope scope("layers.", i);
-    if (i + 1 == encoder.layers.size()) return detail::layer_of_readers(encoder.layers[i], first_rows(x, n), x, context);
-    x.rows = encoder.layers[i](x.rows, x.offsets, context);
+  for (Index s = 0; s < sequence.count(); ++s) {
+    if (n > sequence.offsets.length(s))
+      raise<shape_error>(207, "encode_tokens: ", n, " of ", sequence.offsets.length(s), " rows of sequence ", s);
   }
-  return first_rows(x, n);
+  auto encode = [&](Index first, Index last) {
+    auto x = detail::some_sequences(sequence, first, last);
+    x.rows = dropout(x.rows, dropout_p, context);
+    for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
+      const ModuleScope scope("layers.", i);
+      if (i + 1 == encoder.layers.size())
+        return detail::layer_of_readers(encoder.layers[i], first_rows(x, n), x, context).rows;
+      x.rows = encoder.layers[i](x.rows, x.offsets, context);
+    }
+    return first_rows(x, n).rows;
+  };
+  return {detail::in_groups<B>(sequence.offsets, context, encode), Offsets::equal(sequence.count(), n)};
 }
 
 /// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.
@@ -122,6 +162,51 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
     for (Index i = 0; i < offsets.length(s); ++i) rows.push_back(i);
   }
   return {gather(positions, rows), offsets};
+}
+
+/// What a decoder makes of queries that are the same for all sequences of one length, read out by `final_layer`.
+///     queries(lengths)   the queries of sequences of these lengths
+/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each length.
+template <Backend B, class Queries>
+Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B>& final_layer, Queries queries,
+                            const Sequences<B>& memory, const Offsets& lengths, double dropout_p,
+                            const Context& context) {
+  if (context.dropout || decoder.layers.empty()) {
+    auto x = queries(lengths);
+    x.rows = dropout(x.rows, dropout_p, context);
+    return final_layer(decoder(x, memory, context));
+  }
+  if (memory.count() != lengths.count())
+    raise<shape_error>(207, "decoder: ", memory.count(), " memories for ", lengths.count(), " sequences");
+  const auto& layers = decoder.layers;
+  PoolVector<Index> distinct, kind;  // the lengths that occur, and which of them each sequence has
+  for (Index s = 0; s < lengths.count(); ++s) {
+    const Index k = std::find(distinct.begin(), distinct.end(), lengths.length(s)) - distinct.begin();
+    if (k == std::ssize(distinct)) distinct.push_back(lengths.length(s));
+    kind.push_back(k);
+  }
+  const auto each = queries(Offsets(std::span<const Index>(distinct)));
+  Tensor<B, 2> attended;
+  {
+    const ModuleScope scope("layers.", 0);
+    attended = layers.front().attend_self(each.rows, each.offsets);
+  }
+  auto decode = [&](Index first, Index last) {
+    const auto offsets = detail::some_sequences(lengths, first, last);
+    const auto some = detail::some_sequences(memory, first, last);
+    PoolVector<Index> pick;
+    for (Index s = first; s < last; ++s) {
+      const Index k = kind[static_cast<std::size_t>(s)];
+      for (Index row = each.offsets.begin(k); row < each.offsets.end(k); ++row) pick.push_back(row);
+    }
+    auto rows = gather(attended, pick);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      const ModuleScope scope("layers.", i);
+      rows = i == 0 ? layers[i].behind_self(rows, offsets, some) : layers[i](rows, offsets, some);
+    }
+    return final_layer(rows);
+  };
+  return {detail::in_groups<B>(lengths, context, decode), lengths};
 }
 
 /// From latents to sequences of any length (TEMOS, TMR, TEACH, SINC): the keys are theirs.
@@ -146,9 +231,8 @@ struct SequenceDecoder {
 
   /// One or several rows of memory for each sequence; `lengths` says how many frames each gets.
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
-    auto queries = position_queries(positions.rows(), lengths);
-    queries.rows = dropout(queries.rows, dropout_p, context);
-    return final_layer(seqTransDecoder(queries, memory, context));
+    auto queries = [&](const Offsets& of) { return position_queries(positions.rows(), of); };
+    return decode_lengths(seqTransDecoder, final_layer, queries, memory, lengths, dropout_p, context);
   }
   /// z (sequences, width)
   Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {

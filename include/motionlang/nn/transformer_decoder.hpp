@@ -2,6 +2,9 @@
 /// Transformer decoder over packed sequences, post-norm (MDM's trans_dec, ACTOR, TEMOS, TMR).
 #pragma once
 
+#include <algorithm>  // equal
+#include <vector>     // weights, layers
+
 #include <motionlang/nn/transformer_encoder.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -10,19 +13,38 @@ namespace detail {
 
 /// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that row. It is
 /// computed once for each sequence; weights of queries and keys play no role and get gradient 0. What dropout leaves is one weight for
-/// each query and head.
+/// each query and head: queries of one sequence that keep the same heads read the same, and each such reading is computed once.
 template <Backend B>
 Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,
                             const Context& context) {
-  const Index d = attention.in_proj_weight.size(1);
+  const Index d = attention.in_proj_weight.size(1), heads = attention.heads;
   const auto bias = slice(attention.in_proj_bias, 0, 2 * d, 3 * d);
   const auto value = linear(memory, slice(attention.in_proj_weight, 0, 2 * d, 3 * d), &bias);
   const Dropout drop = next_dropout(attention.dropout_p, context);
   if (drop.p == 0) return repeat_for_rows(attention.out_proj(value), offsets);
-  const Index parts = offsets.rows() * attention.heads;
-  const auto weights = dropout(Tensor<B, 2>::full({parts, 1}, 1), drop);
-  const auto heads = reshape<2>(repeat_for_rows(value, offsets), {parts, d / attention.heads});
-  return attention.out_proj(reshape<2>(heads * weights, {offsets.rows(), d}));
+  using S = typename B::scalar;
+  std::vector<S> weights;                      // of the heads, for each reading
+  PoolVector<Index> sequence, reading_of_row;  // sequence: of each reading
+  for (Index s = 0; s < offsets.count(); ++s) {
+    const auto first = static_cast<Index>(sequence.size());
+    for (Index row = offsets.begin(s); row < offsets.end(s); ++row) {
+      for (Index h = 0; h < heads; ++h)
+        weights.push_back(static_cast<S>(drop.factor(static_cast<std::uint64_t>(row * heads + h))));
+      const auto known = static_cast<Index>(sequence.size());
+      const auto mine = weights.begin() + known * heads;
+      Index same = first;
+      while (same < known && !std::equal(mine, weights.end(), weights.begin() + same * heads)) ++same;
+      if (same == known)
+        sequence.push_back(s);
+      else
+        weights.erase(mine, weights.end());
+      reading_of_row.push_back(same);
+    }
+  }
+  const auto readings = static_cast<Index>(sequence.size());
+  const auto values = reshape<2>(gather(value, sequence), {readings * heads, d / heads});
+  const auto kept = values * Tensor<B, 2>::from(weights, {readings * heads, 1});
+  return gather(attention.out_proj(reshape<2>(kept, {readings, d})), reading_of_row);
 }
 
 }  // namespace detail
@@ -57,7 +79,12 @@ struct TransformerDecoderLayer {
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                           const Context& context = {}) const {
-    const auto z = attend_memory(attend_self(x, offsets, context), offsets, memory, context);
+    return behind_self(attend_self(x, offsets, context), offsets, memory, context);
+  }
+  /// The layer without its first third, whose result is x.
+  Tensor<B, 2> behind_self(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
+                           const Context& context = {}) const {
+    const auto z = attend_memory(x, offsets, memory, context);
     auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
     return norm3(drop(linear2(drop(linear1(z, activation)))), z);
   }

@@ -60,9 +60,9 @@ struct ActorDecoder {
   /// Throws shape_error 203, 204.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           const Context& context = {}) const {
-    auto x = queries(lengths);
-    x.rows = dropout(x.rows, dropout_p, context);
-    return finallayer(seqTransDecoder(x, memory(z, labels), context));
+    return decode_lengths(
+        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory(z, labels), lengths,
+        dropout_p, context);
   }
 };
 

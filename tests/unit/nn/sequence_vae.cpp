@@ -83,6 +83,31 @@ TEST_CASE("a sequence has the same latent and the same frames alone and among ot
   CHECK_ERROR(decode(z, Offsets{1, 1}), "[motionlang.shape.207]");
 }
 
+TEST_CASE("many sequences go through the layers in groups, with the same bits") {
+  const auto encoder = stack<ml::TransformerEncoder<B>>();
+  const auto decode = decoder();
+  const Index count = 40 * ml::thread_count();  // of 11 rows on average: more than one group
+  std::vector<Index> frames;
+  for (Index i = 0; i < count; ++i) frames.push_back(6 + 5 * (i % 3));
+  const Offsets lengths(frames);
+  const ml::Sequences<B> x(normal<B, 2>({lengths.rows(), 8}, 20), lengths);
+  const auto z = normal<B, 2>({count, 8}, 21);
+  const auto tokens = ml::encode_tokens(encoder, x, 2, 0.1);
+  const auto y = decode(z, lengths);
+  CHECK(tokens.offsets == Offsets::equal(count, 2));
+  CHECK(y.offsets == lengths);
+  for (Index i = 0; i < count; ++i) {
+    const Offsets alone{lengths.length(i)};
+    CHECK(same_bits(ml::encode_tokens(encoder, ml::Sequences<B>(x[i], alone), 2, 0.1).rows, tokens[i]));
+    CHECK(same_bits(decode(ml::slice(z, 0, i, i + 1), alone).rows, y[i]));
+  }
+  // The stack itself knows nothing of groups or of queries that are equal.
+  const auto all = decode.seqTransDecoder(ml::position_queries(decode.positions.rows(), lengths),
+                                          ml::Sequences<B>(z, Offsets::equal(count, 1)));
+  CHECK(same_bits(decode.final_layer(all).rows, y.rows));
+  CHECK_ERROR(ml::encode_tokens(encoder, x, 7, 0.1), "[motionlang.shape.207]");
+}
+
 TEST_CASE("one row of memory: what attention gives, with its gradients") {
   ml::Philox rng{.seed = 8};
   const auto layer = ml::convert<A>(ml::MultiheadAttention<B>(8, 2, 0, rng));
@@ -125,6 +150,26 @@ TEST_CASE("dropout: only with a generator; with one row of memory it drops whole
   }
   CHECK(zeros > 300);
   CHECK(zeros < 500);
+
+  // Rows that keep the same heads are computed once: the same as row by row, gradients too.
+  const auto layer = ml::convert<A>(ml::MultiheadAttention<B>(8, 2, 0.5, rng));
+  const auto memory = normal<A, 2>({2, 8}, 14);
+  const Offsets offsets{9, 5};
+  const ml::Context context{.dropout = ml::Philox{.seed = 15}}, again{.dropout = ml::Philox{.seed = 15}};
+  const auto mask = ml::next_dropout(0.5, again);
+  std::vector<double> factors;
+  for (std::uint64_t i = 0; i < 28; ++i) factors.push_back(mask.factor(i));
+  const auto bias = ml::slice(layer.in_proj_bias, 0, 16, 24);
+  const auto value =
+      ml::repeat_for_rows(ml::linear(memory, ml::slice(layer.in_proj_weight, 0, 16, 24), &bias), offsets);
+  const auto by_row = layer.out_proj(
+      ml::reshape<2>(ml::reshape<2>(value, {28, 4}) * ml::Tensor<A, 2>::from(factors, {28, 1}), {14, 8}));
+  const auto once = ml::detail::attend_one_row(layer, memory, offsets, context);
+  CHECK(distance(once, by_row) < 1e-14);
+  const auto a = ml::backward(ml::sum(once * once)), b = ml::backward(ml::sum(by_row * by_row));
+  CHECK(distance(a[layer.in_proj_weight], b[layer.in_proj_weight]) < 1e-13);
+  CHECK(distance(a[layer.out_proj.weight], b[layer.out_proj.weight]) < 1e-13);
+  CHECK(distance(a[memory], b[memory]) < 1e-13);
 }
 
 TEST_CASE("the layers of a stack begin as copies, and are parameters of their own") {

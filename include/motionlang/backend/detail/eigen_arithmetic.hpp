@@ -5,6 +5,7 @@
 #include <motionlang/backend/detail/broadcast.hpp>
 #include <motionlang/backend/detail/eigen_class.hpp>
 #include <motionlang/backend/detail/kernels.hpp>
+#include <motionlang/core/parallel.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -18,15 +19,25 @@ Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
   if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
   const auto& [outer, inner, walk_a, walk_b] = *pattern;
   Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  const auto apply = kernels<S>().binary;
-  for (Index i = 0; i < outer && inner > 0; ++i) {
-    apply({.op = op,
-           .a = std::as_const(a).data() + (walk_a.outer ? i * (walk_a.inner ? inner : 1) : 0),
-           .b = std::as_const(b).data() + (walk_b.outer ? i * (walk_b.inner ? inner : 1) : 0),
-           .a_repeated = !walk_a.inner,
-           .b_repeated = !walk_b.inner,
-           .count = inner,
-           .y = out.data() + i * inner});
+  if (inner == 0) return out;
+  auto apply = [&, pattern = *pattern](Index i, Index first, Index last) {  // columns first ... last-1 of row i
+    auto at = [&](const Dense<S>& x, const BroadcastPattern::Operand& walk) {
+      return x.data() + (walk.outer ? i * (walk.inner ? pattern.inner : 1) : 0) + (walk.inner ? first : 0);
+    };
+    kernels<S>().binary({.op = op,
+                         .a = at(a, pattern.a),
+                         .b = at(b, pattern.b),
+                         .a_repeated = !pattern.a.inner,
+                         .b_repeated = !pattern.b.inner,
+                         .count = last - first,
+                         .y = out.data() + i * pattern.inner + first});
+  };
+  if (outer == 1) {
+    parallel_ranges(inner, 1, [&](Index first, Index last) { apply(0, first, last); });
+  } else {
+    parallel_ranges(outer, inner, [&, n = inner](Index first, Index last) {
+      for (Index i = first; i < last; ++i) apply(i, 0, n);
+    });
   }
   return out;
 }

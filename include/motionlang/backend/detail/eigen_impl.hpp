@@ -7,6 +7,7 @@
 
 #include <motionlang/backend/detail/eigen_class.hpp>
 #include <motionlang/backend/detail/kernels.hpp>
+#include <motionlang/core/parallel.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -99,8 +100,10 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
   const tensor la = DenseOps<S>::broadcast(a, s), lb = DenseOps<S>::broadcast(b, s);
   const tensor lx = DenseOps<S>::broadcast(x, s), ly = DenseOps<S>::broadcast(y, s);
   tensor out(s);
-  detail::eigen_map(out.data(), n) = (detail::eigen_map(la.data(), n) < detail::eigen_map(lb.data(), n))
-                                         .select(detail::eigen_map(lx.data(), n), detail::eigen_map(ly.data(), n));
+  parallel_ranges(n, 1, [&](Index first, Index last) {
+    auto piece = [&](const tensor& t) { return detail::eigen_map(t.data() + first, last - first); };
+    detail::eigen_map(out.data() + first, last - first) = (piece(la) < piece(lb)).select(piece(lx), piece(ly));
+  });
   return out;
 }
 template <Scalar S>

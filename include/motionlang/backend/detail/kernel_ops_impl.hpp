@@ -70,13 +70,6 @@ void run_gemm(const Gemm<S>& g) {
   });
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
-template <class F>
-void parallel_ranges(Index count, Index cost, F f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for(parts(count, grain), [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-}
-
 template <class S>
 Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offsets, Index width,
                                  const AttentionOptions& options) {
@@ -108,7 +101,8 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  run_gemm(
+      Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -197,14 +191,14 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
 template <Scalar S>
 Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act) {
   Dense<S> y(x.shape());
-  detail::parallel_ranges(
-      x.count(), 1, [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
+  parallel_ranges(x.count(), 1,
+                  [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
   return y;
 }
 template <Scalar S>
 Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act) {
   Dense<S> dx(x.shape());
-  detail::parallel_ranges(x.count(), 1, [&](Index a, Index b) {
+  parallel_ranges(x.count(), 1, [&](Index a, Index b) {
     detail::kernels<S>().activate_vjp(x.data() + a, dy.data() + a, b - a, act, dx.data() + a);
   });
   return dx;
@@ -214,8 +208,7 @@ template <Scalar S>
 Dense<S> KernelOps<S>::layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps) {
   Dense<S> y(x.shape());
   const auto t = detail::layer_norm_arguments(x, weight, bias.data(), eps, y.data());
-  detail::parallel_ranges(x.shape()[0], t.width,
-                          [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
+  parallel_ranges(x.shape()[0], t.width, [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
   return y;
 }
 template <Scalar S>
@@ -224,8 +217,7 @@ Dense<S> KernelOps<S>::add_layer_norm(const Dense<S>& x, const Dense<S>& residua
   Dense<S> y(x.shape());
   auto t = detail::layer_norm_arguments(x, weight, bias.data(), eps, y.data());
   t.residual = residual.data();
-  detail::parallel_ranges(x.shape()[0], t.width,
-                          [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
+  parallel_ranges(x.shape()[0], t.width, [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
   return y;
 }
 template <Scalar S>
@@ -234,7 +226,7 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   const Index rows = x.shape()[0];
   const auto t = detail::layer_norm_arguments<S>(x, weight, nullptr, eps, nullptr);
   Dense<S> dx(x.shape()), dweight(weight.shape()), dbias(weight.shape()), moments(Shape{rows, 2});
-  detail::parallel_ranges(rows, t.width, [&](Index a, Index b) {
+  parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
   const Index columns = std::max<Index>(64, detail::parts(t.width, thread_count()));
@@ -250,7 +242,7 @@ Dense<S> KernelOps<S>::softmax(const Dense<S>& x) {
   Dense<S> y(x.shape());
   const Index n = x.shape().back();
   const detail::Scratch<S> scratch(n + 64);
-  detail::parallel_ranges(x.shape()[0], n, [&](Index a, Index b) {
+  parallel_ranges(x.shape()[0], n, [&](Index a, Index b) {
     detail::kernels<S>().softmax_rows(x.data(), n, a, b, y.data(), scratch.mine());
   });
   return y;
@@ -258,8 +250,8 @@ Dense<S> KernelOps<S>::softmax(const Dense<S>& x) {
 template <Scalar S>
 Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
   Dense<S> y(x.shape());
-  detail::parallel_ranges(
-      x.count(), 1, [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
+  parallel_ranges(x.count(), 1,
+                  [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
   return y;
 }
 template <Scalar S>
@@ -280,7 +272,8 @@ Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Den
   const Index d = q.shape()[1];
   Dense<S> o(q.shape());
   auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
-  if (relative_scores != nullptr) t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
+  if (relative_scores != nullptr)
+    t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention(t, q_offsets, k_offsets);
@@ -340,7 +333,7 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
                                .eps = static_cast<S>(u.eps),
                                .decay = static_cast<S>(1 - u.lr * u.weight_decay),
                                .gradient_scale = static_cast<S>(u.gradient_scale)};
-  detail::parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
+  parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
