@@ -25,6 +25,30 @@ TEST_CASE("binary operations broadcast, and the larger rank wins") {
   CHECK_ERROR(ml::where_less(matrix, matrix, matrix, Tensor<2>::zeros({3, 2})), "[motionlang.shape.202] where_less");
 }
 
+TEST_CASE("arithmetic on many numbers, which several threads share") {
+  constexpr ml::Index rows = 301, width = 203;
+  Values m(rows * width), r(width), c(rows);
+  for (std::size_t i = 0; i < m.size(); ++i) m[i] = static_cast<double>(i % 1013) - 500;
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = static_cast<double>(i) + 0.25;
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] = 0.5 - static_cast<double>(i);
+  const auto matrix = Tensor<2>::from(m, {rows, width}), column = Tensor<2>::from(c, {rows, 1});
+  const auto row = Tensor<1>::from(r, {width});
+  Values expected[6];
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    const double of_row = r[i % width], of_column = c[i / width];
+    const double values[] = {m[i] - m[m.size() - 1 - i], m[i] * of_row,      of_column - m[i],
+                             3 / (m[i] + 0.5),           of_column + of_row, m[i] < of_row ? m[i] : of_column};
+    for (std::size_t k = 0; k < 6; ++k) expected[k].push_back(values[k]);
+  }
+  const auto turned = Tensor<2>::from(Values(m.rbegin(), m.rend()), {rows, width});
+  CHECK((matrix - turned).to_vector() == expected[0]);
+  CHECK((matrix * row).to_vector() == expected[1]);
+  CHECK((column - matrix).to_vector() == expected[2]);
+  CHECK((3.0 / (matrix + 0.5)).to_vector() == expected[3]);
+  CHECK((column + row).to_vector() == expected[4]);
+  CHECK(ml::where_less(matrix, ml::broadcast_to<2>(row, {rows, width}), matrix, column).to_vector() == expected[5]);
+}
+
 TEST_CASE("axes count from either end") {
   const auto t = Tensor<2>::from({1, 2, 3, 4, 5, 6}, {2, 3});
   CHECK(ml::sum(t, 0).to_vector() == Values{5, 7, 9});
