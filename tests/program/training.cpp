@@ -3,7 +3,9 @@
 
 #include <numeric>
 
+#include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/bvh.hpp>
+#include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/safetensors.hpp>
 
 #include "../support/synthetic_motion.hpp"
@@ -190,4 +192,50 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
   refused("train-actor", "--labels", "clip0\tsoon\t2\twalk", "wrong.tsv:2: 'soon' is not a time");
   refused("train-actor", "--labels", "clip0\t0\t2\twalk\tturn", "wrong.tsv:2: expected clip, start, end, label");
   refused("train-classifier", "--labels", "clip0\t1\t1.1\twalk", "wrong.tsv:2: clip0 1 to 1.1 s holds");
+}
+
+TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
+  const Clips clips;
+  auto train = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"train-tmr", "--preset", "small", "--out", "out", "--fresh"};
+    for (const char* a : {"optimiser.epochs=2", "optimiser.batch=2", "network.latent_dim=8", "network.ff_size=8",
+                          "network.num_layers=1", "network.num_heads=2", "text.width=8"})
+      arguments.insert(arguments.end(), {"--set", a});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments, clips.path);
+  };
+  const auto& features = ml::motion_features("guoh3d");
+  const std::string folder = (clips / "h3d").string();
+  for (const char* id : {"000000", "000001", "000002"}) {
+    const auto rows = features.from_motion(synthetic::walk({.frames = 61}));
+    ml::HumanMl3dClip clip{id, 60, {rows.begin(), rows.end()}, std::vector<float>(60 * 66), {}};
+    clip.captions.push_back({.text = std::string("a person walks ") + id, .words = {}, .start = 0, .end = 0});
+    ml::write_humanml3d_clip(folder, clip);
+  }
+  ml::write_ids(folder + "/train.txt", std::vector<std::string>{"000000", "000002"});
+  ml::write_ids(folder + "/test.txt", std::vector<std::string>{"000001"});
+  const auto h3d = train({"--data", "h3d"});
+  REQUIRE_MESSAGE(h3d.code == 0, h3d.text);
+  CHECK_MESSAGE(contains(h3d.text, "2 motions to train on, 0 for validation, 1 for tests; 0 left out"), h3d.text);
+  CHECK(contains(train({"--data", "h3d", "--set", "features=rifke"}).text,
+                 "holds features of HumanML3D, the configuration wants 'rifke'"));
+
+  ml::write_file(clips / "annotations.json", R"({
+    "00000": {"path": "clip0", "duration": 2, "annotations": [
+      {"seg_id": "00000_0", "text": "a person walks", "start": 0.0, "end": 1.5},
+      {"seg_id": "00000_1", "text": "a person starts", "start": 0.0, "end": 0.4}]},
+    "00001": {"path": "clip1", "duration": 2, "annotations": [
+      {"seg_id": "00001_0", "text": "a person turns", "start": 0.5, "end": 2.0}]},
+    "00002": {"path": "clip2", "duration": 2, "annotations": [
+      {"seg_id": "00002_0", "text": "a person walks", "start": 0.0, "end": 0.6}]}})");
+  std::filesystem::create_directories(clips / "splits");
+  ml::write_ids((clips / "splits/train.txt").string(), std::vector<std::string>{"00000", "00001"});
+  ml::write_ids((clips / "splits/test.txt").string(), std::vector<std::string>{"00002"});
+  const std::vector<std::string> annotated{"--data",   ".",      "--annotations", "annotations.json",
+                                           "--splits", "splits", "--set",         "data.min_seconds=1"};
+  const auto unified = train(annotated);
+  REQUIRE_MESSAGE(unified.code == 0, unified.text);
+  CHECK_MESSAGE(contains(unified.text, "2 motions to train on, 0 for validation, 1 for tests; 1 left out"),
+                unified.text);
+  CHECK_MESSAGE(contains(unified.text, "2 different texts"), unified.text);
 }
