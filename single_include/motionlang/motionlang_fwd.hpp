@@ -563,6 +563,31 @@ struct MotionDiffuseDenoiser;
 template <AutodiffBackend A>
 class AdamW;
 
+// autoencoders and their systems
+template <Backend B>
+struct LatentGaussian;
+template <Backend B>
+struct LossTerms;
+template <Backend B>
+struct Actor;
+struct ActorConfig;
+template <Backend B>
+struct StGcn;
+template <Backend B>
+struct GruClassifier;
+template <Backend B>
+struct Temos;
+struct TemosConfig;
+template <Backend B>
+struct Tmr;
+struct TmrConfig;
+template <Backend B>
+struct Teach;
+struct TeachConfig;
+template <Backend B>
+struct Sinc;
+struct SincConfig;
+
 // compose
 template <class T>
 struct BasicInterval;

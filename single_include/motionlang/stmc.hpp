@@ -2365,7 +2365,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second.
+//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
+//            block of C that the next 256 of k are added to stays in the second as well.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2373,6 +2374,7 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index panel_block = 8;
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
 template <class S>
@@ -2493,19 +2495,28 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
+  const Index pieces = (j1 - j0 + wide - 1) / wide;
   for (Index top = r0; top < r1; top += row_block) {
     const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
-    for (Index block = 0; block < blocks; ++block) {
+    for (Index piece = 0; piece < pieces * blocks; ++piece) {
+      const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
       if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) std::memcpy(scratch + k * rows, g.a + (k0 + k) * g.lda + top, static_cast<std::size_t>(rows) * sizeof(S));
+        for (Index k = 0; k < depth; ++k) {
+          const S* from = g.a + (k0 + k) * g.lda + top;
+          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
+            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+          }
+          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
+        }
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
       e.accumulate = block > 0;
-      for (Index j = j0; j < j1; ++j) {
+      for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
@@ -3144,7 +3155,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second.
+//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
+//            block of C that the next 256 of k are added to stays in the second as well.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3152,6 +3164,7 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index panel_block = 8;
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
 template <class S>
@@ -3272,19 +3285,28 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
+  const Index pieces = (j1 - j0 + wide - 1) / wide;
   for (Index top = r0; top < r1; top += row_block) {
     const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
-    for (Index block = 0; block < blocks; ++block) {
+    for (Index piece = 0; piece < pieces * blocks; ++piece) {
+      const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
       if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) std::memcpy(scratch + k * rows, g.a + (k0 + k) * g.lda + top, static_cast<std::size_t>(rows) * sizeof(S));
+        for (Index k = 0; k < depth; ++k) {
+          const S* from = g.a + (k0 + k) * g.lda + top;
+          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
+            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+          }
+          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
+        }
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
       e.accumulate = block > 0;
-      for (Index j = j0; j < j1; ++j) {
+      for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
@@ -3921,7 +3943,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second.
+//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
+//            block of C that the next 256 of k are added to stays in the second as well.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3929,6 +3952,7 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index panel_block = 8;
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
 template <class S>
@@ -4049,19 +4073,28 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
+  const Index pieces = (j1 - j0 + wide - 1) / wide;
   for (Index top = r0; top < r1; top += row_block) {
     const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
-    for (Index block = 0; block < blocks; ++block) {
+    for (Index piece = 0; piece < pieces * blocks; ++piece) {
+      const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
       if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) std::memcpy(scratch + k * rows, g.a + (k0 + k) * g.lda + top, static_cast<std::size_t>(rows) * sizeof(S));
+        for (Index k = 0; k < depth; ++k) {
+          const S* from = g.a + (k0 + k) * g.lda + top;
+          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
+            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+          }
+          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
+        }
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
       Epilogue<S> e;
       e.accumulate = block > 0;
-      for (Index j = j0; j < j1; ++j) {
+      for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
@@ -4703,6 +4736,13 @@ void parallel_for(Index count, const F& f) {
       count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
 }
 
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -4768,13 +4808,6 @@ void run_gemm(const Gemm<S>& g) {
   });
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
-template <class F>
-void parallel_ranges(Index count, Index cost, F f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for(parts(count, grain), [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-}
-
 template <class S>
 Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offsets, Index width,
                                  const AttentionOptions& options) {
@@ -4806,7 +4839,8 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  run_gemm(
+      Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -4895,14 +4929,14 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
 template <Scalar S>
 Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act) {
   Dense<S> y(x.shape());
-  detail::parallel_ranges(
-      x.count(), 1, [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
+  parallel_ranges(x.count(), 1,
+                  [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
   return y;
 }
 template <Scalar S>
 Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act) {
   Dense<S> dx(x.shape());
-  detail::parallel_ranges(x.count(), 1, [&](Index a, Index b) {
+  parallel_ranges(x.count(), 1, [&](Index a, Index b) {
     detail::kernels<S>().activate_vjp(x.data() + a, dy.data() + a, b - a, act, dx.data() + a);
   });
   return dx;
@@ -4912,8 +4946,7 @@ template <Scalar S>
 Dense<S> KernelOps<S>::layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps) {
   Dense<S> y(x.shape());
   const auto t = detail::layer_norm_arguments(x, weight, bias.data(), eps, y.data());
-  detail::parallel_ranges(x.shape()[0], t.width,
-                          [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
+  parallel_ranges(x.shape()[0], t.width, [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
   return y;
 }
 template <Scalar S>
@@ -4922,8 +4955,7 @@ Dense<S> KernelOps<S>::add_layer_norm(const Dense<S>& x, const Dense<S>& residua
   Dense<S> y(x.shape());
   auto t = detail::layer_norm_arguments(x, weight, bias.data(), eps, y.data());
   t.residual = residual.data();
-  detail::parallel_ranges(x.shape()[0], t.width,
-                          [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
+  parallel_ranges(x.shape()[0], t.width, [&](Index a, Index b) { detail::kernels<S>().layer_norm_rows(t, a, b); });
   return y;
 }
 template <Scalar S>
@@ -4932,7 +4964,7 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   const Index rows = x.shape()[0];
   const auto t = detail::layer_norm_arguments<S>(x, weight, nullptr, eps, nullptr);
   Dense<S> dx(x.shape()), dweight(weight.shape()), dbias(weight.shape()), moments(Shape{rows, 2});
-  detail::parallel_ranges(rows, t.width, [&](Index a, Index b) {
+  parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
   const Index columns = std::max<Index>(64, detail::parts(t.width, thread_count()));
@@ -4948,7 +4980,7 @@ Dense<S> KernelOps<S>::softmax(const Dense<S>& x) {
   Dense<S> y(x.shape());
   const Index n = x.shape().back();
   const detail::Scratch<S> scratch(n + 64);
-  detail::parallel_ranges(x.shape()[0], n, [&](Index a, Index b) {
+  parallel_ranges(x.shape()[0], n, [&](Index a, Index b) {
     detail::kernels<S>().softmax_rows(x.data(), n, a, b, y.data(), scratch.mine());
   });
   return y;
@@ -4956,8 +4988,8 @@ Dense<S> KernelOps<S>::softmax(const Dense<S>& x) {
 template <Scalar S>
 Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
   Dense<S> y(x.shape());
-  detail::parallel_ranges(
-      x.count(), 1, [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
+  parallel_ranges(x.count(), 1,
+                  [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
   return y;
 }
 template <Scalar S>
@@ -4978,7 +5010,8 @@ Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Den
   const Index d = q.shape()[1];
   Dense<S> o(q.shape());
   auto t = detail::attention_arguments<S>(q_offsets, k_offsets, d, options);
-  if (relative_scores != nullptr) t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
+  if (relative_scores != nullptr)
+    t.relative_scores = relative_scores->data(), t.reach = relative_scores->shape()[1] / 2;
   t.q = q.data(), t.k = k.data(), t.v = v.data(), t.o = o.data();
   t.q_stride = t.k_stride = t.v_stride = t.o_stride = d;
   detail::run_attention(t, q_offsets, k_offsets);
@@ -5038,7 +5071,7 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
                                .eps = static_cast<S>(u.eps),
                                .decay = static_cast<S>(1 - u.lr * u.weight_decay),
                                .gradient_scale = static_cast<S>(u.gradient_scale)};
-  detail::parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
+  parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5136,15 +5169,25 @@ Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
   if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
   const auto& [outer, inner, walk_a, walk_b] = *pattern;
   Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  const auto apply = kernels<S>().binary;
-  for (Index i = 0; i < outer && inner > 0; ++i) {
-    apply({.op = op,
-           .a = std::as_const(a).data() + (walk_a.outer ? i * (walk_a.inner ? inner : 1) : 0),
-           .b = std::as_const(b).data() + (walk_b.outer ? i * (walk_b.inner ? inner : 1) : 0),
-           .a_repeated = !walk_a.inner,
-           .b_repeated = !walk_b.inner,
-           .count = inner,
-           .y = out.data() + i * inner});
+  if (inner == 0) return out;
+  auto apply = [&, pattern = *pattern](Index i, Index first, Index last) {  // columns first ... last-1 of row i
+    auto at = [&](const Dense<S>& x, const BroadcastPattern::Operand& walk) {
+      return x.data() + (walk.outer ? i * (walk.inner ? pattern.inner : 1) : 0) + (walk.inner ? first : 0);
+    };
+    kernels<S>().binary({.op = op,
+                         .a = at(a, pattern.a),
+                         .b = at(b, pattern.b),
+                         .a_repeated = !pattern.a.inner,
+                         .b_repeated = !pattern.b.inner,
+                         .count = last - first,
+                         .y = out.data() + i * pattern.inner + first});
+  };
+  if (outer == 1) {
+    parallel_ranges(inner, 1, [&](Index first, Index last) { apply(0, first, last); });
+  } else {
+    parallel_ranges(outer, inner, [&, n = inner](Index first, Index last) {
+      for (Index i = first; i < last; ++i) apply(i, 0, n);
+    });
   }
   return out;
 }
@@ -5415,6 +5458,13 @@ inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {
   return std::array{legs,     legs,      legs,     spine,     legs,     legs,      spine,     legs,
                     legs,     spine,     legs,     legs,      head,     left_arm,  right_arm, head,
                     left_arm, right_arm, left_arm, right_arm, left_arm, right_arm, left_arm,  right_arm};
+}();
+
+/// Part of each joint of KIT-ML (21, Master Motor Map): the neck belongs to the head, as in SMPL.
+inline constexpr std::array<BodyPart, 21> kit_part_of_joint = [] {
+  using enum BodyPart;
+  return std::array{legs,      spine,     spine,     head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
+                    legs,      legs,      legs,      legs, legs, legs,     legs,     legs,     legs,      legs};
 }();
 
 /// Partner of each SMPL joint under reflection in the sagittal plane.
@@ -5835,7 +5885,8 @@ struct Context {
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here.
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where the fields of
+/// a member have no level of their own (the statistics of a BatchNorm).
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -5873,7 +5924,7 @@ inline constexpr bool is_optional<std::optional<T>> = true;
 
 inline std::string join_path(const std::string& prefix, std::string_view name) {
   std::string path = prefix;
-  if (!path.empty()) path += '.';
+  if (!path.empty() && !name.empty()) path += '.';
   return path += name;
 }
 
@@ -6372,6 +6423,24 @@ concept Denoiser = Module<D> &&
   { d.traits() } -> std::same_as<DenoiserTraits>;
 };
 
+/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
+///     d(x, t, d.encode(text)) == d(x, t, text)
+/// Models   MotionDiffuseDenoiser, AnyDenoiser
+template <class D, class B>
+concept EncodesText = Denoiser<D, B> &&
+    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
+  { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
+};
+
+/// The texts as they are passed to a denoiser at every step.
+template <Backend B, Denoiser<B> D>
+auto encoded_text(const D& denoiser, TextFeatures<B> text) {
+  if constexpr (EncodesText<D, B>)
+    return denoiser.encode(text);
+  else
+    return text;
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -6435,6 +6504,19 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
     for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
   }
   return x.with(gather(table, rows) + x.rows);
+}
+
+/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence has one row: 0
+/// instead of a division by 0.
+template <Backend B>
+Tensor<B, 2> relative_time(const Offsets& offsets) {
+  std::vector<typename B::scalar> time;
+  for (Index s = 0; s < offsets.count(); ++s) {
+    const auto last = static_cast<double>(std::max<Index>(1, offsets.length(s) - 1));
+    for (Index t = 0; t < offsets.length(s); ++t)
+      time.push_back(static_cast<typename B::scalar>(static_cast<double>(t) / last));
+  }
+  return Tensor<B, 2>::from(time, {offsets.rows(), 1});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -6517,6 +6599,12 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   Tensor<B, R> t = Tensor<B, R>::from(values, shape);
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
+}
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if there is one.
+template <Backend B, int R>
+Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
+  const Index kernel = shape.count(2, shape.rank());
+  return normal_init<B, R>(shape, std::sqrt(2.0 / static_cast<double>((shape[0] + shape[1]) * kernel)), rng);
 }
 template <Backend B, int R>
 Tensor<B, R> constant_init(const Shape& shape, double value) {
@@ -6678,6 +6766,21 @@ struct Linear {
     const Tensor<B, 2> rows(B::reshape(x.data(), Shape{s.count(0, R - 1), s[R - 1]}));
     return Tensor<B, R>(B::reshape((*this)(rows, act).data(), to));
   }
+};
+
+/// Linear layer without bias: y = x W^T.
+template <Backend B>
+struct LinearMap {
+  Tensor<B, 2> weight;  // (out, in)
+
+  static constexpr auto fields() { return motionlang::fields("weight", &LinearMap::weight); }
+
+  LinearMap() = default;
+  /// Initialised like the weight of Linear.
+  LinearMap(Index in, Index out, Rng auto& rng)
+      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -7797,6 +7900,18 @@ struct Embedding {
   /// ids -> (ids, width). Throws shape_error 203 for an unknown symbol.
   Tensor<B, 2> operator()(std::span<const Index> ids) const { return gather(weight, ids); }
 };
+
+/// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
+template <Backend B>
+Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
+  std::vector<typename B::scalar> rows(labels.size() * static_cast<std::size_t>(classes));
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] < 0 || labels[i] >= classes)
+      raise<shape_error>(203, "one_hot: label ", labels[i], " of ", classes, " classes");
+    rows[i * static_cast<std::size_t>(classes) + static_cast<std::size_t>(labels[i])] = 1;
+  }
+  return Tensor<B, 2>::from(rows, {std::ssize(labels), classes});
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -9213,10 +9328,13 @@ template <AutodiffBackend A, int R>
 Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
   return Tensor<typename A::inner, R>(A::value(t.data()));
 }
-/// The same value as a constant: gradients stop here.
-template <AutodiffBackend A, int R>
-Tensor<A, R> stop_gradient(const Tensor<A, R>& t) {
-  return Tensor<A, R>(typename A::tensor{A::value(t.data()), nullptr});
+/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+template <Backend B, int R>
+Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
+  if constexpr (AutodiffBackend<B>)
+    return Tensor<B, R>(typename B::tensor{B::value(t.data()), nullptr});
+  else
+    return t;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -9283,17 +9401,33 @@ struct TensorLoader {
   }
 };
 
+/// Whether the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+template <class M>
+bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
+  if constexpr (requires { module.copy_of(t.name); }) {
+    const std::string path = module.copy_of(t.name.substr(prefix.size()));
+    const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
+    if (original == nullptr) return false;
+    if (values_of<double>(*original) != values_of<double>(t))
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but is another");
+    return true;
+  }
+  return false;
+}
+
 }  // namespace detail
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match; throws io_error 407 for a tensor of another shape.
+/// Returns what did not match; throws io_error 407 for a tensor of another shape. A module may say (`copy_of`) which further names repeat
+/// a tensor of its own; io_error 407 if such a tensor is another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
   KeyReport report;
   std::set<std::string> known;
   visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
   for (const TensorView& t : file.tensors()) {
-    if (t.name.starts_with(prefix) && !known.contains(t.name)) report.unexpected.push_back(t.name);
+    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
   }
   return report;
 }
@@ -9320,7 +9454,8 @@ class TensorStore {
       case DType::F16:
         for (std::size_t i = 0; i < values.size(); ++i) {
           if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
-            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for F16");
+            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i],
+                                 ", too large for F16");
         }
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
@@ -10075,7 +10210,7 @@ class Collage {
         {concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
         text.end_position};
     all.end_position.insert(all.end_position.end(), null.end_position.begin(), null.end_position.end());
-    batch_text_ = gather(all, which);
+    batch_text_ = encoded_text<B>(*denoiser_, gather(all, which));
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {
     std::vector<Index> lengths;
@@ -10092,7 +10227,7 @@ class Collage {
   Stitcher<B> stitch_;
   std::vector<Index> batch_rows_, base_;  // base_: for every row of the crops, where its unconditional result is
   Offsets batch_offsets_;
-  TextFeatures<B> batch_text_;
+  decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
 };
 
 /// The whole reverse process. noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
