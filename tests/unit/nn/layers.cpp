@@ -120,7 +120,7 @@ TEST_CASE("a GRU with closed gates keeps its state, and one with open gates forg
   CHECK(distance(forgets[1], h0) > 0.1);
   const auto other = layer(x, h0 * 0.0);
   CHECK(distance(forgets.front(), other.front()) > 1e-3);  // r lets the old state into the candidate
-  CHECK(layer({}, h0).empty());
+  CHECK(layer(std::vector<Matrix>{}, h0).empty());
   CHECK(ml::gru_key("gru.layers.2.weight_ih") == "gru.weight_ih_l2");
   CHECK(ml::gru_key("embed_text.weight") == "embed_text.weight");
 }
