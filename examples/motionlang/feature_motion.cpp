@@ -33,6 +33,18 @@ ml::Motion motion_of_features(const std::string& layout, const std::vector<doubl
   return ml::motion_from_array(ml::NpyArray::of(std::span<const double>(rows), {frames, width}), {.fps = fps});
 }
 
+std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
+                                       ml::Progress progress) const {
+  require_no_noise(settings);
+  const auto noise = ml::Philox{.seed = settings.seed}.split("noise");
+  std::vector<ml::Motion> motions;
+  for (std::size_t m = 0; m < timelines.size(); ++m) {
+    motions.push_back(finished(motion(timelines[m], noise.split(m)), settings));
+    progress(static_cast<ml::Index>(m) + 1, static_cast<ml::Index>(timelines.size()));
+  }
+  return motions;
+}
+
 ml::Motion finished(ml::Motion motion, const GenerationSettings& settings) {
   if (settings.smooth) motion = ml::smooth_motion(motion);
   const bool on_smpl = motion.skeleton.names == ml::smpl24_skeleton().names;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 #include "generation.hpp"
@@ -16,6 +17,16 @@ namespace program {
 ///           rifke (64): the same skeleton; smplvelp (135): rotations of SMPL
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
+
+/// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.
+class EachAlone : public Generator {
+ public:
+  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
+                              ml::Progress progress) const final;
+
+ private:
+  virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const = 0;
+};
 
 /// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's skeleton.
 ml::Motion finished(ml::Motion motion, const GenerationSettings& settings);

@@ -15,37 +15,25 @@ namespace {
 using B = ml::EigenBackend<float>;
 using ml::Index;
 
-/// The noise of each motion depends on the seed and on its place.
-ml::Philox noise_of(const GenerationSettings& s, std::size_t motion) {
-  return ml::Philox{.seed = s.seed}.split("noise").split(motion);
-}
-
-class TeachGenerator final : public Generator {
+class TeachGenerator final : public EachAlone {
  public:
   explicit TeachGenerator(ml::TeachRun<B> run) : run_(std::move(run)) {}
 
-  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
-                              ml::Progress progress) const override {
-    require_no_noise(s);
-    std::vector<ml::Motion> motions;
-    for (std::size_t m = 0; m < timelines.size(); ++m) {
-      std::vector<std::string> texts;
-      std::vector<Index> lengths;
-      for (const ml::Interval& i : in_order(timelines[m])) {
-        texts.push_back(i.text);
-        lengths.push_back(i.end - i.start);
-      }
-      const auto states = run_.text_encoder.encode<B>(std::span<const std::string>(texts)).tokens;
-      const auto parts = ml::actions_to_motion(run_.model, states, ml::Offsets(lengths), noise_of(s, m));
-      const auto motion = ml::teach_motion(run_.normalizer, parts, ml::teach_window);
-      motions.push_back(finished(ml::motion_of_smplvelp(motion, run_.fps), s));
-      progress(static_cast<Index>(m) + 1, static_cast<Index>(timelines.size()));
-    }
-    return motions;
-  }
   double fps() const override { return run_.fps; }
 
  private:
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const override {
+    std::vector<std::string> texts;
+    std::vector<Index> lengths;
+    for (const ml::Interval& i : in_order(timeline)) {
+      texts.push_back(i.text);
+      lengths.push_back(i.end - i.start);
+    }
+    const auto states = run_.text_encoder.encode<B>(std::span<const std::string>(texts)).tokens;
+    const auto parts = ml::actions_to_motion(run_.model, states, ml::Offsets(lengths), noise);
+    return ml::motion_of_smplvelp(ml::teach_motion(run_.normalizer, parts, ml::teach_window), run_.fps);
+  }
+
   /// Throws timeline_error 509 for texts at the same time.
   static std::vector<ml::Interval> in_order(const ml::Timeline& timeline) {
     std::vector<ml::Interval> out = timeline.intervals;
@@ -61,28 +49,22 @@ class TeachGenerator final : public Generator {
   ml::TeachRun<B> run_;
 };
 
-class SincGenerator final : public Generator {
+class SincGenerator final : public EachAlone {
  public:
   explicit SincGenerator(ml::SincRun<B> run) : run_(std::move(run)) {}
 
-  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
-                              ml::Progress progress) const override {
-    require_no_noise(s);
-    std::vector<ml::Motion> motions;
-    for (std::size_t m = 0; m < timelines.size(); ++m) {
-      std::vector<std::string> labels;
-      for (const ml::Interval& i : timelines[m].intervals) labels.push_back(i.text);
-      const std::string sentence = ml::join_labels(labels, ml::Conjunction::same_time);
-      const auto states = run_.text_encoder.encode<B>(std::span(&sentence, 1)).tokens;
-      const auto x = ml::text_to_motion(run_.model, states, ml::Offsets{timelines[m].end()}, noise_of(s, m));
-      motions.push_back(finished(ml::motion_of_smplvelp(ml::sinc_motion(run_.normalizer, x.front().rows), run_.fps), s));
-      progress(static_cast<Index>(m) + 1, static_cast<Index>(timelines.size()));
-    }
-    return motions;
-  }
   double fps() const override { return run_.fps; }
 
  private:
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const override {
+    std::vector<std::string> labels;
+    for (const ml::Interval& i : timeline.intervals) labels.push_back(i.text);
+    const std::string sentence = ml::join_labels(labels, ml::Conjunction::same_time);
+    const auto states = run_.text_encoder.encode<B>(std::span(&sentence, 1)).tokens;
+    const auto x = ml::text_to_motion(run_.model, states, ml::Offsets{timeline.end()}, noise);
+    return ml::motion_of_smplvelp(ml::sinc_motion(run_.normalizer, x.front().rows), run_.fps);
+  }
+
   ml::SincRun<B> run_;
 };
 

@@ -13,28 +13,18 @@ namespace {
 
 using B = ml::EigenBackend<float>;
 
-class ActorGenerator final : public Generator {
+class ActorGenerator final : public EachAlone {
  public:
   explicit ActorGenerator(ml::ActorRun<B> run) : run_(std::move(run)) {}
 
-  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
-                              ml::Progress progress) const override {
-    require_no_noise(s);
-    std::vector<ml::Motion> motions;
-    const ml::Philox rng{.seed = s.seed};
-    for (std::size_t m = 0; m < timelines.size(); ++m) {
-      const ml::Interval& wanted = only_text(timelines[m]);
-      const ml::Index action = action_of(wanted.text), frames = wanted.end - wanted.start;
-      auto noise = rng.split("noise").split(m);
-      const auto x = ml::generate(run_.model, std::span(&action, 1), std::span(&frames, 1), noise);
-      motions.push_back(finished(motion_of(x.rows.span()), s));
-      progress(static_cast<ml::Index>(m) + 1, static_cast<ml::Index>(timelines.size()));
-    }
-    return motions;
-  }
   double fps() const override { return 20; }  // the viewer's, of the repository; data have none
 
  private:
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const override {
+    const ml::Interval& wanted = only_text(timeline);
+    const ml::Index action = action_of(wanted.text), frames = wanted.end - wanted.start;
+    return motion_of(ml::generate(run_.model, std::span(&action, 1), std::span(&frames, 1), noise).rows.span());
+  }
   /// Throws config_error 103 for what is no class.
   ml::Index action_of(const std::string& text) const {
     const ml::Index classes = run_.model.config.num_classes;
@@ -72,29 +62,22 @@ class ActorGenerator final : public Generator {
   ml::ActorRun<B> run_;
 };
 
-class TemosGenerator final : public Generator {
+class TemosGenerator final : public EachAlone {
  public:
   explicit TemosGenerator(ml::TemosRun<B> run) : run_(std::move(run)) {}
 
-  std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
-                              ml::Progress progress) const override {
-    require_no_noise(s);
-    std::vector<ml::Motion> motions;
-    const ml::Philox rng{.seed = s.seed};
-    for (std::size_t m = 0; m < timelines.size(); ++m) {
-      const ml::Interval& wanted = only_text(timelines[m]);
-      const auto tokens = run_.text_encoder.encode<B>(std::span(&wanted.text, 1)).tokens;
-      const auto x = ml::text_to_motion(run_.model, tokens, ml::Offsets{wanted.end - wanted.start}, rng.split("noise").split(m));
-      const auto rows = run_.normalizer.denormalize(x.front().rows);
-      const std::vector<double> numbers(rows.span().begin(), rows.span().end());
-      motions.push_back(finished(motion_of_features(run_.width() == 64 ? "rifke" : "smplvelp", numbers, run_.width(), run_.fps), s));
-      progress(static_cast<ml::Index>(m) + 1, static_cast<ml::Index>(timelines.size()));
-    }
-    return motions;
-  }
   double fps() const override { return run_.fps; }
 
  private:
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const override {
+    const ml::Interval& wanted = only_text(timeline);
+    const auto tokens = run_.text_encoder.encode<B>(std::span(&wanted.text, 1)).tokens;
+    const auto x = ml::text_to_motion(run_.model, tokens, ml::Offsets{wanted.end - wanted.start}, noise);
+    const auto rows = run_.normalizer.denormalize(x.front().rows);
+    const std::vector<double> numbers(rows.span().begin(), rows.span().end());
+    return motion_of_features(run_.width() == 64 ? "rifke" : "smplvelp", numbers, run_.width(), run_.fps);
+  }
+
   ml::TemosRun<B> run_;
 };
 
