@@ -21,14 +21,14 @@ need() {
     echo "apt-get failed, see ${TMPDIR:-/tmp}/motionlang-packages.log; going on without"
 }
 
-# build PRESET TARGET...: configures and compiles, quietly but with progress.
+# build PRESET TARGET...: configures (with $options, if set) and compiles, quietly but with progress.
 build() {
   preset=$1
   shift
   command -v cmake >/dev/null || { echo "cmake (3.24 or newer) is needed: https://cmake.org/download"; exit 1; }
   generator=Ninja
   command -v ninja >/dev/null || generator="Unix Makefiles"
-  cmake --preset "$preset" -G "$generator" >"${TMPDIR:-/tmp}/motionlang-configure.log" 2>&1 ||
+  cmake --preset "$preset" -G "$generator" ${options:-} >"${TMPDIR:-/tmp}/motionlang-configure.log" 2>&1 ||
     { cat "${TMPDIR:-/tmp}/motionlang-configure.log"; exit 1; }
   cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"}
 }

@@ -30,11 +30,13 @@ int main(int argc, char** argv) {
   program::add_check(app);
   program::add_info(app);
   program::add_train(app);
+#ifdef MOTIONLANG_TRAINING
   program::add_train_tmr(app);
   program::add_train_temos(app);
   program::add_train_actor(app);
   program::add_train_classifier(app);
   program::add_evaluate(app);
+#endif
   program::add_judge(app);
   program::add_convert(app);
   program::add_doctor(app);
