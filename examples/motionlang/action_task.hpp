@@ -6,65 +6,31 @@
 #include <motionlang/metrics/accuracy.hpp>
 
 #include "actor_model.hpp"
-#include "trainer.hpp"
+#include "epoch_task.hpp"
 
 namespace program {
 
 /// What both have in common. `Config` has clips, optimiser, validation and data.
 template <class Config, ml::Module Tape, ml::Module Plain>
-class ActionTask {
+class ActionTask : public EpochTask<Config, Tape, Plain> {
  public:
-  using B = TrainingBackend;
-  using A = TrainingTape;
+  using Base = EpochTask<Config, Tape, Plain>;
+  using typename Base::A, typename Base::B;
+  using Base::seed;
 
-  std::uint64_t seed() const { return config_.optimiser.seed; }
-  ml::Index steps() const { return config_.optimiser.epochs * batches_.per_epoch(); }
-  void update(const ml::Gradients<A>& gradients, ml::Index step) {
-    learner_.update(gradients, config_.optimiser.rate(step, steps()), step);
-  }
-  ValidationPlan validation() const {
-    const auto& v = config_.validation;
-    if (data_->validation.empty()) return {};
-    return {.every = v.every * batches_.per_epoch(), .patience = v.patience, .keep_best = v.keep_best};
-  }
-  void keep_best() { learner_.best = learner_.average; }
-  void add_to(ml::TensorStore& store) const { learner_.add_to(store); }
-  void load(const ml::SafetensorsFile& file, ml::Index steps_done) { learner_.load(file, steps_done); }
   std::map<std::string, std::string> settings() const {
-    std::map<std::string, std::string> out{{"model", system_ + " training"},
-                                           {"data.motions", std::to_string(data_->training.size())}};
+    auto out = Base::settings();
     for (const std::string& l : labels_) out["labels"] += l + "\n";
-    for (const auto& [name, value] : config_texts(config_)) {
-      if (name == "optimiser.epochs" || name.starts_with("validation.")) continue;
-      const bool free = name.starts_with("optimiser.") || name.starts_with("losses.");
-      out[free ? "training." + name : name] = value;
-    }
     return out;
-  }
-  const Plain& result() {
-    learner_.follow();
-    return learner_.best ? *learner_.best : learner_.average;
   }
   ActionModelFile<Config> file() const { return {config_, labels_}; }
 
  protected:
   ActionTask(std::string system, Config config, const DescribedMotions& data, std::vector<std::string> labels)
-      : system_(std::move(system)),
-        config_(std::move(config)),
-        data_(&data),
+      : Base(std::move(system), std::move(config), data),
         labels_(std::move(labels)),
         classes_(classes_of(data.training, labels_)),
-        validation_classes_(classes_of(data.validation, labels_)),
-        batches_(std::ssize(data.training), config_.optimiser.batch) {
-    config_.optimiser.rate(0, steps());
-  }
-  void begin(Plain model) {
-    learner_.average = std::move(model);
-    ml::detail::convert_module(learner_.model, learner_.average);
-    learner_.adam.config = config_.optimiser.adamw();
-    learner_.ema = config_.optimiser.ema;
-    learner_.clip_norm = config_.optimiser.clip_norm;
-  }
+        validation_classes_(classes_of(data.validation, labels_)) {}
   ActionBatch<A> batch(const ml::Philox& rng, ml::Index step) const {
     return action_batch<A>(data_->training, classes_, batches_(step, seed()), config_.clips, rng.split("windows"));
   }
@@ -85,13 +51,9 @@ class ActionTask {
     return total / static_cast<double>(data_->validation.size());
   }
 
-  std::string system_;
-  Config config_;
-  const DescribedMotions* data_;
+  using Base::batches_, Base::config_, Base::data_, Base::learner_;
   std::vector<std::string> labels_;
   std::vector<ml::Index> classes_, validation_classes_;
-  EpochBatches batches_;
-  Learner<Tape, Plain> learner_;
 };
 
 class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>, ml::Actor<TrainingBackend>> {

@@ -81,7 +81,7 @@ inline TextMotionConfig small_text_motion() {
   return c;
 }
 
-/// "tmr-published": spec tmr.md 2, 6; "tmr-small": minutes on a laptop, without a language model. Throws config_error 103.
+/// "tmr-published": spec tmr.md 2, 6; "small": minutes on a laptop, without a language model. Throws config_error 103.
 inline TextMotionConfig tmr_preset(const std::string& name) {
   TextMotionConfig c;
   if (name == "small") {

@@ -7,8 +7,8 @@
 #include <motionlang/features/statistics.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 
+#include "epoch_task.hpp"
 #include "text_motion_model.hpp"
-#include "trainer.hpp"
 
 namespace program {
 
@@ -86,22 +86,18 @@ LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vecto
 }
 
 template <template <class> class System>
-class TextMotionTask {
+class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<TrainingTape, System>,
+                                        TextMotionModel<TrainingBackend, System>> {
  public:
-  using B = TrainingBackend;
-  using A = TrainingTape;
+  using Base = EpochTask<TextMotionConfig, TextMotionModel<TrainingTape, System>, TextMotionModel<TrainingBackend, System>>;
+  using typename Base::A, typename Base::B;
+  using Base::seed;
   static constexpr bool retrieves = std::is_same_v<System<B>, ml::Tmr<B>>;
 
   /// `states` (null with word pieces) and `sentences` have all texts of `data`. All three outlive the task.
   TextMotionTask(TextMotionConfig config, const DescribedMotions& data, const ml::EmbeddingCache* states,
                  const ml::EmbeddingCache& sentences)
-      : config_(std::move(config)),
-        data_(&data),
-        states_(states),
-        sentences_(&sentences),
-        batches_(std::ssize(data.training), config_.optimiser.batch) {
-    const auto& o = config_.optimiser;
-    o.rate(0, steps());
+      : Base(system_name<System>(), std::move(config), data), states_(states), sentences_(&sentences) {
     losses(config_);
     if (config_.validation.watch != "loss" && !(retrieves && config_.validation.watch == "retrieval"))
       ml::raise<ml::config_error>(103, "validation.watch '", config_.validation.watch,
@@ -116,13 +112,9 @@ class TextMotionTask {
     } else {
       config_.text.width = states_->width();
     }
-    learner_.average =
-        make_text_motion<System, B>(config_, data.width, pieces, ml::Philox{.seed = o.seed}.split("init"));
-    learner_.average.motion_normalizer = statistics_of(data.training, data.width);
-    ml::detail::convert_module(learner_.model, learner_.average);
-    learner_.adam.config = o.adamw();
-    learner_.ema = o.ema;
-    learner_.clip_norm = o.clip_norm;
+    auto model = make_text_motion<System, B>(config_, data.width, pieces, ml::Philox{.seed = seed()}.split("init"));
+    model.motion_normalizer = statistics_of(data.training, data.width);
+    Base::begin(std::move(model));
   }
 
   /// The loss of a configuration. Throws config_error 102, 103.
@@ -156,25 +148,12 @@ class TextMotionTask {
     }
   }
 
-  std::uint64_t seed() const { return config_.optimiser.seed; }
-  ml::Index steps() const { return config_.optimiser.epochs * batches_.per_epoch(); }
-  const TextMotionConfig& config() const { return config_; }
-
   ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) const {
     auto choose = rng.split("captions");
     const auto batch = text_motion_batch<A>(
         data_->training, batches_(step, seed()), learner_.model.motion_normalizer,
         [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
     return loss_of(learner_.model, batch, rng.split("noise"), {.dropout = rng.split("dropout")});
-  }
-  void update(const ml::Gradients<A>& gradients, ml::Index step) {
-    learner_.update(gradients, config_.optimiser.rate(step, steps()), step);
-  }
-
-  ValidationPlan validation() const {
-    const auto& v = config_.validation;
-    if (data_->validation.empty()) return {};
-    return {.every = v.every * batches_.per_epoch(), .patience = v.patience, .keep_best = v.keep_best};
   }
   /// The loss without dropout, of first captions and with the same noise every time; of TMR also recalls among the motions of
   /// the validation part, where motions with a text that means the same count as found.
@@ -208,31 +187,14 @@ class TextMotionTask {
     }
     return out;
   }
-  void keep_best() { learner_.best = learner_.average; }
 
-  /// Everything that decides what a step computes; what may be changed on the way begins with "training.".
   std::map<std::string, std::string> settings() const {
-    std::map<std::string, std::string> out{{"model", std::string(system_name<System>()) + " training"},
-                                           {"data.motions", std::to_string(data_->training.size())}};
-    for (const auto& [name, value] : config_texts(config_)) {
-      if (name == "optimiser.epochs" || name.starts_with("validation.")) continue;
-      const bool sizes =
-          name == "features" || name.starts_with("network.") || name.starts_with("text.") || name.starts_with("data.");
-      out[sizes ? name : "training." + name] = value;
-    }
+    auto out = Base::settings();
     if (learner_.average.words) {
       std::string& pieces = out["text.pieces"];
       for (const auto& p : learner_.average.words->tokenizer.vocabulary()) pieces += p + "\n";
     }
     return out;
-  }
-  void add_to(ml::TensorStore& store) const { learner_.add_to(store); }
-  void load(const ml::SafetensorsFile& file, ml::Index steps_done) { learner_.load(file, steps_done); }
-
-  /// The weights that are worth keeping: of the best validation where that is wanted, else the last.
-  const TextMotionModel<B, System>& result() {
-    learner_.follow();
-    return learner_.best ? *learner_.best : learner_.average;
   }
 
  private:
@@ -252,12 +214,9 @@ class TextMotionTask {
     }
   }
 
-  TextMotionConfig config_;
-  const DescribedMotions* data_;
+  using Base::batches_, Base::config_, Base::data_, Base::learner_;
   const ml::EmbeddingCache* states_;
   const ml::EmbeddingCache* sentences_;
-  EpochBatches batches_;
-  Learner<TextMotionModel<A, System>, TextMotionModel<B, System>> learner_;
 };
 
 }  // namespace program
