@@ -1,5 +1,4 @@
 // motionlang doctor: what is wrong with the motions of a folder, and a cleaned copy of them.
-#include <algorithm>
 #include <cstdio>
 #include <set>
 
@@ -22,15 +21,6 @@ struct Options {
   bool all = false;
 };
 
-std::vector<fs::path> motion_files(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_motion_file(entry.path())) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 class Doctor {
  public:
   explicit Doctor(const Options& options) : o_(options), folder_(options.folder) {}
@@ -38,7 +28,7 @@ class Doctor {
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
       ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
-    const auto files = motion_files(folder_);
+    const auto files = motion_files_below(folder_);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz or .glb file below '", o_.folder, "'");
     {

@@ -42,14 +42,12 @@ struct FileState {
   std::int64_t modified = 0, bytes = 0;
 };
 
-std::vector<FileState> motion_files(const fs::path& folder) {
+std::vector<FileState> file_states(const fs::path& folder) {
   std::vector<FileState> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || !is_motion_file(entry.path())) continue;
-    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(entry.last_write_time().time_since_epoch());
-    files.push_back({entry.path().lexically_normal(), time.count(), static_cast<std::int64_t>(entry.file_size())});
+  for (const fs::path& path : motion_files_below(folder)) {
+    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
+    files.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path))});
   }
-  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
   return files;
 }
 
@@ -144,7 +142,7 @@ class Indexer {
     read_table(folder);
     LicenseFiles licenses(folder);
     licenses_ = &licenses;
-    const auto files = motion_files(folder);
+    const auto files = file_states(folder);
     if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz or .glb file below %s\n", folder.c_str());
     const auto fresh = changed_files(files, folder);
     bool stopped = false;

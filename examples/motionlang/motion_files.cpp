@@ -1,5 +1,6 @@
 #include "motion_files.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <motionlang/io/amass.hpp>
@@ -23,6 +24,15 @@ std::string kind_of(const std::filesystem::path& path) {
 bool is_motion_file(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
   return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb";
+}
+
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file() && is_motion_file(entry.path())) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 std::string unique_file_name(std::string name, std::set<std::string>& taken) {

@@ -28,6 +28,9 @@ std::string kind_of(const std::filesystem::path& path);
 /// Whether read_motions knows the extension.
 bool is_motion_file(const std::filesystem::path& path);
 
+/// The motion files in a folder and in those below it, in order.
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
+
 /// The name of a motion as a part of a file's name that no other has: characters that some system does not allow there
 /// become "_", and a second "walk" becomes "walk_2".
 std::string unique_file_name(std::string name, std::set<std::string>& taken);
