@@ -4057,19 +4057,18 @@ inline void find_weights(RunFolder& run) {
   else if (run.system != "tmr" || !whole.empty())
     run.weights = first_found({whole, best_file(folder, {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json")});
 
-  if (run.weights.empty() && !split.empty()) {
-    for (const auto& p : listed(split)) {
+  const auto add_parts = [&](const fs::path& of) {
+    for (const auto& p : listed(of)) {
       if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
     }
+  };
+  if (run.weights.empty() && !split.empty()) {
+    add_parts(split);
   } else if (run.weights.empty() && run.system == "tmr") {
     run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
   }
   add_statistics(run);
-  if (run.weights.empty()) {  // of a system that nobody knows: every file is a part
-    for (const auto& p : listed(folder)) {
-      if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
-    }
-  }
+  if (run.weights.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
 }
 
 }  // namespace detail
