@@ -91,11 +91,7 @@ void text_encoder_ste(Case& c) {
 
 template <ml::Backend B>
 void motion_encoder(Case& c) {
-  const auto config = c.config();
-  ml::Philox rng;
-  ml::TemosMotionEncoder<B> m(config["nfeats"].template as<Index>(), true, golden::transformer_of(config),
-                              golden::position_rows, rng);
-  ml::load_module(m, c.file(), "weights/");
+  const auto m = golden::temos_motion_encoder<B>(c);
   const auto features = tensor<B, 3>(c, "in/features");
   const auto lengths = c.values<Index>("in/lengths");
   out_distribution(c, m(ml::from_padded(features, std::span<const Index>(lengths))));
@@ -104,11 +100,7 @@ void motion_encoder(Case& c) {
 
 template <ml::Backend B>
 void motion_decoder(Case& c) {
-  const auto config = c.config();
-  ml::Philox rng;
-  ml::SequenceDecoder<B> m(config["nfeats"].template as<Index>(), golden::transformer_of(config), golden::position_rows,
-                           rng);
-  ml::load_module(m, c.file(), "weights/");
+  const auto m = golden::sequence_decoder<B>(c);
   const auto shape = c.shape("in/z");  // (motions, slots, 1, latent)
   const auto z = ml::reshape<3>(golden::rows<B>(c, "in/z"), {shape[0], shape[1], shape[3]});
   std::vector<unsigned char> mask(static_cast<std::size_t>(shape[0] * shape[1]), 1);

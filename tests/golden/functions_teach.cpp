@@ -38,11 +38,7 @@ void text_encoder(Case& c) {
 
 template <ml::Backend B>
 void motion_encoder(Case& c) {
-  const auto config = c.config();
-  ml::Philox rng;
-  ml::TemosMotionEncoder<B> m(config["nfeats"].template as<Index>(), true, golden::transformer_of(config),
-                              golden::position_rows, rng);
-  ml::load_module(m, c.file(), "weights/");
+  const auto m = golden::temos_motion_encoder<B>(c);
   const auto features = tensor<B, 3>(c, "in/features");
   const auto lengths = c.values<Index>("in/lengths");
   auto encode = [&](const std::string& suffix, const ml::Sequences<B>& x) {
@@ -56,11 +52,7 @@ void motion_encoder(Case& c) {
 
 template <ml::Backend B>
 void motion_decoder(Case& c) {
-  const auto config = c.config();
-  ml::Philox rng;
-  ml::SequenceDecoder<B> m(config["nfeats"].template as<Index>(), golden::transformer_of(config), golden::position_rows,
-                           rng);
-  ml::load_module(m, c.file(), "weights/");
+  const auto m = golden::sequence_decoder<B>(c);
   golden::out(c, "features", ml::to_padded(m(tensor<B, 2>(c, "in/z"), golden::lengths_of(c))));
 }
 

@@ -27,16 +27,7 @@ void encoder_forward(Case& c) {
 
 template <ml::Backend B>
 void decoder_forward(Case& c) {
-  const auto config = c.config();
-  ml::Philox rng;
-  ml::SequenceDecoder<B> m(config["nfeats"].template as<Index>(), golden::transformer_of(config), golden::position_rows,
-                           rng);
-  ml::load_module(m, c.file(), "weights/");
-  const auto z = tensor<B, 2>(c, "in/z");
-  const auto lengths = golden::lengths_of(c);
-  const Index frames = golden::padded_frames(c);
-  golden::out_decoder_layers(c, m, z, lengths, frames, Layout::batch_first);
-  golden::out_padded(c, "motion", m(z, lengths), frames, Layout::batch_first);
+  golden::decoder_forward<B>(c, Layout::batch_first, "motion");
 }
 
 template <ml::Backend B>

@@ -85,6 +85,32 @@ ml::Tensor<B, 2> noise(const Case& c, const std::string& name) {
 
 constexpr Index position_rows = 1024;  // more than any case needs
 
+/// Decoders of all systems, and TEMOS' motion encoder, which TEACH and SINC have too: the whole case is of this module.
+template <ml::Backend B>
+ml::SequenceDecoder<B> sequence_decoder(const Case& c) {
+  ml::Philox rng;
+  ml::SequenceDecoder<B> m(c.config()["nfeats"].as<Index>(), transformer_of(c.config()), position_rows, rng);
+  ml::load_module(m, c.file(), "weights/");
+  return m;
+}
+template <ml::Backend B>
+ml::TemosMotionEncoder<B> temos_motion_encoder(const Case& c) {
+  ml::Philox rng;
+  ml::TemosMotionEncoder<B> m(c.config()["nfeats"].as<Index>(), true, transformer_of(c.config()), position_rows, rng);
+  ml::load_module(m, c.file(), "weights/");
+  return m;
+}
+/// A decoder case of one latent for each motion, with its intermediate results. `output`: what the file calls the frames.
+template <ml::Backend B>
+void decoder_forward(Case& c, Layout layout, const std::string& output) {
+  const auto m = sequence_decoder<B>(c);
+  const auto z = tensor<B, 2>(c, "in/z");
+  const auto lengths = lengths_of(c);
+  const Index frames = padded_frames(c);
+  out_decoder_layers(c, m, z, lengths, frames, layout);
+  out_padded(c, output, m(z, lengths), frames, Layout::batch_first);
+}
+
 /// A model with the modules that the case has weights of.
 template <ml::Backend B>
 ml::Temos<B> temos_model(const Case& c) {
