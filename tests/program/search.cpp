@@ -7,7 +7,7 @@
 #include <motionlang/io/motion_index_file.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
-#include "../../examples/motionlang/text_motion_model.hpp"
+#include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/official_folders.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"

@@ -2,7 +2,7 @@
 /// The training set of a few made-up clips, read once.
 #pragma once
 
-#include "../../examples/motionlang/training_data.hpp"
+#include "../../examples/motionlang/train/training_data.hpp"
 #include "captioned_clips.hpp"
 
 namespace captioned {

@@ -3,7 +3,7 @@
 
 #include <motionlang/io/bvh.hpp>
 
-#include "../../examples/motionlang/stmc_training.hpp"
+#include "../../examples/motionlang/train/stmc_training.hpp"
 #include "../support/threads.hpp"
 #include "../support/training_set.hpp"
 

@@ -5,7 +5,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 
-#include "../../examples/motionlang/foot_loss.hpp"
+#include "../../examples/motionlang/train/foot_loss.hpp"
 #include "../support/training_set.hpp"
 
 namespace ml = motionlang;

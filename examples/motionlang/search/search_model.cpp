@@ -6,9 +6,9 @@
 #include <motionlang/io/weight_file.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
-#include "motion_files.hpp"
-#include "text_motion_model.hpp"
-#include "text_sources.hpp"
+#include "../files/motion_files.hpp"
+#include "../train/text_motion_model.hpp"
+#include "../train/text_sources.hpp"
 
 namespace program {
 

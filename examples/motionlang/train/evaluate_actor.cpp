@@ -8,8 +8,8 @@
 
 #include "action_task.hpp"
 #include "evaluate.hpp"
-#include "motion_files.hpp"
-#include "progress_bar.hpp"
+#include "../files/motion_files.hpp"
+#include "../progress_bar.hpp"
 
 namespace program {
 

@@ -7,10 +7,10 @@
 #include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
-#include "commands.hpp"
-#include "motion_files.hpp"
+#include "../commands.hpp"
+#include "../files/motion_files.hpp"
 #include "search_model.hpp"
-#include "weights.hpp"
+#include "../files/weights.hpp"
 
 namespace program {
 

@@ -2,7 +2,7 @@
 
 #include <motionlang/io/run_folder.hpp>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 
 namespace program {
 

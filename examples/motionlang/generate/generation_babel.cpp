@@ -6,7 +6,7 @@
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
-#include "feature_motion.hpp"
+#include "../files/feature_motion.hpp"
 
 namespace program {
 

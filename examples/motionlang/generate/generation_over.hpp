@@ -6,7 +6,7 @@
 
 #include <motionlang/systems/stmc.hpp>
 
-#include "feature_motion.hpp"
+#include "../files/feature_motion.hpp"
 #include "generation.hpp"
 
 namespace program {

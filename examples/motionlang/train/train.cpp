@@ -5,8 +5,8 @@
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
-#include "commands.hpp"
-#include "progress_bar.hpp"
+#include "../commands.hpp"
+#include "../progress_bar.hpp"
 #include "stmc_training.hpp"
 #include "trainer.hpp"
 

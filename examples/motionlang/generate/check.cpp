@@ -4,7 +4,7 @@
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/io/stmc_file.hpp>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "timelines.hpp"
 
 namespace program {

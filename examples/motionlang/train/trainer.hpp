@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "learner.hpp"
-#include "progress_bar.hpp"
+#include "../progress_bar.hpp"
 
 namespace program {
 

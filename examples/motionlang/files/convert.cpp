@@ -10,7 +10,7 @@
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "motion_files.hpp"
 #include "weights.hpp"
 

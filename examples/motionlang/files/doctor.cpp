@@ -4,9 +4,9 @@
 
 #include <motionlang/io/inspection_page.hpp>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "motion_files.hpp"
-#include "progress_bar.hpp"
+#include "../progress_bar.hpp"
 
 namespace program {
 

@@ -9,8 +9,8 @@
 #include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 
-#include "commands.hpp"
-#include "progress_bar.hpp"
+#include "../commands.hpp"
+#include "../progress_bar.hpp"
 
 namespace program {
 

@@ -5,7 +5,7 @@
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
-#include "feature_motion.hpp"
+#include "../files/feature_motion.hpp"
 
 namespace program {
 

@@ -10,7 +10,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
-#include "motion_files.hpp"
+#include "../files/motion_files.hpp"
 
 namespace program {
 

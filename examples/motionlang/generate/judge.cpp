@@ -12,8 +12,8 @@
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "generation.hpp"
-#include "commands.hpp"
-#include "progress_bar.hpp"
+#include "../commands.hpp"
+#include "../progress_bar.hpp"
 
 namespace program {
 

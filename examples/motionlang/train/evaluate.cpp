@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdio>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 
 namespace program {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "config_json.hpp"
 #include "described_motions.hpp"
 #include "trainer.hpp"

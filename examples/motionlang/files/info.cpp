@@ -6,9 +6,9 @@
 #include <motionlang/io/amass.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "motion_files.hpp"
-#include "timelines.hpp"
+#include "../generate/timelines.hpp"
 #include "weights.hpp"
 
 namespace program {

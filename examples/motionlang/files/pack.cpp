@@ -4,7 +4,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/diffusion_folder.hpp>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "weights.hpp"
 
 namespace program {

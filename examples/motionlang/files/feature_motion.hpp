@@ -7,7 +7,7 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-#include "generation.hpp"
+#include "../generate/generation.hpp"
 
 namespace program {
 

@@ -8,7 +8,7 @@
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 
-#include "motion_files.hpp"
+#include "../files/motion_files.hpp"
 #include "text_motion_task.hpp"
 #include "text_sources.hpp"
 #include "train_text_motion.hpp"

@@ -11,9 +11,9 @@
 #include <motionlang/io/viewer.hpp>
 
 #include "generation.hpp"
-#include "motion_files.hpp"
-#include "commands.hpp"
-#include "progress_bar.hpp"
+#include "../files/motion_files.hpp"
+#include "../commands.hpp"
+#include "../progress_bar.hpp"
 #include "timelines.hpp"
 
 namespace program {

@@ -10,12 +10,12 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/motion_search.hpp>
 
-#include "clip_lines.hpp"
-#include "commands.hpp"
-#include "motion_files.hpp"
-#include "progress_bar.hpp"
+#include "../train/clip_lines.hpp"
+#include "../commands.hpp"
+#include "../files/motion_files.hpp"
+#include "../progress_bar.hpp"
 #include "search_model.hpp"
-#include "weights.hpp"
+#include "../files/weights.hpp"
 
 namespace program {
 
