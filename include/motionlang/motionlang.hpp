@@ -71,6 +71,7 @@
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
 #include <motionlang/kinematics/chains.hpp>
+#include <motionlang/kinematics/face_landmarks.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>

@@ -1,6 +1,7 @@
 // Bodies from files: the same body in every dialect, and files that are not one.
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/io/body_file.hpp>
+#include <motionlang/io/merged_body.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/synthetic_body.hpp"
@@ -138,6 +139,38 @@ TEST_CASE("hands from MANO's own files") {
   CHECK(body.left_hand->components.shape() == ml::Shape{2, 45});
   CHECK(body.left_hand->mean.span()[7] == synthetic::wave(3, 45)[7]);
   CHECK_ERROR(ml::read_hand<B>(folder / "body.npz"), "[motionlang.io.406]");
+}
+
+TEST_CASE("SMPL-H and both hands of MANO in one file") {
+  const BodyFolder folder;
+  const auto mano = [&](const char* name, int k) {
+    ml::write_npz(folder / name, {{{"hands_components", array(synthetic::wave(k, 90), {2, 45})},
+                                   {"hands_coeffs", array(synthetic::wave(k, 9), {3, 3})},
+                                   {"hands_mean", array(synthetic::wave(k + 1, 45), {45})}}});
+  };
+  mano("MANO_LEFT.npz", 4);
+  mano("MANO_RIGHT.npz", 6);
+  const auto alone = folder.read(chain(52, 2, 16), {.betas = 16});
+  ml::merge_smplh(folder / "body.npz", folder / "MANO_LEFT.npz", folder / "MANO_RIGHT.npz", folder / "SMPLH_MALE.npz");
+  const auto body = ml::read_body<B>(folder / "SMPLH_MALE.npz", {.betas = 16});
+  for (const auto member : {&ml::BodyModel<B>::v_template, &ml::BodyModel<B>::shapedirs, &ml::BodyModel<B>::posedirs,
+                            &ml::BodyModel<B>::J_regressor, &ml::BodyModel<B>::weights})
+    CHECK(distance(body.model.*member, alone.model.*member) == 0);
+  CHECK(body.model.parents == alone.model.parents);
+  REQUIRE((body.left_hand && body.right_hand));
+  CHECK(body.left_hand->components.to_vector() == synthetic::wave(4, 90));
+  CHECK(body.left_hand->mean.to_vector() == synthetic::wave(5, 45));
+  CHECK(body.right_hand->components.to_vector() == synthetic::wave(6, 90));
+  CHECK(ml::NpzArchive::open(folder / "SMPLH_MALE.npz").read("hands_coeffsr").shape == std::vector<Index>{3, 3});
+  CHECK(ml::with_mean_hands(body, ml::Tensor<B, 3>::zeros({1, 22, 9})).size(1) == 52);
+
+  const auto merge = [&](const char* from, const char* left) {
+    ml::merge_smplh(folder / from, folder / left, folder / "MANO_RIGHT.npz", folder / "other.npz");
+  };
+  CHECK_ERROR(merge("body.npz", "body.npz"), "no 'hands_components'; not a hand of MANO");
+  folder.read(chain(24, 2, 10));
+  CHECK_ERROR(merge("body.npz", "MANO_LEFT.npz"), "a body of 24 joints; hands belong to SMPL-H");
+  CHECK(!ml::detail::readable(folder / "other.npz"));
 }
 
 TEST_CASE("face landmarks are points on triangles, and move with the body") {
