@@ -24,6 +24,7 @@
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/offsets.hpp>
 #include <motionlang/core/parallel.hpp>
+#include <motionlang/core/precision.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/core/quantile.hpp>
@@ -137,6 +138,7 @@
 #include <motionlang/optim/ema.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
 
+#include <motionlang/features/action_names.hpp>
 #include <motionlang/features/actor_points.hpp>
 #include <motionlang/features/amass_resample.hpp>
 #include <motionlang/features/amass_sequence.hpp>
@@ -180,6 +182,7 @@
 #include <motionlang/diffusion/gaussian.hpp>
 #include <motionlang/diffusion/guidance.hpp>
 #include <motionlang/diffusion/mdm.hpp>
+#include <motionlang/diffusion/mdm_actions.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>
 #include <motionlang/diffusion/motiondiffuse.hpp>
 #include <motionlang/diffusion/respacing.hpp>

@@ -3,7 +3,6 @@
 
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/core/parallel.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
@@ -13,6 +12,7 @@
 #include "generation.hpp"
 #include "../files/motion_files.hpp"
 #include "../commands.hpp"
+#include "../machine_options.hpp"
 #include "../progress_bar.hpp"
 #include "timelines.hpp"
 
@@ -26,7 +26,7 @@ struct Options {
   ModelSources sources;
   GenerationSettings settings;
   RigOptions rig;
-  int threads = 0;  // as many as the machine has
+  MachineOptions machine;
 };
 
 std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
@@ -61,7 +61,7 @@ std::string wanted_name(const Options& o) {
 }
 
 void run(const Options& o) {
-  if (o.threads > 0) ml::set_thread_count(o.threads);
+  o.machine.apply();
   const RigWriter write_on_rig = o.rig.file.empty() ? RigWriter() : rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   const auto timelines = wanted_timelines(o, generator->fps());
@@ -153,8 +153,7 @@ void add_generate(CLI::App& app) {
   c->add_option("--backend", o->backend, "What to calculate with")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
-  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
-      ->check(CLI::Range(1, 1024));
+  o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }
 

@@ -12,6 +12,7 @@
 
 #include "../train/clip_lines.hpp"
 #include "../commands.hpp"
+#include "../machine_options.hpp"
 #include "../files/motion_files.hpp"
 #include "../progress_bar.hpp"
 #include "search_model.hpp"
@@ -32,7 +33,7 @@ struct Options {
   bool windows_given = false;  // or the stride
   bool no_moments = false, again = false, list = false;
   MotionReadOptions read;
-  int threads = 0;
+  MachineOptions machine;
   Index graph = 100'000;
 };
 
@@ -374,11 +375,10 @@ void add_index(CLI::App& app) {
                 "comparing all")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
-      ->check(CLI::Range(1, 1024));
+  o->machine.add_to(*c);
   c->callback([=] {
     o->windows_given = windows->count() + stride->count() > 0;
-    if (o->threads > 0) ml::set_thread_count(o->threads);
+    o->machine.apply();
     Indexer(*o).run();
   });
 }

@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <motionlang/core/parallel.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"
+#include "../machine_options.hpp"
 #include "../progress_bar.hpp"
 #include "stmc_training.hpp"
 #include "trainer.hpp"
@@ -19,7 +19,7 @@ struct Options {
   StmcTrainingConfig config;
   RunOptions run;
   std::string license = "MIT", provenance, commit, denoiser;
-  int threads = 0;
+  MachineOptions machine;
 };
 
 /// How the recordings themselves skate and shake: what generated motions are compared with (motionlang judge).
@@ -35,7 +35,7 @@ std::map<std::string, std::string> quality_of(const TrainingSet& data) {
 }
 
 void run(const Options& o) {
-  if (o.threads > 0) ml::set_thread_count(o.threads);
+  o.machine.apply();
   const auto data = [&] {
     ProgressBar bar("reading motions");
     return TrainingSet(o.captions, o.data, bar);
@@ -113,8 +113,7 @@ void add_train(CLI::App& app) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   c->add_flag("--fresh", o->run.fresh, "Start anew even if there is a checkpoint");
-  c->add_option("--threads", o->threads, "Threads; as many as the machine has unless given")
-      ->check(CLI::Range(1, 1024));
+  o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }
 

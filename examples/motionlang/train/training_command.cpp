@@ -1,6 +1,5 @@
 #include "training_command.hpp"
 
-#include <motionlang/core/parallel.hpp>
 
 namespace program {
 
@@ -24,8 +23,7 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const char* pub
   command.add_option("--license", o.license, "Licence of the weights, for their metadata")->capture_default_str();
   command.add_option("--provenance", o.provenance, "Where the data come from, for the metadata")->capture_default_str();
   command.add_option("--commit", o.commit, "Commit of the program, for the metadata");
-  command.add_option("--threads", o.threads, "Threads; as many as the machine has unless given")
-      ->check(CLI::Range(1, 1024));
+  o.machine.add_to(command);
 }
 
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config) {
@@ -34,7 +32,7 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
     return false;
   }
   if (o.data.empty()) ml::raise<ml::config_error>(102, "--data is required");
-  if (o.threads > 0) ml::set_thread_count(o.threads);
+  o.machine.apply();
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../commands.hpp"
+#include "../machine_options.hpp"
 #include "config_json.hpp"
 #include "described_motions.hpp"
 #include "trainer.hpp"
@@ -21,7 +22,7 @@ struct TrainingOptions {
   bool print_config = false;
   RunOptions run;
   std::string license = "not stated", provenance = "own training", commit;
-  int threads = 0;
+  MachineOptions machine;
 };
 
 /// `published` is the preset that is taken unless another is named.
@@ -34,11 +35,11 @@ DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources,
 /// License, provenance, data, command: for the metadata of a model.
 std::map<std::string, std::string> about(const TrainingOptions& o, const DescribedMotions& data);
 
-/// Puts --config and --set over a preset, and --threads to work. False if it was only to be printed.
+/// Puts --config and --set over a preset, and --threads and --precision to work. False if it was only to be printed.
 template <ml::Module C>
 bool configure(C& config, const TrainingOptions& o);
 
-/// Prints, and sets the number of threads.
+/// Prints, and applies --threads and --precision.
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config);
 
 template <ml::Module C>

@@ -7,6 +7,7 @@
 #include <motionlang/backend/detail/kernels.hpp>
 #include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/core/parallel.hpp>
+#include <motionlang/core/precision.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -27,47 +28,84 @@ class Scratch {
   BufferHandle memory_;
 };
 
-/// A weight in the panels of the current kernels.
+/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16.
 template <class S>
 struct Panels {
   Index k = 0, n = 0;
-  const Kernels<S>* kernels = nullptr;
+  const Kernels<S>* kernels = nullptr;  // none: bfloat16
   BufferHandle memory;
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
+  const std::uint16_t* bf16() const { return static_cast<const std::uint16_t*>(memory.data()); }
 };
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
 
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n].
+/// Precision of products of S.
 template <class S>
-Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n) {
+Precision precision_of() {
+  return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
+}
+
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1.
+template <class S>
+Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
+                      Precision precision = Precision::fp32) {
   const Kernels<S>& kernel = kernels<S>();
-  const Index panels = parts(n, kernel.panel_width);
-  Panels<S> p{k, n, &kernel, BufferHandle(static_cast<std::size_t>(panels * kernel.panel_width * k) * sizeof(S))};
-  S* out = static_cast<S*>(p.memory.data());
-  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * kernel.panel_width));
+  const bool bf16 = precision == Precision::bf16;
+  const Index width = bf16 ? bf16_columns : kernel.panel_width, panels = parts(n, width);
+  const Index rows = bf16 ? bf16_depth(k) : k;
+  const std::size_t element = bf16 ? sizeof(std::uint16_t) : sizeof(S);
+  Panels<S> p{k, n, bf16 ? nullptr : &kernel, BufferHandle(static_cast<std::size_t>(panels * width * rows) * element)};
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * width));
   parallel_for(parts(panels, at_once), [&](Index i) {
-    kernel.pack(b, k, n, stride_k, stride_n, i * at_once, std::min(panels, (i + 1) * at_once), out);
+    const Index first = i * at_once, last = std::min(panels, first + at_once);
+    if constexpr (std::is_same_v<S, float>) {
+      if (bf16) {
+        auto* out = static_cast<std::uint16_t*>(p.memory.data());
+        return current_bf16_kernels()->pack(b, k, n, stride_k, stride_n, first, last, out);
+      }
+    }
+    kernel.pack(b, k, n, stride_k, stride_n, first, last, static_cast<S*>(p.memory.data()));
   });
   return p;
 }
 
-template <class S>
-void run_gemm(const Gemm<S>& g) {
-  if (g.m == 0 || g.n == 0) return;
-  const Kernels<S>& kernel = kernels<S>();
-  const Index panels = parts(g.n, kernel.panel_width), threads = thread_count();
-  const bool small = g.m * g.n * g.k < 100'000;
-  const Index row_parts = small ? 1 : parts(g.m, kernel.row_block);
+/// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
+template <class S, class F>
+void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
+  const Index threads = thread_count(), row_parts = small ? 1 : parts(rows, row_block);
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
-  const Scratch<S> scratch(kernel.gemm_scratch);
+  const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
-    kernel.gemm_block(g, g.m * r / row_parts, g.m * (r + 1) / row_parts, panels * j / panel_parts,
-                      panels * (j + 1) / panel_parts, scratch.mine());
+    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts,
+          scratch.mine());
   });
+}
+
+/// g with the right-hand side `p`.
+template <class S>
+void run_gemm(Gemm<S> g, const Panels<S>& p) {
+  if (g.m == 0 || g.n == 0) return;
+  const bool small = g.m * g.n * g.k < 100'000;
+  if constexpr (std::is_same_v<S, float>) {
+    if (p.kernels == nullptr) {
+      const Bf16Kernels& kernel = *current_bf16_kernels();
+      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.row_block, small, kernel.scratch(g.k),
+                    [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
+                      kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
+                    });
+      return;
+    }
+  }
+  const Kernels<S>& kernel = kernels<S>();
+  g.panels = p.data();
+  for_blocks<S>(g.m, parts(g.n, kernel.panel_width), kernel.row_block, small, kernel.gemm_scratch,
+                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
+                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
+                });
 }
 
 template <class S>
@@ -101,8 +139,7 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(
-      Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels);
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -133,16 +170,17 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   s[r - 1] = n;
   Dense<S> out(s);
   for (Index i = 0; i < s.count(0, r - 2); ++i) {
-    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1);
+    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1,
+                                            detail::precision_of<S>());
     detail::run_gemm(detail::Gemm<S>{.m = m,
                                      .n = n,
                                      .k = k,
                                      .a = a.data() + i * m * k,
                                      .lda = transpose_a ? m : k,
                                      .a_transposed = transpose_a,
-                                     .panels = panels.data(),
                                      .c = out.data() + i * m * n,
-                                     .ldc = n});
+                                     .ldc = n},
+                     panels);
   }
   return out;
 }
@@ -150,7 +188,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k)));
+  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k,
+                                                                           detail::precision_of<S>())));
 }
 
 template <Scalar S>
@@ -161,12 +200,14 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
   const bool last =
       residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
-  if (ready == nullptr || ready->kernels != &detail::kernels<S>() || ready->n != n || ready->k != k) {
-    if (last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+  const Precision precision = detail::precision_of<S>();
+  const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
+  if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
+    if (wanted != nullptr && last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
       return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                       residual == nullptr ? nullptr : residual->data());
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
@@ -175,13 +216,13 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                                    .k = k,
                                    .a = x.data(),
                                    .lda = k,
-                                   .panels = ready->data(),
                                    .c = y.data(),
                                    .ldc = n,
                                    .bias = bias == nullptr ? nullptr : bias->data(),
                                    .residual = residual == nullptr || !last ? nullptr : residual->data(),
                                    .ldr = n,
-                                   .act = act});
+                                   .act = act},
+                   *ready);
   if (!last) {
     for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
   }

@@ -12,13 +12,23 @@
 #include <array>        // tables
 #include <cmath>        // sqrt, erf, tanh
 #include <cstdint>      // bit patterns
-#include <cstring>      // memcpy
+#include <cstdlib>      // getenv
+#include <cstring>      // memcpy, strcmp
 #include <type_traits>  // conditional
 #include <utility>      // integer_sequence
+
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
+#include <cpuid.h>  // what the processor has
+#if defined(__linux__)
+#include <sys/syscall.h>  // arch_prctl
+#include <unistd.h>       // syscall
+#endif
+#endif
 
 #include <motionlang/core/activation.hpp>
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/dropout.hpp>
+#include <motionlang/core/error.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
@@ -120,6 +130,19 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
+/// Products of numbers rounded to bfloat16, with sums in float. B is packed in panels that are the same for all instruction sets.
+struct Bf16Kernels {
+  const char* name;
+  Index row_block;
+  Index (*scratch)(Index k);  // numbers
+  void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
+               std::uint16_t* panels);
+  void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch);
+};
+inline constexpr Index bf16_columns = 32;                                     // of a panel
+constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
+
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 
 // GCC and clang spell "generate code for these instructions" differently.
@@ -168,11 +191,41 @@ MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 MOTIONLANG_TARGET_POP
+
+#define MOTIONLANG_VECTOR_BYTES 64
+#define MOTIONLANG_TILE_ROWS 14
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,avx512bf16,amx-tile,amx-bf16")
+namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
+#include <motionlang/backend/detail/bf16_x86.inc>
+}
+MOTIONLANG_TARGET_POP
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+#undef MOTIONLANG_INLINE
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-enum class Isa { portable, avx2, avx512, best };
+/// Instruction sets, each with those before it; the last two differ from avx512 in products of bfloat16 only.
+enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
+
+#if defined(MOTIONLANG_WIDE_KERNELS)
+/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
+inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
+  unsigned r[4] = {};
+  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
+}
+inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
+inline bool may_use_amx() {
+#if defined(__linux__)
+  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
+#else
+  return false;
+#endif
+}
+#endif
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -181,7 +234,7 @@ const Kernels<S>* kernels_for(Isa isa) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
-  if (isa == Isa::avx512) {
+  if (isa != Isa::best) {
     const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
     return has ? &avx512::table<S>() : nullptr;
@@ -193,16 +246,59 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
+/// products in float); else float instructions.
+inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
+  if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (isa == Isa::avx2) return kernels_for<float>(isa) ? &avx2::bf16_table<avx2::WideningTile>() : nullptr;
+  if (isa != Isa::best) {
+    if (kernels_for<float>(Isa::avx512) == nullptr) return nullptr;
+    if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
+    if (isa == Isa::avx512_bf16) return cpuid_bit(1, 0, 5) ? &avx512::bf16_table<avx512::DotTile>() : nullptr;
+    return has_amx_bf16() && may_use_amx() ? &avx512::bf16_table<avx512::AmxTile>() : nullptr;
+  }
+  if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
+  if (!has_amx_bf16()) {
+    if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
+  }
+#endif
+  if (isa != Isa::best) return nullptr;
+  for (Isa better : {Isa::avx512, Isa::avx2}) {
+    if (const auto* k = bf16_kernels_for(better)) return k;
+  }
+  return bf16_kernels_for(Isa::portable);
+}
+
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+inline Isa wanted_isa() {
+  static const Isa wanted = [] {
+    const char* name = std::getenv("MOTIONLANG_KERNELS");
+    if (name == nullptr || *name == 0) return Isa::best;
+    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto isa = static_cast<Isa>(i);
+      if (std::strcmp(name, names[i]) == 0 && bf16_kernels_for(isa) != nullptr) return isa;
+    }
+    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
+                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
+  }();
+  return wanted;
+}
 
 /// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
 template <class S>
 const Kernels<S>*& current_kernels() {
-  static const Kernels<S>* chosen = kernels_for<S>(Isa::best);
+  static const Kernels<S>* chosen = kernels_for<S>(wanted_isa());
   return chosen;
 }
 template <class S>
 const Kernels<S>& kernels() {
   return *current_kernels<S>();
+}
+inline const Bf16Kernels*& current_bf16_kernels() {
+  static const Bf16Kernels* chosen = bf16_kernels_for(wanted_isa());
+  return chosen;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail

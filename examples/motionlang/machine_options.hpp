@@ -1,0 +1,34 @@
+// How the machine is used: the options that every command with a model has.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/precision.hpp>
+
+namespace program {
+
+struct MachineOptions {
+  int threads = 0;  // as many as the machine has
+  std::string precision = "fp32";
+
+  void add_to(CLI::App& command) {
+    command.add_option("--threads", threads, "Threads; as many as the machine has unless given")
+        ->check(CLI::Range(1, 1024));
+    command
+        .add_option("--precision", precision,
+                    "Of products: fp32, or bf16 (factors rounded to 8 bits, sums in float): up to several times faster where the "
+                    "processor multiplies bfloat16, and half the memory for weights")
+        ->check(CLI::IsMember({"fp32", "bf16"}))
+        ->capture_default_str();
+  }
+  /// Before a model is loaded.
+  void apply() const {
+    if (threads > 0) motionlang::set_thread_count(threads);
+    motionlang::set_product_precision(precision == "bf16" ? motionlang::Precision::bf16 : motionlang::Precision::fp32);
+  }
+};
+
+}  // namespace program
