@@ -14,15 +14,12 @@
 ///          config_error 101, 102 where options and tensors differ, 103, 107
 #pragma once
 
+#include <motionlang/features/action_names.hpp>
 #include <motionlang/io/actor_file.hpp>
 #include <motionlang/io/teach_sinc_file.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// HumanAct12's classes, in the order of their numbers; spec actor.md 8.1.
-inline constexpr std::string_view humanact12_actions[] = {"warm_up", "walk", "run", "jump", "drink", "lift_dumbbell", "sit",
-                                                          "eat", "turn steering wheel", "phone", "boxing", "throw"};
 
 template <Backend B>
 struct ActorRun {

@@ -7,6 +7,7 @@
 #include <motionlang/io/glove_file.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/glove_files.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -23,19 +24,6 @@ std::vector<float> numbers() {
   return out;
 }
 ml::GloVe small() { return ml::GloVe(words, numbers(), 2); }
-
-/// A pickle of protocol 2: a list, or a dictionary from word to row.
-std::string pickled(const std::vector<std::string>& list, bool rows) {
-  std::string out = rows ? "\x80\x02}(" : "\x80\x02](";
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    out += 'X';
-    out += static_cast<char>(list[i].size());
-    out.append(3, '\0');
-    out += list[i];
-    if (rows) out += std::string("K") + static_cast<char>(i);
-  }
-  return out + (rows ? "u." : "e.");
-}
 
 }  // namespace
 
@@ -95,10 +83,9 @@ TEST_CASE("the three files") {
   const TemporaryFolder folder;
   const std::string stem = (folder / "our_vab").string();
   const auto write = [&](const std::vector<std::string>& list, const std::vector<std::string>& places) {
-    const auto n = numbers();
-    ml::write_npy(stem + "_data.npy", ml::NpyArray::of(std::span<const float>(n), {9, 2}));
-    ml::write_file(stem + "_words.pkl", std::string_view(pickled(list, false)));
-    ml::write_file(stem + "_idx.pkl", std::string_view(pickled(places, true)));
+    auto vectors = numbers();
+    vectors.resize(2 * 9);
+    glove_files::write(stem, list, places, vectors);
     return ml::read_glove(stem);
   };
   CHECK(write(words, words).vector("left")[0] == 12);

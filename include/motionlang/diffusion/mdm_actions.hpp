@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+/// MDM for actions: motions for classes, which stand where MDM for texts has a text.
+///
+///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
+///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as ACTOR has them
+///
+/// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
+#pragma once
+
+#include <motionlang/core/rng.hpp>
+#include <motionlang/diffusion/guidance.hpp>
+#include <motionlang/diffusion/mdm.hpp>
+#include <motionlang/diffusion/respacing.hpp>
+#include <motionlang/diffusion/sampler.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct MdmActionOptions {
+  Index steps = 0;                   // evenly kept of the model's; 0: all
+  std::optional<double> guidance{};  // the model's own unless given
+  SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
+  Progress progress{};
+};
+
+template <Backend B>
+struct MdmActions {
+  MdmDenoiser<B> denoiser;  // conditioned on actions
+  GaussianDiffusion diffusion;
+  double guidance = 1;  // the published models were trained without empty actions, and have none
+
+  /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on its place.
+  /// Throws  shape_error 203 for an action that is no class; config_error 102 for a denoiser of texts; `cancelled`
+  Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
+    using S = typename B::scalar;
+    const MdmConfig& c = denoiser.config;
+    if (c.condition != MdmCondition::action) raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
+    const Index n = std::ssize(actions), frames = c.crop_frames;
+    const double weight = options.guidance.value_or(guidance);
+    const Index calls = weight == 1 ? 1 : 2;  // the second one without actions
+    std::vector<S> one_hot(static_cast<std::size_t>(calls * n * c.num_actions));
+    for (Index i = 0; i < n; ++i) {
+      const Index action = actions[static_cast<std::size_t>(i)];
+      if (action < 0 || action >= c.num_actions) raise<shape_error>(203, "MdmActions: action ", action, " of ", c.num_actions);
+      one_hot[static_cast<std::size_t>(i * c.num_actions + action)] = 1;
+    }
+    const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {calls * n, c.num_actions}));
+    const Offsets offsets = Offsets::equal(calls * n, frames);
+    const Shape shape{n * frames, c.nfeats};
+    const GaussianDiffusion process =
+        options.steps == 0 ? diffusion : diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{options.steps}));
+
+    const auto network = [&](const Tensor<B, 2>& x, Index t) {
+      const std::vector<Index> at(static_cast<std::size_t>(calls * n), process.network_t(t));
+      const auto rows = denoiser(Sequences<B>(calls == 1 ? x : concat(0, x, x), offsets), at, wanted).rows;
+      return calls == 1 ? rows : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
+    };
+    const auto noise = [&](Index draw) {
+      PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+      const auto size = static_cast<std::size_t>(frames * c.nfeats);
+      for (std::size_t m = 0; m < static_cast<std::size_t>(n); ++m) {
+        auto stream = rng.split("noise").split(m).split(static_cast<std::uint64_t>(draw));
+        stream.normal(std::span<S>(values).subspan(m * size, size));
+      }
+      return Tensor<B, 2>::from(std::span<const S>(values), shape);
+    };
+    const auto of_step = [&](Index draw) { return noise(draw + 1); };
+    const StepOptions step{.prediction = denoiser.traits().prediction, .noise_scale = NoiseScale::posterior_std};
+    const auto rows =
+        options.sampler == SamplingOptions::Sampler::ddim
+            ? sample_ddim<B, 2>(process, noise(0), network, of_step, 0, step, detail::KeepX0{}, options.progress)
+            : sample_ancestral<B, 2>(process, noise(0), network, of_step, step, detail::KeepX0{}, options.progress);
+    return {rows, Offsets::equal(n, frames)};
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

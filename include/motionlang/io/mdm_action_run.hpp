@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+/// MDM's models of actions (HumanAct12, UESTC) from the folders in which their repository leaves them.
+///
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
+///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///
+/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a model that was
+///           trained without empty actions (cond_mask_prob 0, as the published command has it) is not guided
+/// Source    spec mdm.md 3, 3.1, 3.5
+/// Throws    as io/diffusion_run.hpp
+#pragma once
+
+#include <motionlang/diffusion/mdm_actions.hpp>
+#include <motionlang/features/action_names.hpp>
+#include <motionlang/features/actor_points.hpp>
+#include <motionlang/io/diffusion_run.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct MdmActionRun {
+  MdmActions<B> model;
+  ActorFeatureOptions features{};   // what a frame is made of
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+  double fps = 20;                  // of the repository's videos; data have none
+};
+
+/// Whether a run folder is MDM's and of actions.
+inline bool is_mdm_action_run(const RunFolder& run) {
+  return run.system == "mdm" && !run.weights.empty() &&
+         detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value();
+}
+
+template <Backend B>
+MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
+  const WeightFile weights = detail::run_weights(run);
+  const detail::RunReader r = detail::reader_of(run, weights);
+  DiffusionRun about;
+  about.system = "mdm";
+  detail::read_mdm(about, r);
+  MdmConfig& c = about.mdm;
+  const ActorFeatureOptions features{.rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
+  if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
+    raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ", wanted);
+  if (c.condition != MdmCondition::action) raise<io_error>(404, weights.name(), ": not a model of actions");
+  c.crop_frames = r.number({"num_frames"}, 60, 10'000);
+  NoInit zeros;
+  MdmActionRun<B> out{.model = {.denoiser = MdmDenoiser<B>(c, zeros),
+                                .diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
+                                                                        : GaussianDiffusion(CosineSchedule{.steps = about.steps}),
+                                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
+                      .features = features,
+                      .labels = {}};
+  detail::load_denoiser(out.model.denoiser, weights, r.prefix());
+  prepare(out.model.denoiser);
+  if (r.text("dataset", "") == "humanact12" && c.num_actions == std::ssize(humanact12_actions))
+    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+/// TM2T's model from texts to motions from the folders in which its repository leaves it.
+///
+///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
+///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
+///
+/// Three places: the folder of the recurrent model (opt.txt, model/finest.tar); the one of the motion tokenizer, beside it (its
+/// checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+///
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with
+/// Differs  from the published program: `model` has no transformer from motions to texts, which is in yet another folder
+/// Source   spec tm2t.md 1, 2, 5, 6
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for models of transformers; 406, 407 for tensors;
+///          config_error 102 where the parts do not fit each other
+#pragma once
+
+#include <motionlang/io/detail/run_reader.hpp>
+#include <motionlang/io/glove_file.hpp>
+#include <motionlang/systems/tm2t.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct Tm2tRun {
+  Tm2t<B> model;
+  GloVe words;
+  double fps = 20;
+
+  Index width() const { return model.statistics.mean.size(0); }
+};
+
+struct Tm2tRunOptions {
+  FilePath tokenizer = "";  // its folder; looked for beside the model unless given
+  FilePath words = "";      // the folder with our_vab_data.npy; looked for in the folders above unless given
+};
+
+namespace detail {
+
+inline WeightFile tm2t_weights(const RunFolder& run) {
+  if (run.system != "tm2t")
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
+                    ", expected tm2t");
+  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
+  return open_weights(run.weights, {.path = ""});
+}
+inline bool has_motion_tokenizer(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() && tm2t_weights(run).find("quantizer.embedding.weight") != nullptr;
+}
+
+/// The folder that the options name, else the only one beside the model that has a tokenizer.
+inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options) {
+  namespace fs = std::filesystem;
+  if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
+  const fs::path beside = run.folder.lexically_normal();
+  const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
+  std::vector<RunFolder> found;
+  for (const fs::path& folder : listed(around.empty() ? fs::path(".") : around)) {
+    std::error_code ignored;
+    if (!fs::is_directory(folder, ignored)) continue;
+    RunFolder other = motionlang::find_run(folder);
+    if (!has_motion_tokenizer(other)) continue;
+    for (const char* key : {"tokenizer_name", "tokenizer_name_motion"}) {
+      const FileValue* named = run.option(key);
+      if (named != nullptr && to_string(*named) == folder.filename().string()) return other;
+    }
+    found.push_back(std::move(other));
+  }
+  if (found.size() == 1) return std::move(found.front());
+  raise<io_error>(401, run.folder.string(), ": ", found.size(), " folders with a motion tokenizer beside it (",
+                  "VQVAEV3_CB1024_CMT_H1024_NRES3 as published): put it there, or name it");
+}
+
+inline FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> places;
+  if (!options.words.string().empty()) {
+    places.emplace_back(options.words.string());
+  } else {
+    fs::path folder = fs::absolute(run.folder).lexically_normal();
+    for (int up = 0; up < 5 && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
+      places.push_back(folder);
+      places.push_back(folder / "glove");
+    }
+  }
+  for (const fs::path& place : places) {
+    if (file_exists(place / "our_vab_data.npy")) return place / "our_vab";
+  }
+  raise<io_error>(401, run.folder.string(), ": no word vectors: put glove/our_vab_data.npy, our_vab_words.pkl and our_vab_idx.pkl "
+                  "in a folder above, or name their folder");
+}
+
+inline MotionTokenizerConfig tm2t_tokenizer_config(const RunReader& r) {
+  MotionTokenizerConfig c;
+  c.channels.clear();
+  const std::string encoder = "vq_encoder.main.", decoder = "vq_decoder.main.";
+  for (Index i = 0; r.has(concat_text(encoder, i, ".weight")); i += 3)  // a convolution, its activation, a residual block
+    c.channels.push_back(r.size(concat_text(encoder, i, ".weight"), 0));
+  c.features = r.size(encoder + "0.weight", 1) + 4;
+  c.codes = r.size("quantizer.embedding.weight", 0);
+  c.residual_blocks = r.count(decoder, ".model.0.weight", {"n_resblk"});
+  return c;
+}
+
+inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
+  const std::string step = "motion_decoder_step.";
+  Seq2SeqGruConfig c{.word = r.size("text_encoder.input_emb.weight", 1),
+                     .text_hidden = r.size("text_encoder.gru.weight_hh_l0", 1, {"dim_txt_hid"}),
+                     .motion_hidden = r.size(step + "input_emb.weight", 1, {"dim_mot_hid"}),
+                     .layers = r.count(step + "gru.", ".weight_ih", {"n_mot_layers"}),
+                     .symbols = r.size(step + "input_emb.weight", 0),
+                     .late = r.has(step + "att_linear.3.weight")};
+  if (const std::string stated = r.one_of("early_or_late", c.late ? "late" : "early", {"early", "late"});
+      (stated == "late") != c.late)
+    raise<config_error>(102, r.place("early_or_late"), " is ", stated, ", the tensors are those of ", c.late ? "late" : "early",
+                        " attention");
+  return c;
+}
+
+}  // namespace detail
+
+/// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
+inline bool is_tm2t_generator(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
+}
+
+template <Backend B>
+Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  const std::string prefix = "t2m_model.";
+  const detail::RunReader r(run, weights, prefix);
+  if (!r.has("motion_decoder_step.input_emb.weight"))
+    raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
+  const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
+  const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
+  const MotionTokenizerConfig tokenizer = detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
+  const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
+  Tm2tRun<B> out{.model = {}, .words = read_glove(detail::tm2t_words(run, options)), .fps = tokenizer.features == 251 ? 12.5 : 20.0};
+  if (gru.symbols != tokenizer.codes + 3)
+    raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
+                        tokenizer.codes, " codes and three marks");
+  if (gru.word != out.words.width())
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ", out.words.width());
+  NoInit zeros;
+  out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
+  out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
+  detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
+  detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
+    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+  });
+  auto statistics = tokenizer_run.parts.empty() ? std::nullopt
+                                                : detail::find_normalizer<B>(detail::statistics_of(tokenizer_run), tokenizer.features,
+                                                                             {"meta.", ""});
+  if (!statistics)
+    raise<io_error>(401, tokenizer_run.folder.string(), ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
+  statistics->eps = 0;
+  out.model.statistics = std::move(*statistics);
+  prepare(out.model.t2m_model);
+  prepare(out.model.tokenizer);
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
