@@ -73,6 +73,42 @@ TEST_CASE("texts are encoded once for all steps") {
   CHECK(small::numbers(motion) == small::numbers(model.generate(small::one_text(12), noise_rng)));
 }
 
+namespace {
+
+/// Remembers which texts it was asked for.
+struct Listening {
+  ml::CaptionEncoder<B> inner;
+  std::shared_ptr<std::vector<std::vector<std::string>>> calls = std::make_shared<std::vector<std::vector<std::string>>>();
+
+  template <ml::Backend C>
+  ml::TextFeatures<C> encode(std::span<const std::string> texts) const {
+    calls->emplace_back(texts.begin(), texts.end());
+    return inner.template encode<C>(texts);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("every text goes through the text encoder once, however often the timelines say it") {
+  const auto model = small::model<B>();
+  const ml::Stmc<B, ml::MdmSmplDenoiser<B>, Listening> listening{.denoiser = model.denoiser,
+                                                                 .text_encoder = {model.text_encoder},
+                                                                 .motion_normalizer = model.motion_normalizer,
+                                                                 .text_normalizer = model.text_normalizer,
+                                                                 .diffusion = model.diffusion,
+                                                                 .sampling = model.sampling};
+  const std::vector<Timeline> timelines{
+      {{{"walk forward", 0, 9, BodyParts::all()}, {"sit down", 9, 20, BodyParts::all()}, {"walk forward", 20, 32, BodyParts::all()}}},
+      {{{"sit down", 5, 20, BodyParts::all()}}}};
+  for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
+    const auto motions = listening.generate(timelines, noise_rng, {.mode = mode});
+    CHECK(*listening.text_encoder.calls == std::vector<std::vector<std::string>>{{"", "walk forward", "sit down"}});
+    listening.text_encoder.calls->clear();
+    const auto same = model.generate(timelines, noise_rng, {.mode = mode});
+    for (std::size_t m : {0, 1}) CHECK(small::numbers(motions[m]) == small::numbers(same[m]));
+  }
+}
+
 TEST_CASE_TEMPLATE("every mode and overlap gives a motion, on intervals of a single frame too", D,
                    ml::MdmSmplDenoiser<B>, ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
   const auto model = small::model_of<D>();

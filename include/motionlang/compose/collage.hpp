@@ -4,6 +4,8 @@
 /// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
 #pragma once
 
+#include <map>  // equal sequences
+
 #include <motionlang/compose/combine.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/guidance.hpp>
@@ -18,8 +20,10 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    crops whose text is "" go through the network once: both calls of guidance would give the same. Texts,
-///         offsets and index lists are prepared here, not in the loop.
+/// Cost    one call of the network per step. Sequences of the same frames and the same text go through it once: both calls of
+///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together. The longest
+///         come first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -28,15 +32,22 @@ class Collage {
   /// the denoiser.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance)
-      : denoiser_(&denoiser), plan_(std::move(plan)), guidance_(guidance) {
-    const DenoiserTraits traits = denoiser.traits();
-    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
-    const bool fixed = traits.crop_frames > 0;
-    motion_ = CropRows::of(plan_, traits.crop_frames);
-    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
-    crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
-    stitch_ = Stitcher<B>(plan_, layout, crops_.offsets, motion_.stride);
-    build_batch(text, null);
+      : denoiser_(&denoiser),
+        plan_(std::move(plan)),
+        layout_(layout),
+        texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
+               text.end_position},
+        guidance_(guidance) {
+    texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
+    check_texts(text.count(), null.count());
+    prepare_step();
+  }
+  /// The same with some crops and slices of its plan only (compose/edits.hpp).
+  Collage with_plan(BatchPlan plan) const {
+    Collage out = *this;
+    out.plan_ = std::move(plan);
+    out.prepare_step();
+    return out;
   }
 
   const BatchPlan& plan() const { return plan_; }
@@ -44,6 +55,8 @@ class Collage {
   /// Rows of x per timeline, and of all timelines together.
   Index stride() const { return motion_.stride; }
   Index rows() const { return motion_.stride * static_cast<Index>(plan_.timelines.size()); }
+  /// Rows that go through the network in a step, without tokens for time and text.
+  Index batch_rows() const { return batch_offsets_.rows(); }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
@@ -52,15 +65,10 @@ class Collage {
     CollageStep<B> s;
     s.crops = gather(x, crops_.rows);
     const PoolVector<Index> steps(static_cast<std::size_t>(batch_offsets_.count()), t);
-    const Sequences<B> batch(base_.empty() ? s.crops : gather(x, batch_rows_), batch_offsets_);
-    const auto out = (*denoiser_)(batch, steps, batch_text_).rows;
-    if (base_.empty()) {
-      s.cond = s.null = s.guided = out;
-    } else {
-      s.cond = slice(out, 0, 0, crops_.offsets.rows());
-      s.null = gather(out, base_);
-      s.guided = guide(s.cond, s.null, guidance_);
-    }
+    const auto out = (*denoiser_)(Sequences<B>(gather(x, batch_rows_), batch_offsets_), steps, batch_text_).rows;
+    s.cond = gather(out, cond_);
+    s.null = guidance_ == 1 ? s.cond : gather(out, null_);
+    s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
     s.x0 = stitch_(to_x0(s.guided, s.crops));
     return s;
   }
@@ -71,6 +79,30 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
+  /// Frames of a crop with a text: what the network sees as one sequence.
+  struct Job {
+    Index first, length, text;  // first: row of the motions
+    auto operator<=>(const Job&) const = default;
+  };
+
+  void check_texts(Index texts, Index nulls) const {
+    Index intervals = 0;
+    for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
+    if (texts == intervals && nulls == 1) return;
+    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+  }
+
+  void prepare_step() {
+    const DenoiserTraits traits = denoiser_->traits();
+    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
+    const bool fixed = traits.crop_frames > 0;
+    motion_ = CropRows::of(plan_, traits.crop_frames);
+    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
+    crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
+    stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
+    build_batch();
+  }
+
   CropRows own_frames(Index crop_frames) const {
     CropRows out = CropRows::of(plan_);
     for (Index& row : out.rows) {  // the same frames in motions with more rows
@@ -81,46 +113,53 @@ class Collage {
     return out;
   }
 
-  /// The batch: all crops with their texts, then every crop with a text once more without it.
-  void build_batch(const TextFeatures<B>& text, const TextFeatures<B>& null) {
-    std::vector<Index> which, lengths, again;
-    Index next_text = 0, crop = 0;
+  /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
+  std::vector<Index> texts_of_crops() const {
+    const Index null = texts_.count() - 1;
+    std::vector<Index> out;
+    std::map<std::string_view, Index> known{{"", null}};
+    Index first = 0;
     for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) {
-        const bool own_text = !c.is_transition();
-        which.push_back(own_text ? next_text + c.interval : -1);
-        if (own_text && !p.text(c).empty()) again.push_back(crop);
-        ++crop;
-      }
-      next_text += static_cast<Index>(p.timeline.intervals.size());
+      for (const Crop& c : p.crops) out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
+      first += static_cast<Index>(p.timeline.intervals.size());
     }
-    if (text.count() != next_text || null.count() != 1) {
-      raise<shape_error>(204, "Collage: ", text.count(), " texts for ", next_text, " intervals; ", null.count(),
-                         " unconditional texts");
+    return out;
+  }
+
+  void build_batch() {
+    const Index null = texts_.count() - 1;
+    std::vector<std::pair<Job, Job>> crops;  // with its text, and without
+    std::map<Job, Index> begin;              // of all jobs, where their rows begin in the batch
+    for (Index i = 0; const Index text : texts_of_crops()) {
+      const Index length = crops_.offsets.length(i);
+      const Index first = length == 0 ? 0 : crops_.rows[static_cast<std::size_t>(crops_.offsets.begin(i))];
+      crops.push_back({{first, length, text}, {first, length, null}});
+      ++i;
+      if (length == 0) continue;
+      begin[crops.back().first];
+      if (guidance_ != 1) begin[crops.back().second];
     }
-    if (guidance_ == 1) again.clear();
-    batch_rows_ = crops_.rows;
-    for (Index i = 0; i < crop; ++i) lengths.push_back(crops_.offsets.length(i));
-    if (!again.empty()) {
-      base_.resize(static_cast<std::size_t>(crops_.offsets.rows()));
-      for (std::size_t r = 0; r < base_.size(); ++r) base_[r] = static_cast<Index>(r);
-      for (Index i : again) {
-        which.push_back(-1);
-        lengths.push_back(crops_.offsets.length(i));
-        for (Index r = crops_.offsets.begin(i); r < crops_.offsets.end(i); ++r) {
-          base_[static_cast<std::size_t>(r)] = static_cast<Index>(batch_rows_.size());
-          batch_rows_.push_back(crops_.rows[static_cast<std::size_t>(r)]);
-        }
-      }
+    std::vector<Job> jobs;
+    for (const auto& [job, at] : begin) jobs.push_back(job);
+    detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
+
+    std::vector<Index> lengths, which;
+    batch_rows_.clear();
+    for (const Job& job : jobs) {
+      begin[job] = static_cast<Index>(batch_rows_.size());
+      for (Index r = 0; r < job.length; ++r) batch_rows_.push_back(job.first + r);
+      lengths.push_back(job.length);
+      which.push_back(job.text);
     }
     batch_offsets_ = Offsets(lengths);
-    // The unconditional text is number `next_text` of the joined features.
-    for (Index& i : which) i = i < 0 ? next_text : i;
-    TextFeatures<B> all{
-        {concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-        text.end_position};
-    all.end_position.insert(all.end_position.end(), null.end_position.begin(), null.end_position.end());
-    batch_text_ = encoded_text<B>(*denoiser_, gather(all, which));
+    batch_text_ = encoded_text<B>(*denoiser_, gather(texts_, which));
+    cond_.clear(), null_.clear();
+    for (const auto& [with, without] : crops) {
+      for (Index r = 0; r < with.length; ++r) {
+        cond_.push_back(begin[with] + r);
+        if (guidance_ != 1) null_.push_back(begin[without] + r);
+      }
+    }
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {
     std::vector<Index> lengths;
@@ -132,37 +171,48 @@ class Collage {
 
   const D* denoiser_;
   BatchPlan plan_;
+  FeatureLayout layout_;
+  TextFeatures<B> texts_;  // of all intervals, then the unconditional one
   double guidance_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
-  std::vector<Index> batch_rows_, base_;  // base_: for every row of the crops, where its unconditional result is
+  std::vector<Index> batch_rows_;   // of x, for every row of the batch
+  std::vector<Index> cond_, null_;  // for every row of the crops its row of the batch, with its text and without
   Offsets batch_offsets_;
   decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
 };
 
-/// The whole reverse process. noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
+/// x0 of all timelines at index t of the process.
+template <Backend B, Denoiser<B> D>
+Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
+                          const Tensor<B, 2>& x, Index t) {
+  const auto to_clean = [&](const Tensor<B, 2>& output, const Tensor<B, 2>& crops) {
+    return to_x0(diffusion, prediction, output, crops, std::span<const Index>(&t, 1));
+  };
+  return collage.step(x, diffusion.network_t(t), to_clean).x0;
+}
+
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
 /// (rows, features).
 /// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
+template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
+Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
+                                  const SamplingOptions& options = {}, Progress progress = {}, const Watch& watch = {}) {
+  auto step_noise = [&](Index draw) { return noise(draw + 1); };
+  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
+  if (options.sampler == SamplingOptions::Sampler::ddim) {
+    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{}, progress,
+                             watch);
+  }
+  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+}
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
                             Noise&& noise, const SamplingOptions& options = {}, Progress progress = {},
                             const Watch& watch = {}) {
-  auto network = [&](const Tensor<B, 2>& x, Index t) {
-    return collage
-        .step(x, diffusion.network_t(t),
-              [&](const Tensor<B, 2>& output, const Tensor<B, 2>& crops) {
-                return to_x0(diffusion, prediction, output, crops, std::span<const Index>(&t, 1));
-              })
-        .x0;
-  };
-  auto step_noise = [&](Index draw) { return noise(draw + 1); };
-  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
-  if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), network, step_noise, options.eta, step, detail::KeepX0{}, progress,
-                             watch);
-  }
-  return sample_ancestral<B, 2>(diffusion, noise(0), network, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+  const auto clean = [&](const Tensor<B, 2>& x, Index t) { return clean_motion(collage, diffusion, prediction, x, t); };
+  return sample_clean_motions<B>(diffusion, clean, noise, options, progress, watch);
 }
 
 /// Every interval of a plan as a motion of its own, for text-to-motion without a timeline and for the SINC baselines.

@@ -32,14 +32,14 @@ struct CropRows {
   Index stride = 0;
 
   /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
-  /// as many rows behind their end.
+  /// as many rows behind their end. A crop without frames has no rows.
   static CropRows of(const BatchPlan& plan, Index crop_frames = 0) {
     CropRows out;
     out.stride = plan.frames + crop_frames;
     std::vector<Index> lengths;
     for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
       for (const Crop& c : plan.timelines[m].crops) {
-        const Index n = crop_frames > 0 ? crop_frames : c.range.size();
+        const Index n = crop_frames > 0 && c.range.size() > 0 ? crop_frames : c.range.size();
         for (Index i = 0; i < n; ++i) out.rows.push_back(static_cast<Index>(m) * out.stride + c.range.start + i);
         lengths.push_back(n);
       }

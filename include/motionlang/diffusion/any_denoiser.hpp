@@ -24,22 +24,24 @@ struct AnyDenoiser {
     return mdm_smpl ? mdm_smpl->traits() : mdm ? mdm->traits() : motiondiffuse->traits();
   }
 
-  /// Texts as they are, and what MotionDiffuse makes of them before the first step.
+  /// Texts as they are, for MDM, or what the others make of them before the first step.
   struct EncodedText {
     TextFeatures<B> text;
-    std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> encoded{};
+    std::optional<typename MdmSmplDenoiser<B>::EncodedText> mdm_smpl{};
+    std::optional<typename MotionDiffuseDenoiser<B>::EncodedText> motiondiffuse{};
   };
   EncodedText encode(const TextFeatures<B>& text) const {
-    EncodedText out{text, {}};
-    if (motiondiffuse) out.encoded = motiondiffuse->encode(text);
+    EncodedText out{text};
+    if (mdm_smpl) out.mdm_smpl = mdm_smpl->encode(text);
+    if (motiondiffuse) out.motiondiffuse = motiondiffuse->encode(text);
     return out;
   }
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
-    if (mdm_smpl) return (*mdm_smpl)(x, t, text.text, context);
+    if (mdm_smpl) return (*mdm_smpl)(x, t, *text.mdm_smpl, context);
     if (mdm) return (*mdm)(x, t, text.text, context);
-    return (*motiondiffuse)(x, t, *text.encoded, context);
+    return (*motiondiffuse)(x, t, *text.motiondiffuse, context);
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {

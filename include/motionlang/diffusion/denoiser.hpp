@@ -34,7 +34,7 @@ concept Denoiser = Module<D> &&
 
 /// A denoiser that does a part of its work on the texts alone, which is the same at every step:
 ///     d(x, t, d.encode(text)) == d(x, t, text)
-/// Models   MotionDiffuseDenoiser, AnyDenoiser
+/// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
 template <class D, class B>
 concept EncodesText = Denoiser<D, B> &&
     requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {

@@ -85,23 +85,33 @@ struct MdmSmplDenoiser {
   Sequences<B> text_tokens(const TextFeatures<B>& text) const {
     return text.tokens.with(text_norm(text_out(text_in(text.tokens.rows, Activation::gelu))));
   }
+  /// The tokens of the texts, which are the same at every step.
+  struct EncodedText {
+    Sequences<B> tokens;
+  };
+  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text)}; }
+
   /// What enters the first layer.
-  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
     const Index n = x.count();
-    if (text.count() != n || static_cast<Index>(t.size()) != n) {
-      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.count(), " texts, ", t.size(), " steps");
+    const Offsets& texts = text.tokens.offsets;
+    if (texts.count() != n || static_cast<Index>(t.size()) != n) {
+      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", texts.count(), " texts, ", t.size(), " steps");
     }
     const Sequences<B> time(time_tokens(t), Offsets::equal(n, 1));
-    const auto tokens =
-        concat_tokens(time, text_tokens(text), repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
+    const auto tokens = concat_tokens(time, text.tokens, repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
     PoolVector<PositionGap> gaps;  // what follows the text stands where it would behind the longest text of the batch
-    for (Index s = 0; s < n; ++s) {
-      const Index length = text.tokens.offsets.length(s);
-      gaps.push_back({1 + length, text.tokens.offsets.longest() - length});
-    }
+    for (Index s = 0; s < n; ++s) gaps.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
     return add_positions(tokens, positions.rows(), gaps);
   }
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
+    return sequence(x, t, encode(text));
+  }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+                          const Context& context = {}) const {
+    return (*this)(x, t, encode(text), context);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
     auto tokens = sequence(x, t, text);
     if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));

@@ -5,6 +5,8 @@
 ///         generation" (2024). Works at test time with any denoiser of explicit poses; no training.
 #pragma once
 
+#include <map>  // texts that are the same
+
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/systems/detail/stmc_class.hpp>
@@ -24,19 +26,33 @@ Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
+  const bool hard_cuts = options.mode != StmcMode::stmc;
+  return {.overlap = options.overlap,
+          .extend = !hard_cuts,
+          .transition_crops = !hard_cuts,
+          .gaps = options.gaps,
+          .hidden = options.hidden,
+          .longest_crop = denoiser.traits().longest()};
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
+  return generate_from(timelines, noise, options,
+                       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                                       const StmcOptions& options, Estimate&& estimate) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
-                                              .extend = !hard_cuts,
-                                              .transition_crops = !hard_cuts,
-                                              .gaps = options.gaps,
-                                              .hidden = options.hidden,
-                                              .longest_crop = traits.longest()});
-  const auto text = encode(texts_of(plan)), null = encode({std::string()});
+  BatchPlan plan = plan_timelines(timelines, plan_options(options));
   BatchPlan together;  // what is stitched at the end where every text is sampled alone
+  const auto [text, null] = encode(plan);
   if (hard_cuts) {
     together = std::move(plan);
     plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
@@ -50,8 +66,13 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  auto x0 = sample_collage<B>(collage, process(options.steps), traits.prediction, rows,
-                              options.sampling.value_or(sampling), options.progress);
+  const GaussianDiffusion steps = process(options.steps);
+  const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
+    return clean_motion(c, steps, traits.prediction, x, t);
+  };
+  auto x0 = sample_clean_motions<B>(
+      steps, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
+      options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
     x0 = stitch_independent(wanted, x0, stride);
@@ -85,27 +106,25 @@ GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-TextFeatures<B> Stmc<B, D, E>::encode(const std::vector<std::string>& texts) const {
+auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
+  std::vector<std::string> texts{""};
+  std::vector<Index> which;  // of every interval
+  std::map<std::string_view, Index> known{{"", 0}};
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Interval& i : p.timeline.intervals) {
+      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
+      if (is_new) texts.push_back(i.text);
+      which.push_back(place->second);
+    }
+  }
   auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {
-    std::vector<typename B::scalar> keep;
-    for (std::size_t i = 0; i < texts.size(); ++i) {
-      const Index rows = features.tokens.offsets.length(static_cast<Index>(i));
-      keep.insert(keep.end(), static_cast<std::size_t>(rows), texts[i].empty() ? 0 : 1);
-    }
+    std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
+    std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
     features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
   }
-  return features;
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<std::string> Stmc<B, D, E>::texts_of(const BatchPlan& plan) {
-  std::vector<std::string> texts;
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Interval& i : p.timeline.intervals) texts.push_back(i.text);
-  }
-  return texts;
+  return {gather(features, which), gather(features, std::vector<Index>{0})};
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

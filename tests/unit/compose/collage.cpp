@@ -87,17 +87,46 @@ TEST_CASE("around a cut both texts are added and the transition is subtracted") 
   CHECK(guided.span()[2] == 3);  // 0 + 3 (1 - 0)
 }
 
-TEST_CASE("crops without a text go through the network once, and without guidance nothing goes twice") {
+TEST_CASE("one call per step, the longest first; crops without a text go through the network once, and without guidance nothing goes twice") {
   const Known guided, plain;
   collage(guided, {.overlap = 4}).step(Matrix::zeros({30, 5}), 7);
-  CHECK(guided.seen.back() == Offsets{22, 12, 14, 4, 4, 4, 22, 12, 14});  // three transitions, three texts again
+  CHECK(guided.seen.size() == 1);
+  CHECK(guided.seen.back() == Offsets{22, 22, 14, 14, 12, 12, 4, 4, 4});  // three texts with and without, three transitions
   CHECK(guided.steps == std::vector<Index>(9, 7));
   collage(plain, {.overlap = 4}, 1).step(Matrix::zeros({30, 5}), 7);
-  CHECK(plain.seen.back() == Offsets{22, 12, 14, 4, 4, 4});
+  CHECK(plain.seen.back() == Offsets{22, 14, 12, 4, 4, 4});
   auto pause = timeline;
   pause.intervals[1].text = "";
   collage(guided, {.overlap = 4}, 2.5, pause).step(Matrix::zeros({30, 5}), 7);
-  CHECK(guided.seen.back() == Offsets{22, 12, 14, 4, 4, 4, 22, 14});
+  CHECK(guided.seen.back() == Offsets{22, 22, 14, 14, 12, 4, 4, 4});
+  collage(guided, {.overlap = 0}).step(Matrix::zeros({30, 5}), 7);
+  CHECK(guided.seen.back() == Offsets{20, 20, 10, 10, 10, 10});  // transitions without frames are left out
+}
+
+TEST_CASE("texts that begin and end together share their unconditional crop, equal texts the other as well") {
+  using enum ml::BodyPart;
+  const auto crops_of = [&](const std::vector<std::string>& words) {
+    const ml::Timeline together{{{words[0], 0, 20, BodyParts{}.with(legs)},
+                                 {words[1], 0, 20, BodyParts{}.with(left_arm)},
+                                 {words[2], 0, 12, BodyParts{}.with(right_arm)}}};
+    const Known d{.says_text = true};
+    const auto c = collage(d, {.overlap = 4}, 3, together);
+    const auto x0 = c.step(Matrix::zeros({20, 5}), 0).x0;
+    CHECK(x0.span()[std::size_t(legs)] == 3);  // 0 + 3 (text - 0)
+    return std::pair(d.seen.back(), x0.span()[std::size_t(left_arm)]);
+  };
+  // two of 20 frames, their shared one; one of 14 and its own; the transition at 12
+  CHECK(crops_of({"one", "two", "three"}) == std::pair(Offsets{20, 20, 20, 14, 14, 4}, 6.0));
+  CHECK(crops_of({"one", "one", "three"}) == std::pair(Offsets{20, 20, 14, 14, 4}, 3.0));
+}
+
+TEST_CASE("what a collage answers does not depend on the order of its texts") {
+  const Known says{.says_text = true};
+  auto turned = timeline;
+  std::rotate(turned.intervals.begin(), turned.intervals.begin() + 1, turned.intervals.end());
+  const auto x = normal<B, 2>({30, 5}, 4);
+  const ml::Collage<B, Known> c(says, ml::plan_timelines(std::span(&turned, 1)), layout, texts({2, 3, 1}), texts({0}), 2.5);
+  CHECK(same_bits(c.step(x, 0).x0, collage(says).step(x, 0).x0));
 }
 
 TEST_CASE("denoisers with crops of one size") {
@@ -109,7 +138,7 @@ TEST_CASE("denoisers with crops of one size") {
   const auto clean = [&](const auto& c) { return ml::slice(c.step(x, 0).x0, 0, 0, 30); };
   CHECK(distance(clean(a), ml::slice(x, 0, 0, 30)) < 1e-14);
   CHECK(distance(clean(b), ml::slice(x, 0, 0, 30)) < 1e-14);
-  CHECK(masked.seen.back() == Offsets{22, 12, 14, 4, 4, 4});
+  CHECK(masked.seen.back() == Offsets{22, 14, 12, 4, 4, 4});
   CHECK(whole.seen.back() == Offsets{25, 25, 25, 25, 25, 25});
   const std::vector<ml::Timeline> two(2, timeline);
   const auto again = normal<B, 2>({110, 5}, 2);

@@ -67,6 +67,15 @@ struct Stmc {
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
+  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
+  /// collage, features); whole(collage, x, t) is what a plain run takes. Not in the SINC modes, where nothing is stitched.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
+                                          Estimate&& estimate) const;
+
+  /// How timelines are planned for this model.
+  PlanOptions plan_options(const StmcOptions& options) const;
+
   /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
@@ -74,8 +83,11 @@ struct Stmc {
   GaussianDiffusion process(Index steps) const;
 
  private:
-  TextFeatures<B> encode(const std::vector<std::string>& texts) const;
-  static std::vector<std::string> texts_of(const BatchPlan& plan);
+  /// Features of the text of every interval, and of "". Each text goes through the encoder once.
+  struct PlanTexts {
+    TextFeatures<B> text, null;
+  };
+  PlanTexts encode(const BatchPlan& plan) const;
   Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
