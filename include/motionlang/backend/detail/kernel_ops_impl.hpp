@@ -120,10 +120,16 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
 }
 template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(kernels<S>().attention_scratch(k.longest(), t.width));
-  parallel_for(q.count() * t.heads, [&](Index i) {
-    if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch.mine());
-  });
+  const auto run = [&](const auto& kernel) {
+    const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
+    parallel_for(q.count() * t.heads, [&](Index i) {
+      if (q.length(i / t.heads) > 0) kernel.attention_head(t, i / t.heads, i % t.heads, scratch.mine());
+    });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) return run(*current_bf16_kernels());
+  }
+  run(kernels<S>());
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {

@@ -130,7 +130,7 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float. B is packed in panels that are the same for all instruction sets.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
   Index row_block;
@@ -139,6 +139,8 @@ struct Bf16Kernels {
                std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
+  Index (*attention_scratch)(Index keys, Index width);
+  void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
 };
 inline constexpr Index bf16_columns = 32;                                     // of a panel
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
