@@ -215,6 +215,7 @@
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/combine.hpp>
+#include <motionlang/compose/edits.hpp>
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
@@ -251,6 +252,7 @@
 #include <motionlang/systems/actor.hpp>
 #include <motionlang/systems/sinc.hpp>
 #include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/stmc_edit.hpp>
 #include <motionlang/systems/teach.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tm2t.hpp>
