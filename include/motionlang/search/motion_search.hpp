@@ -54,13 +54,14 @@ inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_f
 
 class MotionSearch {
  public:
-  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are compared.
+  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are compared, by scans with
+  /// `storage`, which has no influence on the answers.
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
-                        std::shared_ptr<const VectorSearch> moments = {})
+                        std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32)
       : index_(index),
-        clips_(clips ? std::move(clips) : scan(index.clip_rows())),
-        moments_(moments ? std::move(moments) : scan(index.moment_rows())),
-        captions_(scan(index.caption_rows())) {}
+        clips_(clips ? std::move(clips) : scan(index.clip_rows(), storage)),
+        moments_(moments ? std::move(moments) : scan(index.moment_rows(), storage)),
+        captions_(scan(index.caption_rows(), storage)) {}
 
   /// The k nearest clips. Throws what VectorSearch throws.
   std::vector<MotionHit> clips(std::span<const float> query, Index k) const {
@@ -104,8 +105,8 @@ class MotionSearch {
   }
 
  private:
-  std::shared_ptr<const VectorSearch> scan(std::span<const float> rows) const {
-    return std::make_shared<VectorScan>(rows, index_.model().width);
+  std::shared_ptr<const VectorSearch> scan(std::span<const float> rows, ScanStorage storage) const {
+    return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
   }
   static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k) {
     if (std::ssize(query) != search.width())

@@ -4,12 +4,12 @@
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
 ///     for (const Neighbour& n : gallery.search(query, 10)[0]) ...
 ///
-/// Many queries are a matrix product whose scores are looked at while they lie in the first-level cache; few are read past the gallery
-/// once. These fast scores (float sums in the kernel's order, or rows in bfloat16) only say who cannot be among the k nearest: what lies
+/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the gallery once. These fast
+/// scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say who cannot be among the k nearest: what lies
 /// within their error bound of the k-th is compared by exact_cosine. So an answer does not depend on the processor, on the number of
 /// threads, on the other queries, or on the storage.
 ///
-///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)|
+///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)| + |x| max_q |q - bfloat16(q)|
 ///
 /// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any order
 #pragma once
@@ -24,7 +24,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 enum class ScanStorage {
   float32,   // the rows as they are
-  bfloat16,  // a copy of half the size is scanned; the rows themselves are read for the best ones only
+  bfloat16,  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones only
 };
 
 namespace detail {

@@ -65,16 +65,41 @@ void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::sp
 /// Distance of rows of the gallery where a block of them is copied: of those that are a power of two apart, few fit into a cache.
 inline Index scan_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
 
-/// Many queries, in panels: scores of a block of rows with one panel at a time.
+/// Sizes of a block of scores: rows of the gallery with panels of queries.
 template <class S>
-void scan_with_panels(const RowScan<S>& scan, const Panels<S>& panels, Index first, Index last, S* scratch,
+struct ScoreBlock {
+  Index rows, panels, panel_width, product_scratch;
+
+  explicit ScoreBlock(const Panels<S>& queries) {
+    if (queries.kernels != nullptr) {  // one panel at a time: its scores stay in the first-level cache
+      const Kernels<S>& kernel = *queries.kernels;
+      rows = kernel.row_block, panels = 1, panel_width = kernel.panel_width, product_scratch = kernel.gemm_scratch;
+    } else {  // all of them: every product puts the rows into another order first
+      rows = 64, panels = parts(queries.n, bf16_columns), panel_width = bf16_columns;
+      product_scratch = current_bf16_kernels()->scratch(queries.k);
+    }
+  }
+  Index columns() const { return panels * panel_width; }
+  /// Distance of rows: of those that are a power of two apart, few fit into a cache.
+  Index pitch() const { return panels == 1 ? panel_width : columns() + 16; }
+  static Index gallery_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
+  /// Numbers that scan_with_panels needs.
+  Index scratch(Index width) const {
+    return product_scratch + rows * pitch() + columns() + rows * gallery_pitch(width);
+  }
+};
+
+/// Many queries, in panels: a matrix product whose scores are looked at while they lie in a cache.
+template <class S>
+void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index first, Index last, S* scratch,
                       Candidates<S>& candidates) {
-  const Kernels<S>& kernel = *panels.kernels;
-  const ScanKernels<S>& scanner = scan_kernels(kernel);
-  const Index width = scan.width, pitch = scan_pitch(width), w = kernel.panel_width, block = kernel.row_block;
-  S *scores = scratch + kernel.gemm_scratch, *maxima = scores + block * w, *gallery = maxima + w;
-  for (Index top = first; top < last; top += block) {
-    const Index rows = std::min(block, last - top);
+  const ScanKernels<S>& scanner = scan_kernels(kernels<S>());
+  const ScoreBlock<S> block(queries);
+  const Index width = scan.width, pitch = block.gallery_pitch(width), w = block.panel_width;
+  S *scores = scratch + block.product_scratch, *maxima = scores + block.rows * block.pitch(),
+    *gallery = maxima + block.columns();
+  for (Index top = first; top < last; top += block.rows) {
+    const Index rows = std::min(block.rows, last - top);
     for (Index r = 0; r < rows; ++r) {
       if (scan.halves.empty())
         std::memcpy(gallery + r * pitch, scan.rows.data() + (top + r) * width,
@@ -82,26 +107,47 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& panels, Index fir
       else
         scanner.widen_row(scan.halves.data() + (top + r) * width, width, gallery + r * pitch);
     }
-    for (Index j = 0; j * w < panels.n; ++j) {
-      const Index columns = std::min(w, panels.n - j * w);
-      const Gemm<S> product{.m = rows,
-                            .n = w,
-                            .k = width,
-                            .a = gallery,
-                            .lda = pitch,
-                            .panels = panels.data() + j * w * width,
-                            .c = scores,
-                            .ldc = w};
-      kernel.gemm_block(product, 0, rows, 0, 1, scratch);
-      scanner.panel_maxima(scores, rows, maxima);
-      for (Index c = 0; c < columns; ++c) {
-        if (!(maxima[c] > candidates.limit(j * w + c))) continue;
+    Gemm<S> product{.m = rows,
+                    .n = block.columns(),
+                    .k = width,
+                    .a = gallery,
+                    .lda = pitch,
+                    .c = scores,
+                    .ldc = block.pitch()};
+    for (Index j = 0; j * w < queries.n; j += block.panels) {
+      if (queries.kernels != nullptr) {
+        product.panels = queries.data() + j * w * width;
+        queries.kernels->gemm_block(product, 0, rows, 0, 1, scratch);
+      } else {
+        current_bf16_kernels()->gemm_block(product, queries.bf16(), 0, rows, 0, block.panels, scratch);
+      }
+      scanner.column_maxima(scores, rows, block.pitch(), block.columns(), maxima);
+      for (Index c = 0; c < std::min(block.columns(), queries.n - j * w); ++c) {
+        const Index query = j * w + c;
+        if (!(maxima[c] > candidates.limit(query))) continue;
         for (Index r = 0; r < rows; ++r) {
-          if (scores[r * w + c] > candidates.limit(j * w + c)) candidates.compare(j * w + c, top + r);
+          if (scores[r * block.pitch() + c] > candidates.limit(query)) candidates.compare(query, top + r);
         }
       }
     }
   }
+}
+
+/// Queries for scan_with_few, in the order that its kernel wants.
+template <class S>
+std::vector<S> ordered_queries(const RowScan<S>& scan, std::span<const S> queries) {
+  std::vector<S> out(queries.begin(), queries.end());
+  if (scan.halves.empty()) return out;
+  for (Index q = 0; q < std::ssize(queries); q += scan.width)
+    scan_kernels(kernels<S>()).split_pairs(queries.data() + q, scan.width, out.data() + q);
+  return out;
+}
+
+/// Largest |q - bfloat16(q)|.
+template <class S>
+double rounding_of(std::span<const S> queries, Index width) {
+  std::vector<std::uint16_t> halves(queries.size());
+  return RowScan<S>::to_halves(queries, width, halves.data());
 }
 
 template <std::same_as<float> S>
@@ -109,8 +155,6 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
   constexpr Index group = 1024, few = 8;  // queries: those that share a cache, and those that are not worth a product
   const Kernels<S>& kernel = kernels<S>();
   const Index total = std::ssize(queries) / width, threads = thread_count();
-  // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the limit.
-  const double error = 1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error);
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
   if (k == 0) return out;
   const Index blocks = parts(count, kernel.row_block),
@@ -118,11 +162,10 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
   for (Index begin = 0; begin < total; begin += group) {
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
-    std::vector<S> ordered(mine.begin(), mine.end());
-    if (!halves.empty()) {
-      for (Index q = 0; q < n; ++q)
-        scan_kernels(kernel).split_pairs(mine.data() + q * width, width, ordered.data() + q * width);
-    }
+    const bool product = n > few, rounded = product && !halves.empty();
+    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the limit.
+    const double error = 1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error +
+                                 (rounded ? rounding_of(mine, width) : 0));
     std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
@@ -130,16 +173,17 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
           seen[static_cast<std::size_t>(thread_number())]);
       });
     };
-    if (n <= few) {
-      for_rows([&](Index first, Index last, Candidates<S>& c) {
-        scan_with_few<S>(*this, scan_kernels(kernel), ordered, first, last, c);
-      });
-    } else {
-      const Panels<S> panels = pack_panels<S>(ordered.data(), width, n, 1, width);
-      const Scratch<S> scratch(kernel.gemm_scratch + (kernel.row_block + 1) * kernel.panel_width +
-                               kernel.row_block * scan_pitch(width));
+    if (product) {
+      const auto panels =
+          pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
+      const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
+      });
+    } else {
+      const auto ordered = ordered_queries<S>(*this, mine);
+      for_rows([&](Index first, Index last, Candidates<S>& c) {
+        scan_with_few<S>(*this, scan_kernels(kernel), ordered, first, last, c);
       });
     }
     for (std::size_t t = 1; t < seen.size(); ++t) seen[0].merge(seen[t]);

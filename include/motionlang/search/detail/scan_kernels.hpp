@@ -14,7 +14,7 @@ struct ScanKernels {
   void (*dot_half_rows)(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out);
   void (*split_pairs)(const S* query, Index width, S* pairs);
   void (*widen_row)(const std::uint16_t* x, Index width, S* y);
-  void (*panel_maxima)(const S* c, Index rows, S* out);
+  void (*column_maxima)(const S* c, Index rows, Index pitch, Index columns, S* out);
   Index (*first_above)(const S* x, Index from, Index n, S limit);
 };
 
