@@ -9,11 +9,14 @@
 
 #include <cerrno>      // errno
 #include <cstddef>     // byte
+#include <cstdint>     // addresses
 #include <cstdio>      // rename, remove
 #include <cstring>     // strerror
 #include <memory>      // shared_ptr
+#include <mutex>       // list of mapped files
 #include <span>        // contents
 #include <string>      // contents
+#include <utility>     // exchange
 
 #include <motionlang/core/error.hpp>
 #include <motionlang/io/file_path.hpp>
@@ -52,13 +55,36 @@ class MappedFile {
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
+  /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
+  static const MappedFile* that_holds(std::span<const std::byte> bytes) {
+    const std::scoped_lock lock(mutex_);
+    const MappedFile* f = first_;
+    while (f != nullptr && (address(bytes) < address(f->bytes()) ||
+                            address(bytes) + bytes.size() > address(f->bytes()) + f->bytes().size()))
+      f = f->next_;
+    return f;
+  }
   ~MappedFile() {
-    if (size_ != 0) ::munmap(data_, size_);
+    if (size_ == 0) return;
+    {
+      const std::scoped_lock lock(mutex_);
+      MappedFile** place = &first_;
+      while (*place != this) place = &(*place)->next_;
+      *place = next_;
+    }
+    ::munmap(data_, size_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+  /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
+  void forget(std::span<const std::byte> part) const {
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const std::uintptr_t begin = (address(part) + page - 1) / page * page,
+                         end = (address(part) + part.size()) / page * page;
+    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  }
 
  private:
   explicit MappedFile(const FilePath& path) {
@@ -67,9 +93,19 @@ class MappedFile {
     if (size_ == 0) return;  // an empty mapping is an error of mmap
     data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
     if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+    const std::scoped_lock lock(mutex_);
+    next_ = std::exchange(first_, this);
   }
+  static std::uintptr_t address(std::span<const std::byte> bytes) {
+    return reinterpret_cast<std::uintptr_t>(bytes.data());
+  }
+
   void* data_ = nullptr;
   std::size_t size_ = 0;
+  MappedFile* next_ = nullptr;
+
+  inline static std::mutex mutex_;
+  inline static MappedFile* first_ = nullptr;  // all that are mapped
 };
 
 /// The whole file as text. Throws io_error 401.

@@ -11,7 +11,9 @@
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
 ///          value are stacked and whose text_projection is transposed
-/// Memory   tensors of 32-bit numbers are views of the file
+/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers among them are packed for the kernels (prepare) and their
+///          memory in the file is given back, so that no weight is there twice; weights that had to be converted or put together are
+///          packed whenever they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes; io_error 406,
 ///          407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
@@ -186,6 +188,24 @@ inline RenamedTensors clip_tensors(const TensorSet& file) {
   return out;
 }
 
+/// Packs weights that lie in a mapped file, and gives their memory there back: who still reads them gets them from the file again.
+struct PrepareMapped {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (R == 2 && requires { B::prepare(t.data()); }) {
+      const auto bytes = std::as_bytes(t.span());
+      const MappedFile* file = MappedFile::that_holds(bytes);
+      if (file == nullptr) return;
+      B::prepare(t.data());
+      file->forget(bytes);
+    }
+  }
+};
+template <class Layer>
+void prepare_mapped(std::vector<Layer>& layers) {
+  for (Layer& layer : layers) visit_tensors(layer, PrepareMapped{});
+}
+
 /// A size in a configuration file, 1 ... largest.
 inline Index config_size(const JsonView& config, const std::string& key, Index largest) {
   const Index n = config[key].as<Index>();
@@ -236,6 +256,7 @@ Network load_text_network(const BertConfig& config, const TensorSet& weights) {
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
+  detail::prepare_mapped(network.layers);
   return network;
 }
 /// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
@@ -315,6 +336,7 @@ ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weight
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
+  detail::prepare_mapped(network.blocks);
   return network;
 }
 template <Backend B>

@@ -5,8 +5,8 @@
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Weights are read where they
-/// lie; `prepare` is not needed, and would take the memory of the weights a second time.
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Loading a file packs the weights
+/// for the kernels; a network that was made otherwise is made ready with `prepare`.
 #pragma once
 
 #include <motionlang/nn/embedding.hpp>
@@ -202,6 +202,12 @@ struct BertNetwork {
     return transpose(gather(relative_scores->weight, buckets));
   }
 };
+
+/// Packs the weights of the layers. Embeddings are looked up, not multiplied with.
+template <Backend B, class Keys>
+void prepare(BertNetwork<B, Keys>& network) {
+  for (auto& layer : network.layers) prepare(layer);
+}
 
 template <Backend B>
 using DistilBert = BertNetwork<B, DistilBertKeys>;

@@ -125,4 +125,10 @@ struct ClipText {
   }
 };
 
+/// Packs the weights of the blocks. Embeddings are looked up, not multiplied with.
+template <Backend B>
+void prepare(ClipText<B>& network) {
+  for (auto& block : network.blocks) prepare(block);
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -1,0 +1,67 @@
+// Mapped files: who holds which bytes, and what happens to bytes that are forgotten.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <vector>
+
+#include <motionlang/io/file.hpp>
+
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+std::string numbered(std::size_t size) {
+  std::string out(size, ' ');
+  for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<char>('a' + i % 23);
+  return out;
+}
+bool holds(const std::shared_ptr<const ml::MappedFile>& file, const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return std::ranges::equal(file->bytes(), bytes);
+}
+
+}  // namespace
+
+TEST_CASE("MappedFile: the file that holds some bytes, among several, and nobody for other memory") {
+  const TemporaryFolder folder;
+  const std::string text = numbered(10000);
+  ml::write_file((folder.path / "a").string(), text);
+  ml::write_file((folder.path / "b").string(), text);
+  ml::write_file((folder.path / "empty").string(), std::string_view());
+  const auto a = ml::MappedFile::open(folder.path / "a"), empty = ml::MappedFile::open(folder.path / "empty");
+  auto b = ml::MappedFile::open(folder.path / "b");
+  CHECK(ml::MappedFile::that_holds(a->bytes()) == a.get());
+  CHECK(ml::MappedFile::that_holds(b->bytes().subspan(9999, 1)) == b.get());
+  CHECK(ml::MappedFile::that_holds(std::as_bytes(std::span(text))) == nullptr);
+  const auto past_the_end = std::span(a->bytes().data(), a->bytes().size() + 1);
+  CHECK(ml::MappedFile::that_holds(past_the_end) == nullptr);
+  const auto gone = b->bytes();
+  b.reset();
+  CHECK(ml::MappedFile::that_holds(gone) == nullptr);
+  CHECK(ml::MappedFile::that_holds(a->bytes()) == a.get());
+}
+
+TEST_CASE("MappedFile: what was forgotten takes no memory, and is read from the file again") {
+  const TemporaryFolder folder;
+  constexpr std::size_t size = std::size_t{64} << 20;
+  const std::string text = numbered(size);
+  ml::write_file((folder.path / "large").string(), text);
+  const auto file = ml::MappedFile::open(folder.path / "large");
+  const auto resident = [] {
+    std::size_t total = 0, pages = 0;
+    std::ifstream("/proc/self/statm") >> total >> pages;
+    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  };
+  REQUIRE(holds(file, text));
+  const std::size_t before = resident();
+  file->forget(file->bytes().subspan(5, size - 10));
+  const std::size_t after = resident();
+  CHECK(after + size * 9 / 10 < before);
+  CHECK(holds(file, text));
+  file->forget(file->bytes().first(100));  // no whole page
+  file->forget(file->bytes().first(0));
+  CHECK(holds(file, text));
+}
