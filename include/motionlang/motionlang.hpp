@@ -115,6 +115,7 @@
 #include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/recompute.hpp>
 #include <motionlang/nn/seq2seq_gru.hpp>
 #include <motionlang/nn/seq2seq_transformer.hpp>
 #include <motionlang/nn/seq2seq_writer.hpp>

@@ -4,13 +4,20 @@
 /// Each operation below stands next to its derivative (vjp: vector-Jacobian product): g is the gradient of the result,
 /// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
 /// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
+/// Of a layer norm, which is cheap, no result is kept: a product that needs it has it calculated again. `checkpoint` does
+/// the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost", 2016).
 /// Gradients are returned as a value and live on the inner backend.
 ///
 /// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
 /// own loss. Losses that share operations belong to one thread.
 #pragma once
 
+#include <algorithm>      // sort
+#include <array>          // operands that are kept
+#include <atomic>         // numbers of nodes
 #include <memory>         // nodes
+#include <optional>       // what a node has forgotten
+#include <tuple>          // apply
 #include <unordered_map>  // gradients by variable
 #include <utility>        // move
 #include <vector>         // operands
@@ -43,11 +50,7 @@ struct Autodiff {
     void add(std::size_t i, Value g) const {
       if (!needs(i)) return;
       const Node* input = node_->inputs[i].get();
-      if (input->variable) {
-        const auto [slot, first] = variables_->try_emplace(input);
-        slot->second = first ? std::move(g) : B::add(std::move(slot->second), std::move(g));
-        return;
-      }
+      if (input->variable) return add_variable(input, std::move(g));
       auto& slot = (*gradients_)[static_cast<std::size_t>(input->order)];
       slot.second = slot.first ? B::add(std::move(slot.second), std::move(g)) : std::move(g);
       slot.first = true;
@@ -55,16 +58,29 @@ struct Autodiff {
 
    private:
     friend struct Autodiff;
+    void add_variable(const Node* variable, Value g) const {
+      if (outer_ != nullptr) {  // in a checkpoint, whose inputs are leaves
+        const auto leaf =
+            std::find_if(leaves_.begin(), leaves_.end(), [&](auto& t) { return t.node.get() == variable; });
+        if (leaf != leaves_.end()) return outer_->add(static_cast<std::size_t>(leaf - leaves_.begin()), std::move(g));
+        return outer_->add_variable(variable, std::move(g));
+      }
+      const auto [slot, first] = variables_->try_emplace(variable);
+      slot->second = first ? std::move(g) : B::add(std::move(slot->second), std::move(g));
+    }
     const Node* node_ = nullptr;
     std::vector<std::pair<bool, Value>>* gradients_ = nullptr;  // of operations, by their order
     GradientMap* variables_ = nullptr;
+    const Sink* outer_ = nullptr;
+    std::span<const tensor> leaves_;
   };
 
   /// One operation of the graph, or a variable (no inputs, no vjp).
   class Node {
    public:
     std::vector<std::shared_ptr<Node>> inputs;
-    Index order = -1;  // of an operation: its place in the walk that is going on
+    Index order = -1;                      // of an operation: its place in the walk that is going on
+    const std::uint64_t number = ++made_;  // operands have smaller numbers than what is made of them
     bool variable = true;
 
     Node() = default;
@@ -74,6 +90,8 @@ struct Autodiff {
     virtual void vjp(const Value&, const Sink&) const {}
     virtual void forget() {}  // drops what the vjp keeps
     virtual bool forgotten() const { return false; }
+    virtual bool cheap() const { return false; }  // to calculate again
+    virtual Value again() const { return {}; }    // the result, of a cheap operation that has forgotten nothing
 
     /// Without recursion: a chain of two million operations must not overflow the stack.
     void release_inputs() {
@@ -87,6 +105,9 @@ struct Autodiff {
         }
       }
     }
+
+   private:
+    inline static std::atomic<std::uint64_t> made_{0};
   };
 
   static tensor variable(Value value) { return {std::move(value), std::make_shared<Node>()}; }
@@ -123,9 +144,9 @@ struct Autodiff {
   static tensor mul(const tensor& a, const tensor& b) {
     return record(
         B::mul(a.value, b.value),
-        [x = a.value, y = b.value](const Value& g, const Sink& s) {
-          if (s.needs(0)) s.add(0, unbroadcast(B::mul(g, y), B::shape(x)));
-          if (s.needs(1)) s.add(1, unbroadcast(B::mul(g, x), B::shape(y)));
+        [x = value_for(b, a), y = value_for(a, b), sa = shape(a), sb = shape(b)](const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, unbroadcast(B::mul(g, y), sa));
+          if (s.needs(1)) s.add(1, unbroadcast(B::mul(g, x), sb));
         },
         a, b);
   }
@@ -133,7 +154,7 @@ struct Autodiff {
     Value q = B::div(a.value, b.value);
     return record(
         q,
-        [q, y = b.value, sa = shape(a)](const Value& g, const Sink& s) {
+        [q = b.node == nullptr ? Value{} : q, y = b.value, sa = shape(a)](const Value& g, const Sink& s) {
           if (s.needs(0)) s.add(0, unbroadcast(B::div(g, y), sa));
           if (s.needs(1)) s.add(1, unbroadcast(times(B::div(B::mul(g, q), y), -1), B::shape(y)));
         },
@@ -227,7 +248,7 @@ struct Autodiff {
   static tensor matmul(const tensor& a, const tensor& b, bool ta, bool tb) {
     return record(
         B::matmul(a.value, b.value, ta, tb),
-        [x = a.value, y = b.value, ta, tb](const Value& g, const Sink& s) {
+        [x = value_for(b, a), y = value_for(a, b), ta, tb](const Value& g, const Sink& s) {
           if (s.needs(0)) s.add(0, ta ? B::matmul(y, g, tb, true) : B::matmul(g, y, false, !tb));
           if (s.needs(1)) s.add(1, tb ? B::matmul(g, x, true, ta) : B::matmul(x, g, !ta, false));
         },
@@ -322,9 +343,9 @@ struct Autodiff {
     return record(
         B::linear(x.value, weight.value, bias == nullptr ? nullptr : &bias->value, act,
                   residual == nullptr ? nullptr : &residual->value),
-        [x = x.value, w = weight.value](const Value& g, const Sink& s) {
+        [x = Operand(weight, x), w = value_for(x, weight)](const Value& g, const Sink& s) {
           if (s.needs(0)) s.add(0, B::matmul(g, w, false, false));
-          if (s.needs(1)) s.add(1, B::matmul(g, x, true, false));
+          if (s.needs(1)) s.add(1, B::matmul(g, x.value(), true, false));
           if (s.needs(2)) s.add(2, B::column_sums(g));
           if (s.needs(3)) s.add(3, g);
         },
@@ -335,8 +356,10 @@ struct Autodiff {
     B::layer_norm_vjp(v, v, eps, v);
   }
   {
-    return record(
-        B::layer_norm(x.value, weight.value, bias.value, eps),
+    auto forward = [x = x.value, w = weight.value, b = bias.value, eps] { return B::layer_norm(x, w, b, eps); };
+    Value y = forward();
+    return record_cheap(
+        std::move(y), std::move(forward),
         [x = x.value, w = weight.value, eps](const Value& g, const Sink& s) {
           auto [dx, dweight, dbias] = B::layer_norm_vjp(x, w, eps, g);
           s.add(0, std::move(dx));
@@ -392,59 +415,83 @@ struct Autodiff {
         q, k, v);
   }
 
+  // Recomputation.
+
+  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during the
+  /// backward pass. What else `again` uses has to be constant or variable.
+  template <class F, class... T>
+  static tensor checkpoint(const tensor& y, F again, const T&... inputs) {
+    if (y.node == nullptr || y.node->variable) return y;
+    return operation(
+        y.value,
+        [again = std::move(again), values = std::array{inputs.value...}](const Value& g, const Sink& s) {
+          std::array<tensor, sizeof...(T)> leaves;
+          for (std::size_t i = 0; i < leaves.size(); ++i)
+            leaves[i] = s.needs(i) ? variable(values[i]) : tensor{values[i], nullptr};
+          Sink inside;
+          inside.outer_ = &s;
+          inside.leaves_ = leaves;
+          walk(std::apply(again, leaves), g, inside);
+        },
+        inputs...);
+  }
+
   // The walk.
 
   /// Gradients of a number with respect to all variables that it depends on. Frees the graph behind it. Throws
-  /// config_error 102 if the graph has been walked before.
+  /// config_error 102 if the graph has been walked before, or if a checkpoint hides what it uses.
   static GradientMap gradients(const tensor& loss) {
     GradientMap result;
-    if (loss.node == nullptr) return result;
-    Value one = B::full(B::shape(loss.value), scalar(1));
-    if (loss.node->variable) {
-      result.emplace(loss.node.get(), std::move(one));
-      return result;
-    }
-    // Operations in an order in which operands come first: depth-first search with an explicit stack.
-    std::vector<Node*> sorted;
-    std::vector<std::pair<Node*, std::size_t>> path{{loss.node.get(), 0}};
-    loss.node->order = -2;  // on the path
-    while (!path.empty()) {
-      Node* node = path.back().first;
-      if (node->forgotten()) {
-        for (Node* n : sorted) n->order = -1;
-        for (auto& [n, next] : path) n->order = -1;
-        raise<config_error>(102, "backward: this graph has been walked already; compute the loss again");
-      }
-      if (path.back().second < node->inputs.size()) {
-        Node* input = node->inputs[path.back().second++].get();
-        if (input != nullptr && !input->variable && input->order == -1) {
-          input->order = -2;
-          path.emplace_back(input, 0);
-        }
-      } else {
-        node->order = static_cast<Index>(sorted.size());
-        sorted.push_back(node);
-        path.pop_back();
-      }
-    }
-    std::vector<std::pair<bool, Value>> gradient(sorted.size());
-    gradient.back() = {true, std::move(one)};
     Sink sink;
-    sink.gradients_ = &gradient;
     sink.variables_ = &result;
-    for (std::size_t i = sorted.size(); i-- > 0;) {
-      Node* node = sorted[i];
-      auto [known, g] = std::move(gradient[i]);
-      gradient[i] = {};
-      sink.node_ = node;
-      if (known) node->vjp(g, sink);
-      node->forget();
-    }
-    for (Node* node : sorted) node->order = -1;
+    walk(loss, B::full(B::shape(loss.value), scalar(1)), sink);
     return result;
   }
 
  private:
+  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked from the last
+  /// made to the first: what a layer kept is free before the layer below begins, and sums of gradients have one order, with
+  /// checkpoints or without.
+  static void walk(const tensor& last, Value g_last, Sink& sink) {
+    if (last.node == nullptr) return;
+    if (last.node->variable) return sink.add_variable(last.node.get(), std::move(g_last));
+    std::vector<Node*> found{last.node.get()};
+    auto let_go = [&] {
+      for (Node* node : found) node->order = -1;
+    };
+    last.node->order = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found[i]->forgotten()) {
+        let_go();
+        raise<config_error>(102, "backward: this graph has been walked already; compute the loss again");
+      }
+      for (const auto& input : found[i]->inputs) {
+        if (input == nullptr || input->variable) continue;
+        if (input->order == -1) {
+          input->order = std::ssize(found);
+          found.push_back(input.get());
+        } else if (input->order >= std::ssize(found) || found[static_cast<std::size_t>(input->order)] != input.get()) {
+          let_go();
+          raise<config_error>(
+              102, "backward: what is calculated again uses a result that is not one of the inputs of its checkpoint");
+        }
+      }
+    }
+    std::sort(found.begin(), found.end(), [](const Node* a, const Node* b) { return a->number < b->number; });
+    for (std::size_t i = 0; i < found.size(); ++i) found[i]->order = static_cast<Index>(i);
+    std::vector<std::pair<bool, Value>> gradient(found.size());
+    gradient.back() = {true, std::move(g_last)};
+    sink.gradients_ = &gradient;
+    for (std::size_t i = found.size(); i-- > 0;) {
+      auto [known, g] = std::move(gradient[i]);
+      gradient[i] = {};
+      sink.node_ = found[i];
+      if (known) found[i]->vjp(g, sink);
+      found[i]->forget();
+    }
+    let_go();
+  }
+
   template <class F>
   class Operation final : public Node {
    public:
@@ -457,10 +504,51 @@ struct Autodiff {
     std::optional<F> f_;
   };
 
+  /// An operation whose result `forward` calculates again from what the vjp keeps anyway.
+  template <class F, class G>
+  class CheapOperation final : public Node {
+   public:
+    CheapOperation(F f, G forward) : parts_({std::move(f), std::move(forward)}) { this->variable = false; }
+    void vjp(const Value& g, const Sink& s) const override { parts_->first(g, s); }
+    void forget() override { parts_.reset(); }
+    bool forgotten() const override { return !parts_.has_value(); }
+    bool cheap() const override { return true; }
+    Value again() const override { return parts_->second(); }
+
+   private:
+    std::optional<std::pair<F, G>> parts_;
+  };
+
+  /// An operand whose value the derivative for `other` needs; nothing if other is a constant. The result of a cheap
+  /// operation is not kept: that operation is among the inputs of the node that asks, and is walked after it.
+  class Operand {
+   public:
+    Operand(const tensor& other, const tensor& x)
+        : node_(x.node != nullptr && x.node->cheap() ? x.node.get() : nullptr),
+          value_(node_ == nullptr ? value_for(other, x) : Value{}) {}
+    Value value() const { return node_ == nullptr ? value_ : node_->again(); }
+
+   private:
+    const Node* node_;
+    Value value_;
+  };
+  static Value value_for(const tensor& other, const tensor& x) { return other.node == nullptr ? Value{} : x.value; }
+
+  template <class F, class... T>
+  static tensor operation(Value value, F vjp, const T&... operands) {
+    auto node = std::make_shared<Operation<F>>(std::move(vjp));
+    node->inputs = {operands.node...};
+    return {std::move(value), std::move(node)};
+  }
   template <class F, class... T>
   static tensor record(Value value, F vjp, const T&... operands) {
     if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
-    auto node = std::make_shared<Operation<F>>(std::move(vjp));
+    return operation(std::move(value), std::move(vjp), operands...);
+  }
+  template <class G, class F, class... T>
+  static tensor record_cheap(Value value, G forward, F vjp, const T&... operands) {
+    if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
+    auto node = std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward));
     node->inputs = {operands.node...};
     return {std::move(value), std::move(node)};
   }

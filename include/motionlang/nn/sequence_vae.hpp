@@ -138,7 +138,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
       const ModuleScope scope("layers.", i);
       if (i + 1 == encoder.layers.size())
         return detail::layer_of_readers(encoder.layers[i], first_rows(x, n), x, context).rows;
-      x.rows = encoder.layers[i](x.rows, x.offsets, context);
+      x.rows = run_layer(encoder.layers[i], x.rows, x.offsets, context);
     }
     return first_rows(x, n).rows;
   };
@@ -202,7 +202,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
     auto rows = gather(attended, pick);
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
-      rows = i == 0 ? layers[i].behind_self(rows, offsets, some) : layers[i](rows, offsets, some);
+      rows = i == 0 ? layers[i].behind_self(rows, offsets, some) : run_layer(layers[i], rows, offsets, some, context);
     }
     return final_layer(rows);
   };

@@ -117,7 +117,7 @@ struct TransformerDecoder {
     Tensor<B, 2> rows = x.rows;
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
-      rows = layers[i](rows, x.offsets, memory, context);
+      rows = run_layer(layers[i], rows, x.offsets, memory, context);
     }
     return x.with(std::move(rows));
   }

@@ -4,6 +4,7 @@
 
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
+#include <motionlang/nn/recompute.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -97,7 +98,7 @@ struct TransformerEncoder {
     Tensor<B, 2> rows = x.rows;
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
-      rows = layers[i](rows, x.offsets, context);
+      rows = run_layer(layers[i], rows, x.offsets, context);
     }
     return x.with(std::move(rows));
   }

@@ -42,6 +42,23 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
+/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...), which
+/// has to give y once more. Training needs the memory of one such piece instead of all, for a second forward pass.
+/// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
+/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been calculated
+///          has to be an input (config_error 102). Gradients are the same bits as without
+template <AutodiffBackend A, int R, class F, int... Q>
+Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
+  return Tensor<A, R>(A::checkpoint(
+      y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
+      inputs.data()...));
+}
+/// f(inputs...), of which the graph keeps the inputs only.
+template <class F, AutodiffBackend A, int... Q>
+auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
+  return keep_inputs(f(inputs...), f, inputs...);
+}
+
 /// A leaf that gradients are wanted for.
 template <AutodiffBackend A, int R>
 Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {

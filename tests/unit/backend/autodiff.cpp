@@ -4,9 +4,10 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/tensor/ops.hpp>
+#include <motionlang/tensor/fused.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/tensors.hpp"
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<double>;
@@ -108,4 +109,55 @@ TEST_CASE("the optimiser's view of a variable keeps its place in later graphs") 
   auto x = variable({1, 2});
   A::mutable_value(x.mutable_data()) = ml::Tensor<B, 1>::from({10, 20}, {2}).data();
   CHECK(ml::backward(ml::sum(x * x))[x].to_vector() == Values{20, 40});
+}
+
+TEST_CASE("a checkpoint gives the value and the gradients of what it stands for") {
+  const auto x = variable({2, 3}), weight = variable({5, 7});
+  const auto f = [&](const Vector& a, const Vector& b) { return ml::exp(a * 0.1) * weight + a * b * a; };
+  const auto loss = [&](auto&& call) {
+    const auto a = x * 3.0;
+    return ml::sum(call(a, x) * a) + ml::sum(weight * x);
+  };
+  const auto plain = loss(f), kept = loss([&](const auto&... inputs) { return ml::checkpoint(f, inputs...); });
+  CHECK(plain.item() == kept.item());
+  const auto expected = ml::backward(plain), found = ml::backward(kept);
+  for (const auto& v : {x, weight}) CHECK(tensors::same_bits(found[v], expected[v]));
+}
+
+TEST_CASE("a checkpoint calls its function once for the value and once for the gradients") {
+  const auto x = variable({2});
+  int calls = 0;
+  const auto square = [&calls](const Vector& v) { return ++calls, v * v; };
+  const auto inner = [&](const Vector& v) { return ml::checkpoint(square, v) * 1.0; };
+  const auto loss = ml::sum(ml::checkpoint(inner, x));
+  CHECK(calls == 1);
+  CHECK(ml::backward(loss)[x].item() == 4);
+  CHECK(calls == 3);  // the value of the inner one once more, then its gradient
+  CHECK_ERROR(ml::backward(loss), "[motionlang.config.102] backward: this graph has been walked already");
+}
+
+TEST_CASE("constants and the function that returns its input need no checkpoint") {
+  const auto x = variable({2});
+  const auto c = Vector::from({3}, {1});
+  CHECK(ml::checkpoint([](const Vector& v) { return v * v; }, c).data().node == nullptr);
+  CHECK(ml::checkpoint([](const Vector& v) { return v; }, x).data().node == x.data().node);
+  CHECK(ml::backward(ml::sum(ml::checkpoint([](const Vector& v, const Vector& w) { return v * w; }, x, c)))[x].item() == 3);
+  CHECK(ml::backward(ml::sum(ml::checkpoint([&](const Vector& v) { return v * x; }, c)))[x].item() == 3);
+}
+
+TEST_CASE("a checkpoint refuses results that are not among its inputs") {
+  const auto x = variable({2});
+  const auto y = x * x;
+  const auto hidden = ml::checkpoint([&](const Vector& v) { return v * y; }, x);
+  CHECK_ERROR(ml::backward(ml::sum(hidden + y)), "[motionlang.config.102] backward: what is calculated again uses a result");
+}
+
+TEST_CASE("layer norms are calculated again where a product needs their result: no value changes") {
+  const auto x = tensors::normal<A, 2>({6, 4}, 1), w = tensors::normal<A, 2>({5, 4}, 2);
+  const auto gain = tensors::normal<A, 1>({4}, 3), shift = tensors::normal<A, 1>({4}, 4);
+  const auto normed = ml::layer_norm(x * 2.0, gain, shift);
+  const auto found = ml::backward(ml::sum(ml::square(ml::linear<A>(normed, w, nullptr))));
+  // the same with a copy of the result that is kept
+  const auto kept = ml::variable<A>(ml::value_of(normed));
+  CHECK(tensors::same_bits(found[w], ml::backward(ml::sum(ml::square(ml::linear<A>(kept, w, nullptr))))[w]));
 }
