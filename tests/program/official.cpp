@@ -3,6 +3,7 @@
 
 #include <motionlang/io/embedding_cache.hpp>
 
+#include "../support/official_tm2t.hpp"
 #include "../support/official_vaes.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
@@ -118,6 +119,53 @@ TEST_CASE("generate: TEACH takes texts one after the other, SINC texts at the sa
   CHECK(contains(overlapping.text, "'a walk' and 'walk' overlap; this model (TEACH) takes texts one after the other"));
   CHECK(generate("sinc", "together.txt").code == 0);
   CHECK(w.joints("out/together.npy") == std::vector<ml::Index>{30, 24, 3});
+}
+
+TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a motion is") {
+  const Workplace w;
+  official::write_mdm_action_run(w / "mdm", official::small());
+  w.did({"generate", "--model", "mdm", "--action", "walk", "--seconds", "2", "--steps", "3"});
+  CHECK(w.joints("out/walk.npy") == std::vector<ml::Index>{40, 24, 3});
+  w.did({"generate", "--model", "mdm", "--action", "1", "--seconds", "2", "--steps", "3"});
+  CHECK(ml::read_file(w / "out/walk.bvh") == ml::read_file(w / "out/1.bvh"));
+  const Outcome longer = w.run({"generate", "--model", "mdm", "--action", "walk", "--seconds", "4"});
+  CHECK(longer.code == 3);
+  CHECK(contains(longer.text, "'walk' has 80 frames, the model makes 60"));
+  CHECK(contains(w.run({"generate", "--model", "mdm", "--action", "walk", "--backend", "reference"}).text, "generated with backend 'eigen'"));
+
+  const fs::path run = official::write_tm2t_runs(w.path, official::small_tm2t());
+  w.did({"generate", "--model", run.string(), "--text", "a person walks"});
+  const auto shape = w.joints("out/a_person_walks.npy");
+  CHECK((shape.size() == 3 && shape[0] > 0 && shape[0] % 4 == 0));
+  const std::string first = ml::read_file(w / "out/a_person_walks.bvh");
+  w.did({"generate", "--model", run.string(), "--text", "a person walks", "--seed", "1"});
+  CHECK(ml::read_file(w / "out/a_person_walks.bvh") != first);
+  fs::rename(w / "glove", w / "words");
+  CHECK(contains(w.run({"generate", "--model", run.string(), "--text", "walk"}).text, "no word vectors"));
+  w.did({"generate", "--model", run.string(), "--text", "a person walks", "--text-encoder", "words", "--out", "again"});
+  CHECK(ml::read_file(w / "again/a_person_walks.bvh") == first);
+}
+
+TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actions hold") {
+  const Workplace w;
+  const auto says = [&](const std::string& folder, std::initializer_list<const char*> lines) {
+    const std::string said = w.did({"info", folder});
+    for (const char* line : lines) CHECK_MESSAGE(contains(said, line), said.substr(0, 2000));
+  };
+  official::write_actor_run(w / "actor", official::small_actor());
+  says("actor", {"actions                  12 classes of humanact12", "25 rows of 6 numbers a frame (rot6d)",
+                 "encoder tokens for each class, decoder transformer; latent 16, feed-forward 24, 2 layers, 4 heads"});
+  official::write_temos_run(w / "temos", official::small_temos());
+  says("temos", {"model of                 temos", "64 numbers a frame, 12.5 frames per second",
+                 "states of 64 numbers, DistilBERT in the checkpoint", "motion encoder transformer, decoder transformer, latent 16"});
+  const auto teach = official::small_teach();
+  official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
+  says("teach", {"model of                 teach", "135 numbers a frame, 30 frames per second"});
+  official::write_mdm_action_run(w / "mdm", official::small());
+  says("mdm", {"actions                  12 classes", "cosine, 24 steps"});
+  const std::string run = official::write_tm2t_runs(w.path, official::small_tm2t()).string();
+  says(run, {"from texts to motions", "recurrent, 1 layers of 12, early attention; writes 13 symbols"});
+  says((fs::path(run).parent_path() / "VQVAEV3").string(), {"motion tokenizer", "263 numbers a frame", "10 codes, 2 halvings of the length, 2 residual blocks"});
 }
 
 TEST_CASE("embed: a cache in the layout of TMR and STMC") {

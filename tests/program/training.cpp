@@ -6,8 +6,10 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/humanml3d_folder.hpp>
+#include <motionlang/io/npz.hpp>
 #include <motionlang/io/safetensors.hpp>
 
+#include "../support/body_arrays.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
@@ -119,6 +121,82 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   CHECK_MESSAGE(actor.code == 0, actor.text);
   for (const char* word : {"accuracy", "FID", "recorded", "generated"})
     CHECK_MESSAGE(contains(actor.text, word), actor.text);
+  const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training"});
+  CHECK_MESSAGE(classifier.code == 0, classifier.text);
+  CHECK_MESSAGE(contains(classifier.text, "accuracy"), classifier.text);
+
+  const auto moments = evaluate("train-tmr", {"--captions", "captions.tsv", "--part", "training", "--moments", "3", "--joined",
+                                              "2", "--windows", "0.5,1.5"});
+  CHECK_MESSAGE(moments.code == 0, moments.text);
+  for (const char* word : {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a window by lot"})
+    CHECK_MESSAGE(contains(moments.text, word), moments.text);
+  CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--windows", "99"}).code == 2);
+
+  // what was trained makes motions
+  const auto generate = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(), {"generate", "--model", name + "_whole/model"});
+    return run(more, clips.path);
+  };
+  for (const std::string name : {"train-temos", "train-tmr"}) {
+    const auto made = generate(name, {"--text", "a person turns left", "--seconds", "1", "--out", name + "_made"});
+    REQUIRE_MESSAGE(made.code == 0, made.text);
+    CHECK(std::filesystem::exists(clips / (name + "_made/a_person_turns_left.html")));
+    const auto motion = ml::read_bvh_motion(clips / (name + "_made/a_person_turns_left.bvh"));
+    CHECK(motion.seconds() == doctest::Approx(1).epsilon(0.1));
+    CHECK(motion.skeleton.size() == 24);
+  }
+  REQUIRE(generate("train-actor", {"--action", "walk", "--seconds", "0.8", "--out", "made"}).code == 0);
+  REQUIRE(generate("train-actor", {"--action", "1", "--seconds", "0.8", "--out", "made"}).code == 0);
+  CHECK(ml::read_bvh_motion(clips / "made/walk.bvh").frames() == 12);
+  CHECK(ml::read_file(clips / "made/1.bvh") == ml::read_file(clips / "made/walk.bvh"));
+  CHECK(contains(generate("train-actor", {"--action", "fly"}).text, "action 'fly' is none of 0 ... 1; they are called turn, walk"));
+
+  const auto info = [&](const std::string& name) { return run({"info", name + "_whole/model"}, clips.path).text; };
+  for (const char* line : {"model of                 actor", "actions                  turn, walk", "latent_dim 8", "pose rot6d"})
+    CHECK_MESSAGE(contains(info("train-actor"), line), line);
+  for (const char* line : {"model of                 tmr", "temperature 0.1", "guoh3d, 20 frames per second"})
+    CHECK_MESSAGE(contains(info("train-tmr"), line), line);
+}
+
+TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a model, motions of a model to learn from") {
+  const Clips clips;
+  const auto trained = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
+    const auto done = clips.train(command, out, std::move(more));
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+  };
+  trained("train-tmr", "warm", {"--set", "losses.learned_temperature=true"});
+  const auto weights = ml::SafetensorsFile::open(clips / "warm/model/weights.safetensors");
+  CHECK(ml::values_of<double>(weights.tensor("log_temperature")).front() != doctest::Approx(std::log(0.1)).epsilon(1e-4));
+  CHECK(run({"evaluate", "warm/model", "--data", ".", "--captions", "captions.tsv"}, clips.path).code == 0);
+  const auto cold = clips.train("train-tmr", "cold", {"--set", "losses.learned_temperature=true", "--set", "losses.contrastive_loss=margin"});
+  CHECK(contains(cold.text, "losses.learned_temperature is for info_nce"));
+
+  trained("train-classifier", "graph", {"--set", "kind=stgcn", "--set", "clips.translation=false", "--set", "width=4"});
+  CHECK(run({"evaluate", "graph/model", "--data", ".", "--labels", "labels.tsv", "--seeds", "2"}, clips.path).code == 0);
+
+  trained("train-actor", "first", {});
+  trained("train-actor", "second", {"--from", "first/model", "--set", "clips.num_frames=-2", "--set", "clips.min_len=10", "--set",
+                                    "clips.max_len=14", "--set", "optimiser.lr=0"});
+  CHECK(clips.weights("second") == clips.weights("first"));  // nothing is learnt at rate 0, so it is what was gone on from
+  CHECK(run({"evaluate", "first/model", "--data", ".", "--labels", "labels.tsv", "--classifier", "graph/model", "--seeds", "2"},
+            clips.path).code == 0);  // ST-GCN does not read the way of the root
+
+  ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
+  trained("train-actor", "skin", {"--body", "body.npz", "--set", "losses.points=vertices"});
+  CHECK(clips.losses("skin") != clips.losses("first"));
+  CHECK(contains(clips.train("train-actor", "bare", {"--set", "losses.points=vertices"}).text, "--body belong together"));
+
+  const auto learn = [&](const std::string& share, const std::string& out) {
+    return clips.train("train-classifier", out, {"--generated", "first/model", "--set", "generated_share=" + share});
+  };
+  REQUIRE(learn("0.5", "half").code == 0);
+  REQUIRE(learn("1", "all").code == 0);
+  trained("train-classifier", "none", {});
+  CHECK(clips.losses("half") != clips.losses("none"));
+  CHECK(clips.losses("all") != clips.losses("half"));
+  CHECK(contains(learn("0", "no").text, "one needs the other"));
+  CHECK(contains(clips.train("train-classifier", "no", {"--generated", "first/model", "--set", "generated_share=0.5", "--set", "clips.fps=10"}).text,
+                 "model and classifier have other clips"));
 }
 
 TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {

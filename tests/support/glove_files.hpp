@@ -24,11 +24,12 @@ inline std::string pickled(const std::vector<std::string>& list, bool rows) {
 }
 
 /// places: the words in the order of their rows.
-inline void write(const std::string& stem, const std::vector<std::string>& words, const std::vector<std::string>& places,
-                  const std::vector<float>& vectors) {
+inline void write(const std::string& stem, const std::vector<std::string>& words,
+                  const std::vector<std::string>& places, const std::vector<float>& vectors) {
   namespace ml = motionlang;
   const auto rows = std::ssize(words);
-  ml::write_npy(stem + "_data.npy", ml::NpyArray::of(std::span<const float>(vectors), {rows, std::ssize(vectors) / rows}));
+  ml::write_npy(stem + "_data.npy",
+                ml::NpyArray::of(std::span<const float>(vectors), {rows, std::ssize(vectors) / rows}));
   ml::write_file(stem + "_words.pkl", std::string_view(pickled(words, false)));
   ml::write_file(stem + "_idx.pkl", std::string_view(pickled(places, true)));
 }

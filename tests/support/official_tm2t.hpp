@@ -36,13 +36,15 @@ inline fs::path write_tm2t_runs(const fs::path& folder, const ml::Tm2tConfig& c)
   const std::string banner = "------------ Options -------------\n", end = "-------------- End ----------------\n";
   write_text(t2m / "opt.txt", ml::concat_text(banner, "batch_size: 64\ndim_mot_hid: ", c.text_to_motion.motion_hidden,
                                               "\nearly_or_late: early\nis_train: True\nn_mot_layers: 1\n", end));
-  write_text(tokenizer / "opt.txt", ml::concat_text(banner, "n_down: 2\nn_resblk: ", c.tokenizer.residual_blocks, "\n", end));
+  write_text(tokenizer / "opt.txt",
+             ml::concat_text(banner, "n_down: 2\nn_resblk: ", c.tokenizer.residual_blocks, "\n", end));
   TorchArchive archive;
   archive.begin("t2m_model");
   add_module(archive, model.t2m_model);
   const auto& embedding = model.t2m_model.motion_decoder_step.input_emb.weight;
-  archive.tensor("motion_decoder_step.trg_word_prj.weight",
-                 {.name = "", .dtype = ml::DType::F32, .shape = embedding.shape(), .bytes = std::as_bytes(embedding.span())});
+  archive.tensor(
+      "motion_decoder_step.trg_word_prj.weight",
+      {.name = "", .dtype = ml::DType::F32, .shape = embedding.shape(), .bytes = std::as_bytes(embedding.span())});
   archive.end();
   archive.begin("opt_t2m_model");
   add_zeros(archive, "moment", {3});

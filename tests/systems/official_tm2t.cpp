@@ -9,8 +9,8 @@
 
 namespace ml = motionlang;
 namespace fs = std::filesystem;
-using official::B;
 using ml::Index;
+using official::B;
 
 TEST_CASE("TM2T: the recurrent model, the tokenizer beside it, word vectors above") {
   const TemporaryFolder folder;
@@ -24,20 +24,24 @@ TEST_CASE("TM2T: the recurrent model, the tokenizer beside it, word vectors abov
   const auto wanted = official::tm2t(config);
   const ml::GloVe words(official::tm2t_words, official::tm2t_vectors(), 4);
   const std::vector<std::string> texts{"a person walks", "turn"};
-  const auto a = loaded.model.generate(loaded.words.encode<B>(std::span<const std::string>(texts)), ml::Philox{.seed = 3});
+  const auto a =
+      loaded.model.generate(loaded.words.encode<B>(std::span<const std::string>(texts)), ml::Philox{.seed = 3});
   const auto b = wanted.generate(words.encode<B>(std::span<const std::string>(texts)), ml::Philox{.seed = 3});
   CHECK(a.offsets == b.offsets);
   REQUIRE(a.rows.size(0) > 0);
   CHECK(a.rows.size(0) % 4 == 0);
   CHECK(small::is_finite(a.rows));
-  for (std::size_t i = 0; i < a.rows.span().size(); ++i) CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-4));
+  for (std::size_t i = 0; i < a.rows.span().size(); ++i)
+    CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-4));
 }
 
 TEST_CASE("TM2T: what is missing, what does not fit") {
   const TemporaryFolder folder;
   auto config = official::small_tm2t();
   const fs::path run = official::write_tm2t_runs(folder.path, config), tokenizer = run.parent_path() / "VQVAEV3";
-  const auto load = [&](const ml::Tm2tRunOptions& options = {}) { return ml::load_tm2t_run<B>(ml::find_run(run), options); };
+  const auto load = [&](const ml::Tm2tRunOptions& options = {}) {
+    return ml::load_tm2t_run<B>(ml::find_run(run), options);
+  };
   CHECK_ERROR(ml::load_tm2t_run<B>(ml::find_run(tokenizer)), "not TM2T's recurrent model");
   CHECK_ERROR(ml::load_tm2t_run<B>(ml::find_run(folder.path)), "of no system that is known, expected tm2t");
 
@@ -65,7 +69,8 @@ TEST_CASE("TM2T: what is missing, what does not fit") {
   CHECK_ERROR(load(), "meta/mean.npy and meta/std.npy are missing");
   fs::remove_all(run.parent_path() / "second");
   official::write_text(run / "opt.txt", "---- Options\ndim_mot_hid: 99\n---- End\n");
-  CHECK_ERROR(load({.tokenizer = folder / "elsewhere"}), "dim_mot_hid is 99, tensor 't2m_model.motion_decoder_step.input_emb.weight'");
+  CHECK_ERROR(load({.tokenizer = folder / "elsewhere"}),
+              "dim_mot_hid is 99, tensor 't2m_model.motion_decoder_step.input_emb.weight'");
   official::write_text(run / "opt.txt", "---- Options\nearly_or_late: late\n---- End\n");
   CHECK_ERROR(load({.tokenizer = folder / "elsewhere"}), "early_or_late is late, the tensors are those of early");
   official::write_text(run / "opt.txt", options);
@@ -86,14 +91,17 @@ TEST_CASE("MDM for actions: args.json and a checkpoint; motions of 60 frames of 
   const ml::MdmActions<B> wanted{.denoiser = official::mdm_actions(sizes),
                                  .diffusion = ml::GaussianDiffusion(ml::CosineSchedule{.steps = sizes.steps})};
   const std::vector<Index> actions{3, 7};
-  const auto a = run.model.generate(actions, ml::Philox{.seed = 2}), b = wanted.generate(actions, ml::Philox{.seed = 2});
+  const auto a = run.model.generate(actions, ml::Philox{.seed = 2}),
+             b = wanted.generate(actions, ml::Philox{.seed = 2});
   CHECK(a.rows.shape() == ml::Shape{120, 150});
   CHECK(small::is_finite(a.rows));
-  for (std::size_t i = 0; i < a.rows.span().size(); ++i) CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-3));
+  for (std::size_t i = 0; i < a.rows.span().size(); ++i)
+    CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-3));
 
   official::write_mdm_action_run(folder.path, sizes, 0.1);
   CHECK(ml::load_mdm_action_run<B>(ml::find_run(folder.path)).model.guidance == 2.5);
   official::write_mdm_run(folder / "texts", sizes);
   CHECK(!ml::is_mdm_action_run(ml::find_run(folder / "texts")));
-  CHECK_ERROR(ml::load_mdm_action_run<B>(ml::find_run(folder / "texts")), "motions of 263 numbers a frame; models of actions have 150");
+  CHECK_ERROR(ml::load_mdm_action_run<B>(ml::find_run(folder / "texts")),
+              "motions of 263 numbers a frame; models of actions have 150");
 }

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/features/pose_representation.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 #include "../generate/generation.hpp"
@@ -18,6 +20,12 @@ namespace program {
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
 
+/// Rows of features that the library names, as a clip on SMPL's 24 joints.
+ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows);
+/// Frames of rotations and the way of the root as ACTOR and MDM have them of videos, on the floor. In the camera's world the figure stands
+/// on its head: it is turned by 180 degrees about x.
+ml::Motion motion_of_camera_rows(std::span<const float> rows, const ml::ActorFeatureOptions& features, double fps);
+
 /// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.
 class EachAlone : public Generator {
  public:
@@ -25,7 +33,7 @@ class EachAlone : public Generator {
                               ml::Progress progress) const final;
 
  private:
-  virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const = 0;
+  virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const = 0;
 };
 
 /// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's skeleton.

@@ -3,8 +3,10 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/diffusion_folder.hpp>
+#include <motionlang/io/mdm_action_run.hpp>
 
 #include "../commands.hpp"
+#include "model_summary.hpp"
 #include "weights.hpp"
 
 namespace program {
@@ -49,7 +51,11 @@ std::string describe_folder(const std::filesystem::path& folder) {
     say("license", model.license);
     say("provenance", model.provenance);
   }
-  if (system != "stmc" && system != "mdm" && system != "motiondiffuse") return out;
+  if (system == "mdm" && run.system == "mdm" && ml::is_mdm_action_run(run)) system = "mdm of actions";
+  if (system != "stmc" && system != "mdm" && system != "motiondiffuse") {
+    for (const auto& [key, value] : model_summary(run)) say(key, value);
+    return out;
+  }
   const ml::RunFolder inner = ml::detail::published_run(run);
   const ml::DiffusionRun about = ml::diffusion_run(inner, ml::detail::run_weights(inner));
   say("motions", ml::concat_text(about.features, ", ", about.width(), " numbers a frame, ", about.fps, " frames per second"));

@@ -109,21 +109,26 @@ void add_generate(CLI::App& app) {
   const auto timeline = what->add_option(
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), or 'text # duration'");
   what->add_option("--text", o->text, "One text for the whole body");
-  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR)");
+  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM)");
   what->require_option(1);
-  c->add_option("--seconds", o->seconds, "Duration of the text or the action")
+  c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
       ->excludes(timeline)
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();
   c->add_option("--model", o->model,
-                "Weights: a .safetensors file, a folder with one, or a folder of STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TEACH or SINC as published")
+                "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-tmr; or a folder of STMC, MDM, "
+                "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")
       ->capture_default_str();
   c->add_option("--text-encoder", o->sources.text_encoder,
-                "Of a published model: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as a folder of "
-                "Hugging Face; TEMOS, TEACH, SINC: distilbert-base-uncased; looked for beside the model unless given")
+                "Of a model that has none: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as a folder of "
+                "Hugging Face; TEMOS, TEACH, SINC: distilbert-base-uncased; TM2T: the folder of its word vectors (our_vab_data.npy); "
+                "looked for beside the model unless given")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->sources.statistics,
                 "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--tokenizer", o->sources.tokenizer,
+                "TM2T: folder of its motion tokenizer; looked for beside the model unless given")
       ->check(CLI::ExistingDirectory);
   c->add_option("--out", o->out, "Folder for the results")->capture_default_str();
   c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the GLB result is this file with the motion added")

@@ -1,5 +1,8 @@
 #include "generation.hpp"
 
+#include <charconv>
+
+#include <motionlang/io/mdm_action_run.hpp>
 #include <motionlang/io/run_folder.hpp>
 
 #include "../commands.hpp"
@@ -8,19 +11,34 @@ namespace program {
 
 namespace {
 
-/// Of a folder; "" of a file, and of a folder that only has one of ours in it.
-std::string system_of(const std::filesystem::path& model) {
-  return std::filesystem::is_directory(model) ? ml::find_run(model).system : "";
+/// The system of a folder, "" of a file and of a folder that only has one of ours in it; of our own trainings "trained actor" and so on.
+std::string system_of(const ml::RunFolder& run) {
+  if (ml::is_mdm_action_run(run)) return "mdm of actions";
+  const ml::FileValue* system = run.system == "motionlang" ? run.option("system") : nullptr;
+  const std::string own = system == nullptr ? "" : to_string(*system);
+  return own == "actor" || own == "temos" || own == "tmr" ? "trained " + own : run.system;
+}
+
+/// Null for what goes through STMC.
+std::unique_ptr<Generator> load_other(const std::string& system, const std::filesystem::path& model, const ModelSources& sources) {
+  if (system == "actor") return load_actor(model);
+  if (system == "temos") return load_temos(model, sources);
+  if (system == "tm2t") return load_tm2t(model, sources);
+  if (system == "mdm of actions") return load_mdm_actions(model);
+  if (system == "trained actor") return load_trained_actor(model);
+  if (system.starts_with("trained ")) return load_trained_text_motion(model, sources);
+  return nullptr;
 }
 
 }  // namespace
 
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
                                           const ModelSources& sources) {
-  const std::string system = system_of(model);
-  if (system == "actor" || system == "temos") {
-    if (backend != "eigen") ml::raise<ml::config_error>(103, system, " is generated with backend 'eigen', not '", backend, "'");
-    return system == "actor" ? load_actor(model) : load_temos(model, sources);
+  const std::string system = std::filesystem::is_directory(model) ? system_of(ml::find_run(model)) : "";
+  if (auto other = load_other(system, model, sources)) {
+    if (backend != "eigen")
+      ml::raise<ml::config_error>(103, model.string(), " (", system, ") is generated with backend 'eigen', not '", backend, "'");
+    return other;
   }
   const bool published = !system.empty();
   if (backend == "eigen") return published ? load_published_eigen(model, sources) : load_eigen(model_file(model));
@@ -34,6 +52,16 @@ const ml::Interval& only_text(const ml::Timeline& timeline) {
   if (timeline.intervals.size() != 1)
     ml::raise<ml::timeline_error>(509, timeline.intervals.size(), " texts in a timeline; this model takes one, with a duration");
   return timeline.intervals.front();
+}
+ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes) {
+  const auto found = std::find(labels.begin(), labels.end(), text);
+  if (found != labels.end()) return found - labels.begin();
+  ml::Index number = -1;
+  const char* const end = text.data() + text.size();
+  if (std::from_chars(text.data(), end, number).ptr == end && number >= 0 && number < classes) return number;
+  std::string known;
+  for (const std::string& label : labels) known += (known.empty() ? "; they are called " : ", ") + label;
+  ml::raise<ml::config_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
 }
 void require_no_noise(const GenerationSettings& settings) {
   if (!settings.noise_file.empty())

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,10 +42,12 @@ class Generator {
 struct ModelSources {
   std::string text_encoder{};  // a folder or a file
   std::string statistics{};    // a folder with mean and std
+  std::string tokenizer{};     // TM2T's folder of its motion tokenizer
 };
 
-/// model: a file of ours, a folder with one, or the folder of a published model: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TEACH,
-/// SINC. backend: eigen, xtensor or reference; throws config_error 103 for another, and where there is no diffusion for another than eigen.
+/// model: a file of ours, a folder with one, a folder of train-actor, train-temos or train-tmr, or the folder of a published model: STMC,
+/// MDM, MotionDiffuse, ACTOR, TEMOS, TEACH, SINC, TM2T. backend: eigen, xtensor or reference; throws config_error 103 for another, and
+/// for another than eigen where texts or actions do not go through STMC.
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
                                           const ModelSources& sources = {});
 
@@ -61,9 +64,17 @@ std::unique_ptr<Generator> load_actor(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources);
+/// MDM's models of actions: the name or the number of an action. TM2T: one text; it decides itself how long the motion is.
+std::unique_ptr<Generator> load_mdm_actions(const std::filesystem::path& run);
+std::unique_ptr<Generator> load_tm2t(const std::filesystem::path& run, const ModelSources& sources);
+/// Folders of train-temos and train-tmr (`system` "temos", "tmr"), and of train-actor.
+std::unique_ptr<Generator> load_trained_text_motion(const std::filesystem::path& folder, const ModelSources& sources);
+std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folder);
 
 /// The only text of a timeline. Throws timeline_error 509.
 const ml::Interval& only_text(const ml::Timeline& timeline);
+/// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
+ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
 /// Throws config_error 102 if there is a file of noise, which models without diffusion do not take.
 void require_no_noise(const GenerationSettings& settings);
 

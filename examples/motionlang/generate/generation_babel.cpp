@@ -22,7 +22,7 @@ class TeachGenerator final : public EachAlone {
   double fps() const override { return run_.fps; }
 
  private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const override {
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
     std::vector<std::string> texts;
     std::vector<Index> lengths;
     for (const ml::Interval& i : in_order(timeline)) {
@@ -56,7 +56,7 @@ class SincGenerator final : public EachAlone {
   double fps() const override { return run_.fps; }
 
  private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise) const override {
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
     std::vector<std::string> labels;
     for (const ml::Interval& i : timeline.intervals) labels.push_back(i.text);
     const std::string sentence = ml::join_labels(labels, ml::Conjunction::same_time);

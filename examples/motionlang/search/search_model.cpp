@@ -82,9 +82,12 @@ std::vector<float> SearchModel::texts(std::span<const std::string> texts) const 
 
 std::vector<float> SearchModel::rows(const ml::Motion& motion) const {
   const auto values = parts_->features->from_motion(ml::resample(on_smpl(motion), parts_->fps));
+  return normalized(std::vector<float>(values.begin(), values.end()));
+}
+
+std::vector<float> SearchModel::normalized(std::span<const float> features) const {
   const ml::Index width = parts_->features->width;
-  const std::vector<float> rows(values.begin(), values.end());
-  return parts_->model.motion_normalizer.normalize(ml::Tensor<B, 2>::from(rows, {std::ssize(rows) / width, width}))
+  return parts_->model.motion_normalizer.normalize(ml::Tensor<B, 2>::from(features, {std::ssize(features) / width, width}))
       .to_vector();
 }
 

@@ -33,6 +33,8 @@ class SearchModel {
   std::vector<float> texts(std::span<const std::string> texts) const;
   /// What the model sees of a clip on any skeleton that can be retargeted: normalised features, (frames, features).
   std::vector<float> rows(const ml::Motion& motion) const;
+  /// The same of rows of features that were made already.
+  std::vector<float> normalized(std::span<const float> features) const;
   ml::Index frames(std::span<const float> rows) const;
   /// (windows, width): windows of the frames of `rows`.
   std::vector<float> windows(std::span<const float> rows, std::span<const ml::FrameSlice> windows) const;

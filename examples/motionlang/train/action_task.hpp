@@ -34,21 +34,9 @@ class ActionTask : public EpochTask<Config, Tape, Plain> {
   ActionBatch<A> batch(const ml::Philox& rng, ml::Index step) const {
     return action_batch<A>(data_->training, classes_, batches_(step, seed()), config_.clips, rng.split("windows"));
   }
-  /// Calls f(batch, generator) for the validation part, with the same windows every time; returns the mean of what it gives,
-  /// weighted by motions.
-  template <class F>
-  double over_validation(F f) {
-    learner_.follow();
-    const EpochBatches batches(std::ssize(data_->validation), config_.optimiser.batch);
-    double total = 0;
-    for (ml::Index k = 0; k < batches.per_epoch(); ++k) {
-      const auto which = batches(k, 0);
-      const auto rng = ml::Philox{.seed = seed()}.split("validation").split(static_cast<std::uint64_t>(k));
-      total +=
-          f(action_batch<B>(data_->validation, validation_classes_, which, config_.clips, rng.split("windows")), rng) *
-          static_cast<double>(which.size());
-    }
-    return total / static_cast<double>(data_->validation.size());
+  /// The same windows every time.
+  ActionBatch<B> validation_batch(std::span<const ml::Index> which, const ml::Philox& rng) const {
+    return action_batch<B>(data_->validation, validation_classes_, which, config_.clips, rng.split("windows"));
   }
 
   using Base::batches_, Base::config_, Base::data_, Base::learner_;
@@ -70,6 +58,7 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     if (!body.empty()) {
       if (config_.clips.is_xyz()) ml::raise<ml::config_error>(102, "vertices are made of rotations; clips.pose is xyz");
       body_ = ml::read_body<B>(body).model;
+      taped_body_ = ml::convert<A>(*body_);
     }
     auto rng = ml::Philox{.seed = seed()}.split("init");
     ml::Actor<B> model(actor_sizes(config_, std::ssize(labels_)), rng);
@@ -81,7 +70,8 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     return loss_of(learner_.model, batch(rng, step), rng, {.dropout = rng.split("dropout")});
   }
   std::vector<Measure> validate() {
-    return {{"loss", over_validation([&](const ActionBatch<B>& b, const ml::Philox& rng) {
+    return {{"loss", over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
+               const auto b = validation_batch(which, rng);
                return static_cast<double>(loss_of(learner_.average, b, rng, {}).item()) /
                       static_cast<double>(b.classes.size()) * static_cast<double>(config_.optimiser.batch);
              })}};
@@ -108,26 +98,45 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
                                                      .translation = config_.clips.translation},
                                         .translate = false};
     const ml::Tensor<T, 2>* const none = nullptr;
-    return ml::actor_points(x, ml::convert<T>(*body_), none, ml::ActorPoints::vertices, options);
+    return ml::actor_points(x, body<T>(), none, ml::ActorPoints::vertices, options);
+  }
+  template <ml::Backend T>
+  const ml::BodyModel<T>& body() const {
+    if constexpr (ml::AutodiffBackend<T>)
+      return *taped_body_;
+    else
+      return *body_;
   }
 
   std::optional<ml::BodyModel<B>> body_;
+  std::optional<ml::BodyModel<A>> taped_body_;  // the same
 };
 
 class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTape>, Classifier<TrainingBackend>> {
  public:
-  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data)
+  /// generator: the folder of an ACTOR that makes config.generated_share of the motions that are learned from; "" for none.
+  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data, const std::filesystem::path& generator)
       : ActionTask("classifier", config, data, labels_of(data)) {
+    const double share = config_.generated_share;
+    if (share < 0 || share > 1) ml::raise<ml::config_error>(101, "generated_share ", share, " is not in [0, 1]");
+    if ((share > 0) != !generator.empty())
+      ml::raise<ml::config_error>(102, "generated_share = ", share, ", and --generated is '", generator.string(),
+                                  "': one needs the other");
+    if (!generator.empty()) {
+      generator_.emplace(generator);
+      require_same_actions(generator_->file, labels_, config_.clips);
+    }
     begin(Classifier<B>(config_, std::ssize(labels_), ml::Philox{.seed = seed()}.split("init")));
   }
 
   ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) {
-    const auto b = batch(rng, step);
+    const auto b = with_generated(batch(rng, step), rng.split("generated"));
     return ml::cross_entropy(learner_.model.train(b.x, config_.clips).logits, b.classes);
   }
   std::vector<Measure> validate() {
     double right = 0;
-    const double loss = over_validation([&](const ActionBatch<B>& b, const ml::Philox&) {
+    const double loss = over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
+      const auto b = validation_batch(which, rng);
       const auto logits = learner_.average(b.x, config_.clips).logits;
       const auto confusion = ml::confusion_matrix(ml::Rows(logits.span(), logits.size(1)), std::span<const ml::Index>(b.classes));
       right += ml::accuracy(confusion) * static_cast<double>(b.classes.size());
@@ -135,6 +144,31 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
     });
     return {{"loss", loss}, {"accuracy", right / static_cast<double>(data_->validation.size()), true}};
   }
+
+ private:
+  /// Some motions, drawn by lot, replaced by generated ones of the same class and length.
+  ActionBatch<A> with_generated(ActionBatch<A> b, ml::Philox rng) const {
+    if (!generator_) return b;
+    std::vector<ml::Index> which, classes, lengths;
+    for (ml::Index i = 0; i < b.x.count(); ++i) {
+      if (rng.uniform() >= config_.generated_share) continue;
+      which.push_back(i);
+      classes.push_back(b.classes[static_cast<std::size_t>(i)]);
+      lengths.push_back(b.x.offsets.length(i));
+    }
+    if (which.empty()) return b;
+    auto noise = rng.split("noise");
+    const auto made = generator_->generate(classes, lengths, noise, config_.clips);
+    const ml::Index width = b.x.width();
+    auto values = b.x.rows.to_vector();
+    for (std::size_t k = 0; k < which.size(); ++k)
+      std::copy_n(made.rows.span().begin() + made.offsets.begin(static_cast<ml::Index>(k)) * width, lengths[k] * width,
+                  values.begin() + b.x.offsets.begin(which[k]) * width);
+    b.x = b.x.with(ml::Tensor<A, 2>::from(values, b.x.rows.shape()));
+    return b;
+  }
+
+  std::optional<ActorModel<B>> generator_;
 };
 
 }  // namespace program

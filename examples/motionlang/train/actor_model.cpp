@@ -37,4 +37,14 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
           .num_frames = std::max<ml::Index>(1, c.clips.num_frames)};
 }
 
+void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std::span<const std::string> labels,
+                          const ActorClipsConfig& seen) {
+  const ActorClipsConfig& clips = model.config.clips;
+  if (!std::equal(labels.begin(), labels.end(), model.labels.begin(), model.labels.end()))
+    ml::raise<ml::config_error>(102, "model and classifier have other labels");
+  if (clips.pose != seen.pose || clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
+      (clips.translation != seen.translation && seen.translation))
+    ml::raise<ml::config_error>(102, "model and classifier have other clips (pose, fps, turned_ahead, translation)");
+}
+
 }  // namespace program

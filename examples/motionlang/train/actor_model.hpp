@@ -94,6 +94,34 @@ void load_action_weights(M& model, const std::filesystem::path& folder) {
   ml::prepare(model);
 }
 
+/// A trained ACTOR with what its folder says.
+template <ml::Backend B>
+struct ActorModel {
+  ActionModelFile<ActorTrainingConfig> file;
+  ml::Actor<B> actor;
+
+  /// Throws what the readers throw.
+  explicit ActorModel(const std::filesystem::path& folder) : file(read_action_config<ActorTrainingConfig>(folder, "actor")) {
+    ml::NoInit zeros;
+    actor = ml::Actor<B>(actor_sizes(file.config, std::ssize(file.labels)), zeros);
+    load_action_weights(actor, folder);
+  }
+
+  /// Motions as they are, or without the way of the root where a classifier (ST-GCN) does not read it.
+  ml::Sequences<B> seen_by(const ml::Sequences<B>& x, const ActorClipsConfig& seen) const {
+    if (file.config.clips.width() == seen.width()) return x;
+    return x.with(ml::slice(x.rows, 1, 0, seen.width()));
+  }
+  /// A motion for each class, as a classifier reads them.
+  ml::Sequences<B> generate(std::span<const ml::Index> classes, std::span<const ml::Index> lengths, ml::Philox& noise,
+                            const ActorClipsConfig& seen) const {
+    return seen_by(ml::generate(actor, classes, lengths, noise), seen);
+  }
+};
+/// Throws config_error 102 if a classifier of these labels and clips cannot judge or learn from the motions of a model.
+void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std::span<const std::string> labels,
+                          const ActorClipsConfig& seen);
+
 /// A batch of windows.
 template <ml::Backend B>
 struct ActionBatch {

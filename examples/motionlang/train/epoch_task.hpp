@@ -13,7 +13,7 @@
 namespace program {
 
 /// `Config` has optimiser and validation; `Plain` is the model, `Tape` the same on the tape. A task for Trainer adds
-/// loss and validate.
+/// loss and validate, which may use `over_validation`.
 template <class Config, ml::Module Tape, ml::Module Plain>
 class EpochTask {
  public:
@@ -67,6 +67,22 @@ class EpochTask {
     learner_.adam.config = config_.optimiser.adamw();
     learner_.ema = config_.optimiser.ema;
     learner_.clip_norm = config_.optimiser.clip_norm;
+  }
+
+  /// Calls f(numbers of motions, generator) for the batches of the validation part, the same every time. Returns the mean of what it
+  /// gives, weighted by motions.
+  template <class F>
+  double over_validation(F f) {
+    learner_.follow();
+    const auto motions = std::ssize(data_->validation);
+    const EpochBatches batches(motions, config_.optimiser.batch);
+    double total = 0;
+    for (ml::Index k = 0; k < batches.per_epoch(); ++k) {
+      const std::vector<ml::Index> which = batches(k, 0);
+      const auto rng = ml::Philox{.seed = seed()}.split("validation").split(static_cast<std::uint64_t>(k));
+      total += f(std::span<const ml::Index>(which), rng) * static_cast<double>(which.size());
+    }
+    return total / static_cast<double>(motions);
   }
 
   std::string system_;

@@ -12,15 +12,19 @@ namespace {
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   const std::string system = ml::read_model_folder(o.model).system;
-  if (system == "tmr")
+  if (system == "tmr" && o.moments > 0)
+    evaluate_moments(o);
+  else if (system == "tmr")
     evaluate_tmr(o, read_text_motion_config(o.model));
   else if (system == "temos")
     evaluate_temos(o, read_text_motion_config(o.model));
   else if (system == "actor")
     evaluate_actor(o);
+  else if (system == "classifier")
+    evaluate_classifier(o);
   else
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
-                                "'; measured are tmr, temos and actor");
+                                "'; measured are tmr, temos, actor and classifier");
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }
@@ -29,14 +33,14 @@ void run(const EvaluationOptions& o) {
 
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
-  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS or ACTOR by the tables of its paper");
+  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR or classifier of actions by the tables of its paper");
   c->add_option("model", o->model, "Folder of the model")->required()->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
-  c->add_option("--labels", o->labels, "ACTOR: table of labels, as for training")->check(CLI::ExistingFile);
+  c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training")->check(CLI::ExistingFile);
   c->add_option("--classifier", o->classifier, "ACTOR: folder of the classifier that judges")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--seeds", o->seeds, "ACTOR: how often everything is drawn anew")
+  c->add_option("--seeds", o->seeds, "ACTOR, classifier: how often everything is drawn anew")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   c->add_option("--annotations", o->annotations, "Unified annotation file, as for training")->check(CLI::ExistingFile);
@@ -52,6 +56,14 @@ void add_evaluate(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--nsim", o->nsim, "TMR: list of ids of dissimilar texts; chosen unless given")
       ->check(CLI::ExistingFile);
+  c->add_option("--moments", o->moments,
+                "TMR: makes so many long motions of several clips each, and measures whether the stretch of each text is found")
+      ->check(CLI::Range(1, 1000000));
+  c->add_option("--joined", o->joined, "Clips in each of them, all of different texts")->check(CLI::Range(2, 100))->capture_default_str();
+  c->add_option("--windows", o->windows, "Seconds of the stretches that are compared with a text")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 10.0))
+      ->capture_default_str();
   c->add_option("--samples", o->samples, "TEMOS: motions for each text")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

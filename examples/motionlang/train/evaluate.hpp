@@ -15,6 +15,9 @@ struct EvaluationOptions {
   ml::Index samples = 10;   // of TEMOS, for each text
   ml::Index count = 20;     // film strips
   ml::Index seeds = 20;     // of ACTOR
+  ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
+  ml::Index joined = 5;     // clips in each
+  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   std::uint64_t seed = 0;
 };
 
@@ -25,5 +28,9 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
 
 /// Accuracy, FID, diversity and multimodality over seeds.
 void evaluate_actor(const EvaluationOptions& o);
+/// Accuracy on recorded motions over seeds.
+void evaluate_classifier(const EvaluationOptions& o);
+/// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.
+void evaluate_moments(const EvaluationOptions& o);
 
 }  // namespace program

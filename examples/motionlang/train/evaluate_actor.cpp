@@ -47,11 +47,31 @@ Judged judge(const Classifier<B>& classifier, const ActorClipsConfig& clips, Ind
   return out;
 }
 
-/// ST-GCN does not read the way of the root.
-ml::Sequences<B> without_translation(const ml::Sequences<B>& x, const ActorClipsConfig& from,
-                                     const ActorClipsConfig& to) {
-  if (from.width() == to.width()) return x;
-  return x.with(ml::slice(x.rows, 1, 0, to.width()));
+/// The motions that are measured, with their classes.
+struct Measured {
+  DescribedMotions data;
+  const std::vector<DescribedMotion>* part;
+  std::vector<Index> classes;
+
+  Measured(const EvaluationOptions& o, const DataConfig& config, const ActorClipsConfig& clips,
+           std::span<const std::string> labels)
+      : data([&] {
+          ProgressBar bar("reading motions");
+          return read_described_motions({o.data, {}, o.labels, {}, o.splits}, config, actor_row_maker(clips), bar);
+        }()),
+        part(&data.part(o.part)),
+        classes(classes_of(*part, labels)) {
+    if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
+    std::printf("%td motions of the %s part, %td classes\n", std::ssize(*part), o.part.c_str(), std::ssize(labels));
+  }
+};
+
+/// The mean over seeds, with the interval of ACTOR's tables.
+std::string summary(const std::string& metric, std::span<const double> of_seeds) {
+  const auto r = ml::actor_summary(metric, of_seeds);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f +-%.2f", r.mean, r.half_width);
+  return text;
 }
 
 }  // namespace
@@ -59,32 +79,21 @@ ml::Sequences<B> without_translation(const ml::Sequences<B>& x, const ActorClips
 void evaluate_actor(const EvaluationOptions& o) {
   if (o.classifier.empty())
     ml::raise<ml::config_error>(102, "ACTOR is judged by a classifier: --classifier names its folder");
-  const auto file = read_action_config<ActorTrainingConfig>(o.model, "actor");
   const auto judge_file = read_action_config<ClassifierConfig>(o.classifier, "classifier");
+  const ActorModel<B> model(o.model);
+  const auto& file = model.file;
   const ActorClipsConfig &clips = file.config.clips, &seen = judge_file.config.clips;
-  if (file.labels != judge_file.labels) ml::raise<ml::config_error>(102, "model and classifier have other labels");
-  if (clips.pose != seen.pose || clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
-      (clips.translation != seen.translation && seen.translation))
-    ml::raise<ml::config_error>(102, "model and classifier have other clips (pose, fps, turned_ahead, translation)");
-  const auto data = [&] {
-    ProgressBar bar("reading motions");
-    return read_described_motions({o.data, {}, o.labels, {}, o.splits}, file.config.data, actor_row_maker(clips), bar);
-  }();
-  const auto& part = data.part(o.part);
-  if (part.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-  const auto classes = classes_of(part, file.labels);
+  require_same_actions(file, judge_file.labels, seen);
+  const Measured measured(o, file.config.data, clips, file.labels);
+  const auto &part = *measured.part;
+  const auto& classes = measured.classes;
   const Index count = std::ssize(part), kinds = std::ssize(file.labels);
-  std::printf("%td motions of the %s part, %td classes\n", count, o.part.c_str(), kinds);
-
-  auto rng = ml::Philox{};
-  ml::Actor<B> actor(actor_sizes(file.config, kinds), rng);
-  load_action_weights(actor, o.model);
-  Classifier<B> classifier(judge_file.config, kinds, rng);
+  Classifier<B> classifier(judge_file.config, kinds, ml::Philox{});
   load_action_weights(classifier, o.classifier);
 
   auto windows = [&](std::span<const Index> which, const ml::Philox& seed) {
     auto b = action_batch<B>(part, classes, which, clips, seed);
-    b.x = without_translation(b.x, clips, seen);
+    b.x = model.seen_by(b.x, seen);
     return b;
   };
   auto generated = [&](std::span<const Index> which, const ml::Philox& seed) {
@@ -92,7 +101,7 @@ void evaluate_actor(const EvaluationOptions& o) {
     std::vector<Index> lengths;
     for (Index i = 0; i < b.x.count(); ++i) lengths.push_back(b.x.offsets.length(i));
     auto noise = seed.split("noise").split(static_cast<std::uint64_t>(which.front()));
-    b.x = without_translation(ml::generate(actor, b.classes, lengths, noise), clips, seen);
+    b.x = model.generate(b.classes, lengths, noise, seen);
     return b;
   };
   std::map<std::string, std::vector<double>> results;
@@ -126,10 +135,7 @@ void evaluate_actor(const EvaluationOptions& o) {
         std::printf(" %-12s", "-");
         continue;
       }
-      const auto r = ml::actor_summary(found->first, found->second);
-      char text[32];
-      std::snprintf(text, sizeof text, "%.2f +-%.2f", r.mean, r.half_width);
-      std::printf(" %-12s", text);
+      std::printf(" %-12s", summary(found->first, found->second).c_str());
     }
     std::printf("\n");
   }
@@ -138,12 +144,28 @@ void evaluate_actor(const EvaluationOptions& o) {
   for (Index k = 0; k < std::min(kinds, o.count); ++k) {
     auto noise = ml::Philox{.seed = o.seed}.split("strips").split(static_cast<std::uint64_t>(k));
     const std::vector<Index> action{k}, length{clips.num_frames > 0 ? clips.num_frames : clips.min_len};
-    const auto made = ml::generate(actor, action, length, noise);
+    const auto made = ml::generate(model.actor, action, length, noise);
     const auto rows = made.rows.to_vector();
     auto motion = actor_motion(rows, clips);
     motion.name = file.labels[static_cast<std::size_t>(k)];
     write_motion(o.strips / (motion.name + ".svg"), motion);
   }
+}
+
+void evaluate_classifier(const EvaluationOptions& o) {
+  const auto file = read_action_config<ClassifierConfig>(o.model, "classifier");
+  const ActorClipsConfig& clips = file.config.clips;
+  const Measured measured(o, file.config.data, clips, file.labels);
+  Classifier<B> classifier(file.config, std::ssize(file.labels), ml::Philox{});
+  load_action_weights(classifier, o.model);
+  std::vector<double> accuracies;
+  for (Index s = 0; s < o.seeds; ++s) {
+    const auto windows = ml::Philox{.seed = o.seed + static_cast<std::uint64_t>(s)}.split("gt");
+    accuracies.push_back(judge(classifier, clips, std::ssize(*measured.part), [&](auto which) {
+                           return action_batch<B>(*measured.part, measured.classes, which, clips, windows);
+                         }).accuracy);
+  }
+  std::printf("  accuracy %%  %s\n", summary("accuracy_gt", accuracies).c_str());
 }
 
 }  // namespace program

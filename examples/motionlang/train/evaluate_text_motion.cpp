@@ -5,9 +5,9 @@
 
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/id_list.hpp>
-#include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 
+#include "../files/feature_motion.hpp"
 #include "../files/motion_files.hpp"
 #include "text_motion_task.hpp"
 #include "text_sources.hpp"
@@ -191,11 +191,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
     }
     clip.add(other, truth);
     if (!o.strips.empty() && shown.insert(text[0]).second && std::ssize(shown) <= o.count) {
-      const std::vector<double> values(mean_rows.begin(), mean_rows.end());
-      auto motion = features.to_motion != nullptr
-                        ? features.to_motion(values, features.fps)
-                        : ml::motion_from_joints(ml::smpl24_skeleton(), features.joints_of(values), features.joints,
-                                                 features.fps);
+      auto motion = motion_of_features(features, mean_rows);
       motion.name = text[0];
       write_motion(o.strips / ml::concat_text(shown.size(), ".svg"), motion);
     }

@@ -2,7 +2,7 @@
 // its configuration. How it is made, and its folder.
 //
 //     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces; "about"
-//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std
+//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std, log_temperature
 #pragma once
 
 #include <filesystem>
@@ -26,10 +26,12 @@ struct TextMotionModel {
   System<B> system;
   std::optional<ml::WordPieceTokens<B>> words;
   ml::Normalizer<B> motion_normalizer;
+  std::optional<ml::Tensor<B, 0>> log_temperature{};  // of the contrastive loss, where it is learned
 
   static constexpr auto fields() {
     using M = TextMotionModel;
-    return ml::fields("", &M::system, "words", &M::words, "motion_normalizer", &M::motion_normalizer);
+    return ml::fields("", &M::system, "words", &M::words, "motion_normalizer", &M::motion_normalizer,
+                      "log_temperature", &M::log_temperature);
   }
   static std::string official_key(const std::string& path) {
     if constexpr (requires { System<B>::official_key(path); })
@@ -74,6 +76,7 @@ TextMotionModel<B, System> make_text_motion(const TextMotionConfig& c, ml::Index
   if constexpr (std::is_same_v<System<B>, ml::Tmr<B>>) {
     if (n.motion_encoder != "transformer" || n.motion_decoder != "transformer")
       ml::raise<ml::config_error>(102, "TMR has transformers; network.motion_encoder and motion_decoder are of TEMOS");
+    if (c.losses.learned_temperature) m.log_temperature = ml::Tensor<B, 0>(std::log(c.losses.temperature));
     m.system = System<B>({.motion_nfeats = width,
                           .text_nfeats = c.text.width,
                           .latent_dim = n.latent_dim,
@@ -99,6 +102,12 @@ TextMotionModel<B, System> make_text_motion(const TextMotionConfig& c, ml::Index
   if (pieces) m.words.emplace(std::move(*pieces), c.text.width, words);
   m.motion_normalizer = ml::Normalizer<B>::identity(width);
   return m;
+}
+
+/// How clips become rows of features that the library names.
+inline RowMaker row_maker(const std::string& features) {
+  const ml::MotionFeatures& f = ml::motion_features(features);
+  return {std::string(f.name), f.width, f.fps, f.from_motion};
 }
 
 /// What config.json says.

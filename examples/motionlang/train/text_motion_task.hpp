@@ -65,6 +65,14 @@ struct LatentTable {
   std::vector<std::string> texts;
   std::vector<float> text, motion;
   ml::Index width = 0;
+
+  template <ml::Backend B>
+  void add(const std::vector<std::string>& more, const ml::Tensor<B, 2>& of_texts, const ml::Tensor<B, 2>& of_motions) {
+    texts.insert(texts.end(), more.begin(), more.end());
+    text.insert(text.end(), of_texts.span().begin(), of_texts.span().end());
+    motion.insert(motion.end(), of_motions.span().begin(), of_motions.span().end());
+    width = of_texts.size(1);
+  }
 };
 template <template <class> class System, ml::Backend B>
 LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vector<DescribedMotion>& motions,
@@ -75,12 +83,8 @@ LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vecto
     std::vector<ml::Index> which;
     for (ml::Index i = at; i < std::min(at + at_once, std::ssize(motions)); ++i) which.push_back(i);
     const auto batch = text_motion_batch<B>(motions, which, model.motion_normalizer, [](const auto&) { return 0u; });
-    const auto text = model.system.encode_text(model.tokens(batch.texts, states)).mu,
-               motion = model.system.encode_motion(batch.motions).mu;
-    out.texts.insert(out.texts.end(), batch.texts.begin(), batch.texts.end());
-    out.text.insert(out.text.end(), text.span().begin(), text.span().end());
-    out.motion.insert(out.motion.end(), motion.span().begin(), motion.span().end());
-    out.width = text.size(1);
+    out.add(batch.texts, model.system.encode_text(model.tokens(batch.texts, states)).mu,
+            model.system.encode_motion(batch.motions).mu);
   }
   return out;
 }
@@ -127,6 +131,9 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       if (kind == ml::ContrastiveLoss::none && l.contrastive_loss != "none")
         ml::raise<ml::config_error>(103, "losses.contrastive_loss '", l.contrastive_loss,
                                     "' is not info_nce, margin or none");
+      if (l.learned_temperature && kind != ml::ContrastiveLoss::info_nce)
+        ml::raise<ml::config_error>(102, "losses.learned_temperature is for info_nce; losses.contrastive_loss is '",
+                                    l.contrastive_loss, "'");
       return ml::TmrLossOptions{.recons = l.recons,
                                 .kl = l.kl,
                                 .latent = l.latent,
@@ -136,9 +143,9 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
                                 .threshold = l.threshold,
                                 .margin = l.margin};
     } else {
-      if (l.contrastive_loss != "none")
+      if (l.contrastive_loss != "none" || l.learned_temperature)
         ml::raise<ml::config_error>(102, "TEMOS has no contrastive loss; losses.contrastive_loss is '",
-                                    l.contrastive_loss, "'");
+                                    l.contrastive_loss, "', losses.learned_temperature ", l.learned_temperature);
       return ml::TemosLossOptions{.recons = l.recons,
                                   .kl = l.kl,
                                   .latent = l.latent,
@@ -153,29 +160,24 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
     const auto batch = text_motion_batch<A>(
         data_->training, batches_(step, seed()), learner_.model.motion_normalizer,
         [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
-    return loss_of(learner_.model, batch, rng.split("noise"), {.dropout = rng.split("dropout")});
+    return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), {.dropout = rng.split("dropout")}));
   }
   /// The loss without dropout, of first captions and with the same noise every time; of TMR also recalls among the motions of
   /// the validation part, where motions with a text that means the same count as found.
   std::vector<Measure> validate() {
-    learner_.follow();
-    double total = 0;
-    const auto& motions = data_->validation;
-    const EpochBatches batches(std::ssize(motions), config_.optimiser.batch);
-    for (ml::Index k = 0; k < batches.per_epoch(); ++k) {
-      const auto which = batches(k, 0);
-      const auto batch =
-          text_motion_batch<B>(motions, which, learner_.average.motion_normalizer, [](const auto&) { return 0u; });
-      const auto rng = ml::Philox{.seed = seed()}.split("validation").split(static_cast<std::uint64_t>(k));
-      total +=
-          static_cast<double>(loss_of(learner_.average, batch, rng, {}).item()) * static_cast<double>(which.size());
-    }
-    std::vector<Measure> out{{"loss", total / static_cast<double>(motions.size())}};
+    LatentTable table;
+    const double loss = Base::over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
+      const auto& model = learner_.average;
+      const auto batch = text_motion_batch<B>(data_->validation, which, model.motion_normalizer, [](const auto&) { return 0u; });
+      const auto branches = branches_of(model, batch, rng, {});
+      if constexpr (retrieves) table.add(batch.texts, branches.text.distribution.mu, branches.motion->distribution.mu);
+      return static_cast<double>(loss_of(model, batch, branches).item());
+    });
+    std::vector<Measure> out{{"loss", loss}};
     if constexpr (retrieves) {
-      const auto table = latents_of(learner_.average, motions, states_);
       const auto e = sentences_->encode<B>(table.texts).tokens.rows;
-      const auto r = ml::retrieve(ml::RetrievalProtocol::threshold, ml::Rows(std::span(table.text), table.width),
-                                  ml::Rows(std::span(table.motion), table.width), ml::Rows(e.span(), e.size(1)));
+      const auto r = ml::retrieve(ml::RetrievalProtocol::threshold, ml::Rows(std::span<const float>(table.text), table.width),
+                                  ml::Rows(std::span<const float>(table.motion), table.width), ml::Rows(e.span(), e.size(1)));
       double sum = 0;
       for (const auto* m : {&r.text_to_motion, &r.motion_to_text}) {
         for (const double recall : m->recall) sum += recall;
@@ -199,18 +201,25 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
 
  private:
   template <ml::Backend T>
-  ml::Tensor<T, 0> loss_of(const TextMotionModel<T, System>& model, const TextMotionBatch<T>& batch,
-                           const ml::Philox& rng, const ml::Context& context) const {
+  ml::TextMotionBranches<T> branches_of(const TextMotionModel<T, System>& model, const TextMotionBatch<T>& batch,
+                                        const ml::Philox& rng, const ml::Context& context) const {
     const auto noise = ml::TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
     const auto tokens = model.tokens(batch.texts, states_);
+    if constexpr (retrieves)
+      return model.system.branches(tokens, batch.motions, noise, context, config_.losses.recons > 0);
+    else
+      return model.system.branches(tokens, batch.motions, noise, context);
+  }
+  template <ml::Backend T>
+  ml::Tensor<T, 0> loss_of(const TextMotionModel<T, System>& model, const TextMotionBatch<T>& batch,
+                           const ml::TextMotionBranches<T>& branches) const {
     if constexpr (retrieves) {
-      const auto branches = model.system.branches(tokens, batch.motions, noise, context, config_.losses.recons > 0);
       const auto sentences = sentences_->encode<T>(batch.texts).tokens.rows;
-      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_)).total();
+      std::optional<ml::Tensor<T, 0>> temperature;
+      if (model.log_temperature) temperature = exp(*model.log_temperature);
+      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr).total();
     } else {
-      return ml::temos_losses(model.system.branches(tokens, batch.motions, noise, context), batch.motions,
-                              losses(config_))
-          .total();
+      return ml::temos_losses(branches, batch.motions, losses(config_)).total();
     }
   }
 

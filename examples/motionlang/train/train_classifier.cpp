@@ -8,7 +8,7 @@ namespace {
 
 struct Options {
   TrainingOptions common;
-  std::filesystem::path labels;
+  std::filesystem::path labels, generated;
 };
 
 void run(const Options& o) {
@@ -16,7 +16,7 @@ void run(const Options& o) {
   if (!configure(config, o.common)) return;
   const auto data = read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data,
                               actor_row_maker(config.clips));
-  Trainer trainer(ClassifierTask(config, data));
+  Trainer trainer(ClassifierTask(config, data, o.generated));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_action_model(folder, trainer.task().result(), "classifier", trainer.task().file(), about(o.common, data));
@@ -31,6 +31,8 @@ void add_train_classifier(CLI::App& app) {
                                    "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
   add_training_options(*c, o->common, "small");
   c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
+  c->add_option("--generated", o->generated, "Model of train-actor that makes a part of the motions (generated_share)")
+      ->check(CLI::ExistingDirectory);
   c->callback([o] { run(*o); });
 }
 

@@ -12,11 +12,6 @@ struct TextMotionOptions {
   std::filesystem::path captions, annotations, text_encoder, sentence_encoder;
 };
 
-inline RowMaker row_maker(const std::string& features) {
-  const ml::MotionFeatures& f = ml::motion_features(features);
-  return {std::string(f.name), f.width, f.fps, f.from_motion};
-}
-
 template <template <class> class System>
 void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset) {
   TextMotionConfig config = preset;

@@ -33,26 +33,30 @@ struct MdmActions {
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
     const MdmConfig& c = denoiser.config;
-    if (c.condition != MdmCondition::action) raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
+    if (c.condition != MdmCondition::action)
+      raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
     const Index n = std::ssize(actions), frames = c.crop_frames;
     const double weight = options.guidance.value_or(guidance);
     const Index calls = weight == 1 ? 1 : 2;  // the second one without actions
     std::vector<S> one_hot(static_cast<std::size_t>(calls * n * c.num_actions));
     for (Index i = 0; i < n; ++i) {
       const Index action = actions[static_cast<std::size_t>(i)];
-      if (action < 0 || action >= c.num_actions) raise<shape_error>(203, "MdmActions: action ", action, " of ", c.num_actions);
+      if (action < 0 || action >= c.num_actions)
+        raise<shape_error>(203, "MdmActions: action ", action, " of ", c.num_actions);
       one_hot[static_cast<std::size_t>(i * c.num_actions + action)] = 1;
     }
     const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {calls * n, c.num_actions}));
     const Offsets offsets = Offsets::equal(calls * n, frames);
     const Shape shape{n * frames, c.nfeats};
     const GaussianDiffusion process =
-        options.steps == 0 ? diffusion : diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{options.steps}));
+        options.steps == 0 ? diffusion
+                           : diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{options.steps}));
 
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(calls * n), process.network_t(t));
       const auto rows = denoiser(Sequences<B>(calls == 1 ? x : concat(0, x, x), offsets), at, wanted).rows;
-      return calls == 1 ? rows : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
+      return calls == 1 ? rows
+                        : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
     };
     const auto noise = [&](Index draw) {
       PoolVector<S> values(static_cast<std::size_t>(shape.count()));

@@ -9,7 +9,8 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-inline constexpr std::string_view humanact12_actions[] = {"warm_up", "walk", "run", "jump", "drink", "lift_dumbbell", "sit",
-                                                          "eat", "turn steering wheel", "phone", "boxing", "throw"};
+inline constexpr std::string_view humanact12_actions[] = {
+    "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
+    "phone",   "boxing", "throw"};
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -41,16 +41,18 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   MdmConfig& c = about.mdm;
   const ActorFeatureOptions features{.rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
   if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
-    raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ", wanted);
+    raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ",
+                    wanted);
   if (c.condition != MdmCondition::action) raise<io_error>(404, weights.name(), ": not a model of actions");
   c.crop_frames = r.number({"num_frames"}, 60, 10'000);
   NoInit zeros;
-  MdmActionRun<B> out{.model = {.denoiser = MdmDenoiser<B>(c, zeros),
-                                .diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
-                                                                        : GaussianDiffusion(CosineSchedule{.steps = about.steps}),
-                                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
-                      .features = features,
-                      .labels = {}};
+  MdmActionRun<B> out{
+      .model = {.denoiser = MdmDenoiser<B>(c, zeros),
+                .diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
+                                                        : GaussianDiffusion(CosineSchedule{.steps = about.steps}),
+                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
+      .features = features,
+      .labels = {}};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   prepare(out.model.denoiser);
   if (r.text("dataset", "") == "humanact12" && c.num_actions == std::ssize(humanact12_actions))

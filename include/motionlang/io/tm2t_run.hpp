@@ -38,13 +38,14 @@ namespace detail {
 
 inline WeightFile tm2t_weights(const RunFolder& run) {
   if (run.system != "tm2t")
-    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
-                    ", expected tm2t");
+    raise<io_error>(404, run.folder.string(), ": ",
+                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected tm2t");
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
   return open_weights(run.weights, {.path = ""});
 }
 inline bool has_motion_tokenizer(const RunFolder& run) {
-  return run.system == "tm2t" && !run.weights.empty() && tm2t_weights(run).find("quantizer.embedding.weight") != nullptr;
+  return run.system == "tm2t" && !run.weights.empty() &&
+         tm2t_weights(run).find("quantizer.embedding.weight") != nullptr;
 }
 
 /// The folder that the options name, else the only one beside the model that has a tokenizer.
@@ -83,9 +84,11 @@ inline FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options) 
     }
   }
   for (const fs::path& place : places) {
-    if (file_exists(place / "our_vab_data.npy")) return place / "our_vab";
+    std::error_code ignored;
+    if (fs::is_regular_file(place / "our_vab_data.npy", ignored)) return place / "our_vab";
   }
-  raise<io_error>(401, run.folder.string(), ": no word vectors: put glove/our_vab_data.npy, our_vab_words.pkl and our_vab_idx.pkl "
+  raise<io_error>(401, run.folder.string(),
+                  ": no word vectors: put glove/our_vab_data.npy, our_vab_words.pkl and our_vab_idx.pkl "
                   "in a folder above, or name their folder");
 }
 
@@ -93,7 +96,8 @@ inline MotionTokenizerConfig tm2t_tokenizer_config(const RunReader& r) {
   MotionTokenizerConfig c;
   c.channels.clear();
   const std::string encoder = "vq_encoder.main.", decoder = "vq_decoder.main.";
-  for (Index i = 0; r.has(concat_text(encoder, i, ".weight")); i += 3)  // a convolution, its activation, a residual block
+  for (Index i = 0; r.has(concat_text(encoder, i, ".weight"));
+       i += 3)  // a convolution, its activation, a residual block
     c.channels.push_back(r.size(concat_text(encoder, i, ".weight"), 0));
   c.features = r.size(encoder + "0.weight", 1) + 4;
   c.codes = r.size("quantizer.embedding.weight", 0);
@@ -111,8 +115,8 @@ inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
                      .late = r.has(step + "att_linear.3.weight")};
   if (const std::string stated = r.one_of("early_or_late", c.late ? "late" : "early", {"early", "late"});
       (stated == "late") != c.late)
-    raise<config_error>(102, r.place("early_or_late"), " is ", stated, ", the tensors are those of ", c.late ? "late" : "early",
-                        " attention");
+    raise<config_error>(102, r.place("early_or_late"), " is ", stated, ", the tensors are those of ",
+                        c.late ? "late" : "early", " attention");
   return c;
 }
 
@@ -133,14 +137,18 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
     raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
   const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
   const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
-  const MotionTokenizerConfig tokenizer = detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
+  const MotionTokenizerConfig tokenizer =
+      detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
   const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
-  Tm2tRun<B> out{.model = {}, .words = read_glove(detail::tm2t_words(run, options)), .fps = tokenizer.features == 251 ? 12.5 : 20.0};
+  Tm2tRun<B> out{.model = {},
+                 .words = read_glove(detail::tm2t_words(run, options)),
+                 .fps = tokenizer.features == 251 ? 12.5 : 20.0};
   if (gru.symbols != tokenizer.codes + 3)
     raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
                         tokenizer.codes, " codes and three marks");
   if (gru.word != out.words.width())
-    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ", out.words.width());
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
+                        out.words.width());
   NoInit zeros;
   out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
   out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
@@ -149,10 +157,11 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
     return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
   });
   auto statistics = tokenizer_run.parts.empty() ? std::nullopt
-                                                : detail::find_normalizer<B>(detail::statistics_of(tokenizer_run), tokenizer.features,
-                                                                             {"meta.", ""});
+                                                : detail::find_normalizer<B>(detail::statistics_of(tokenizer_run),
+                                                                             tokenizer.features, {"meta.", ""});
   if (!statistics)
-    raise<io_error>(401, tokenizer_run.folder.string(), ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
+    raise<io_error>(401, tokenizer_run.folder.string(),
+                    ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
   statistics->eps = 0;
   out.model.statistics = std::move(*statistics);
   prepare(out.model.t2m_model);

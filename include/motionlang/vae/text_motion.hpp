@@ -127,11 +127,13 @@ struct TmrLossOptions {
 };
 
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
-/// sentences  (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
+/// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
+/// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
 /// Source     TMR, section 3.2; spec tmr.md 6.1
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
-                        const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {}) {
+                        const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
+                         const Tensor<B, 0>* temperature = nullptr) {
   const auto parts = temos_losses(branches, motion);
   LossTerms<B> out;
   const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
@@ -143,6 +145,7 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
       sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
   out.add("contrastive", options.contrastive,
           options.contrastive_loss == ContrastiveLoss::margin ? margin_loss(x, y, options.margin, filtered)
+          : temperature != nullptr                            ? info_nce(x, y, *temperature, filtered)
                                                               : info_nce(x, y, options.temperature, filtered));
   return out;
 }

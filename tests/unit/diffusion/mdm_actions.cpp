@@ -28,13 +28,15 @@ ml::MdmActions<B> small(Index steps, double guidance = 1) {
 
 }  // namespace
 
-TEST_CASE("one step is what the network makes of the noise: without action, with it, and guided from one to the other") {
+TEST_CASE(
+    "one step is what the network makes of the noise: without action, with it, and guided from one to the other") {
   const auto mdm = small(1);
   const ml::Philox rng{.seed = 9};
   auto stream = rng.split("noise").split(std::uint64_t{0}).split(std::uint64_t{0});
   const ml::Sequences<B> x(ml::Tensor<B, 2>::randn({5, 6}, stream), ml::Offsets{5});
   const auto said = [&](std::vector<double> action) {
-    return mdm.denoiser(x, std::vector<Index>{0}, ml::TextFeatures<B>::pooled(ml::Tensor<B, 2>::from(action, {1, 3}))).rows;
+    return mdm.denoiser(x, std::vector<Index>{0}, ml::TextFeatures<B>::pooled(ml::Tensor<B, 2>::from(action, {1, 3})))
+        .rows;
   };
   const auto null = said({0, 0, 0}), jump = said({0, 0, 1});
   CHECK(tensors::distance(null, jump) > 1e-3);

@@ -3,6 +3,7 @@
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/io/merged_body.hpp>
 
+#include "../../support/body_arrays.hpp"
 #include "../../support/check_error.hpp"
 #include "../../support/synthetic_body.hpp"
 #include "../../support/temporary_folder.hpp"
@@ -15,10 +16,7 @@ using tensors::distance;
 
 namespace {
 
-ml::NpyArray array(const std::vector<double>& values, std::vector<Index> shape) {
-  return ml::NpyArray::of(std::span<const double>(values), std::move(shape));
-}
-std::vector<double> numbers(Index count) { return synthetic::wave(1, static_cast<int>(count)); }
+using body_arrays::array, body_arrays::chain, body_arrays::numbers;
 
 /// The arrays of the tiny body of the spec.
 std::vector<ml::NamedArray> tiny() {
@@ -30,22 +28,6 @@ std::vector<ml::NamedArray> tiny() {
           {"weights", array(synthetic::shares(4, 5, 4), {5, 4})},
           {"kintree_table", ml::NpyArray::of(std::span<const std::int64_t>(kintree), {2, 4})},
           {"f", ml::NpyArray::of(std::span<const std::int64_t>(f), {3, 3})}};
-}
-/// A body of `vertices` vertices and a chain of joints, with directions of shape.
-std::vector<ml::NamedArray> chain(Index joints, Index vertices, Index directions) {
-  std::vector<double> kintree, weights, regressor;
-  for (Index j = 0; j < joints; ++j) kintree.push_back(j == 0 ? 4294967295.0 : static_cast<double>(j - 1));
-  for (Index j = 0; j < joints; ++j) kintree.push_back(static_cast<double>(j));
-  for (Index v = 0; v < vertices; ++v) {
-    for (Index j = 0; j < joints; ++j) weights.push_back(j == 0 ? 1 : 0);
-  }
-  return {{"v_template", array(numbers(vertices * 3), {vertices, 3})},
-          {"shapedirs", array(numbers(vertices * 3 * directions), {vertices, 3, directions})},
-          {"posedirs", array(numbers(vertices * 27 * (joints - 1)), {vertices, 3, 9 * (joints - 1)})},
-          {"J_regressor", array(numbers(joints * vertices), {joints, vertices})},
-          {"weights", array(weights, {vertices, joints})},
-          {"kintree_table", array(kintree, {2, joints})},
-          {"f", ml::NpyArray::of(std::span<const std::int64_t>(), {0, 3})}};
 }
 ml::NpyArray& named(std::vector<ml::NamedArray>& arrays, std::string_view name) {
   return std::find_if(arrays.begin(), arrays.end(), [&](const auto& a) { return a.name == name; })->array;

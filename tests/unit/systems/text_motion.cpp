@@ -118,6 +118,25 @@ TEST_CASE("the terms of TMR's loss are TEMOS' in groups, and a contrastive one")
   CHECK(names(ml::tmr_losses<B>(both, motion, nullptr, {.contrastive_loss = ml::ContrastiveLoss::none})).size() == 3);
 }
 
+TEST_CASE("a learned temperature takes the place of the other, and has a gradient") {
+  const auto model = small::tmr<B>();
+  const auto motion = small::motions<B>(263);
+  const auto both = model.branches(small::texts<B>(), motion, noise());
+  const auto loss = [&](double log_temperature) {
+    const auto tau = exp(ml::Tensor<B, 0>(log_temperature));
+    return ml::tmr_losses<B>(both, motion, nullptr, {.temperature = 7}, &tau).sum_of("contrastive").item();
+  };
+  CHECK(loss(std::log(0.1)) == doctest::Approx(ml::tmr_losses<B>(both, motion).sum_of("contrastive").item()));
+  const auto on_tape = ml::convert<A>(model);
+  const auto frames = small::motions<A>(263);
+  const auto log_temperature = ml::variable<A>(ml::Tensor<B, 0>(-1.5));
+  const auto tau = exp(log_temperature);
+  const auto branches = on_tape.branches(small::texts<A>(), frames, ml::TextMotionNoise<A>::draw(3, 8, ml::Philox{.seed = 5}));
+  const auto g = ml::backward(ml::tmr_losses<A>(branches, frames, nullptr, {}, &tau).sum_of("contrastive"))[log_temperature];
+  constexpr double h = 1e-5;
+  CHECK(g.item() == doctest::Approx((loss(-1.5 + h) - loss(-1.5 - h)) / (2 * h)).epsilon(1e-6));
+}
+
 TEST_CASE("a few steps of training lower the loss; the same seeds give the same weights") {
   const auto run = [] {
     auto model = ml::convert<A>(small::tmr<B>());

@@ -1,0 +1,140 @@
+#include "model_summary.hpp"
+
+#include <motionlang/io/mdm_action_run.hpp>
+#include <motionlang/io/model_folder.hpp>
+#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/io/vae_run.hpp>
+
+namespace program {
+
+namespace {
+
+namespace ml = motionlang;
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+template <class Config>
+std::string transformer(const Config& c) {
+  return ml::concat_text("latent ", c.latent_dim, ", feed-forward ", c.ff_size, ", ", c.num_layers, " layers, ",
+                         c.num_heads, " heads");
+}
+
+Lines actor(const ml::RunFolder& run, const ml::WeightFile& weights) {
+  constexpr const char* encoders[] = {"tokens for each class", "average", "GRU", "fully connected"};
+  constexpr const char* decoders[] = {"transformer", "GRU", "fully connected", "autoregressive"};
+  const ml::detail::RunReader r(run, weights, "");
+  const ml::ActorConfig c = ml::detail::actor_config(r);
+  return {{"actions",
+           ml::concat_text(c.num_classes, " classes", run.option("dataset") ? " of " + r.text("dataset", "") : "")},
+          {"motions",
+           ml::concat_text(c.njoints, " rows of ", c.nfeats, " numbers a frame (", r.text("pose_rep", "rot6d"), ")")},
+          {"networks", ml::concat_text("encoder ", encoders[static_cast<std::size_t>(c.encoder)], ", decoder ",
+                                       decoders[static_cast<std::size_t>(c.decoder)], "; ", transformer(c))}};
+}
+
+/// TEMOS, TEACH, SINC.
+Lines lightning(const ml::RunFolder& run, const ml::WeightFile& weights) {
+  const std::string system = ml::lightning_system(weights);
+  const ml::detail::RunReader r(run, weights, "");
+  const auto c = ml::detail::temos_config(r);
+  const auto kind = [](ml::TemosNetwork n) {
+    return n == ml::TemosNetwork::transformer ? "transformer" : n == ml::TemosNetwork::gru ? "GRU" : "none";
+  };
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  return {{"model of", system},
+          {"motions", ml::concat_text(c.nfeats, " numbers a frame, ",
+                                      r.real("data/framerate", system == "temos" ? 12.5 : 30), " frames per second")},
+          {"texts", ml::concat_text("states of ", c.text_dim, " numbers, DistilBERT ",
+                                    inside ? "in the checkpoint" : "elsewhere")},
+          {"networks", ml::concat_text("motion encoder ", kind(c.motion_encoder), ", decoder ", kind(c.motion_decoder),
+                                       c.vae ? ", " : ", deterministic, ", transformer(c))}};
+}
+
+Lines tmr(const ml::RunFolder& run, const ml::WeightFile& weights) {
+  const auto c = ml::detail::tmr_config(ml::detail::RunReader(run, weights, ""));
+  return {{"motions", ml::concat_text(c.motion_nfeats, " numbers a frame")},
+          {"texts", ml::concat_text("states of ", c.text_nfeats, " numbers")},
+          {"networks", ml::concat_text(transformer(c), c.vae ? "" : ", deterministic")}};
+}
+
+/// A folder of TM2T holds one of three models.
+Lines tm2t(const ml::RunFolder& run) {
+  const ml::WeightFile weights = ml::detail::tm2t_weights(run);
+  if (weights.find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr) {
+    const auto c = ml::detail::tm2t_gru_config(ml::detail::RunReader(run, weights, "t2m_model."));
+    return {{"part", "from texts to motions"},
+            {"texts", ml::concat_text("word vectors of ", c.word, " numbers")},
+            {"networks", ml::concat_text("recurrent, ", c.layers, " layers of ", c.motion_hidden, ", ",
+                                         c.late ? "late" : "early", " attention; writes ", c.symbols, " symbols")}};
+  }
+  if (weights.find("quantizer.embedding.weight") != nullptr) {
+    const auto c = ml::detail::tm2t_tokenizer_config(ml::detail::RunReader(run, weights, ""));
+    return {{"part", "motion tokenizer"},
+            {"motions", ml::concat_text(c.features, " numbers a frame")},
+            {"networks", ml::concat_text(c.codes, " codes, ", c.channels.size(), " halvings of the length, ",
+                                         c.residual_blocks, " residual blocks")}};
+  }
+  for (const char* name : {"m2t_transformer", "t2m_transformer"}) {
+    const std::string prefix = std::string(name) + ".";
+    const ml::detail::RunReader r(run, weights, prefix);
+    if (!r.has("trg_word_prj.weight")) continue;
+    return {{"part", name[0] == 'm' ? "from motions to texts" : "from texts to motions, by transformers"},
+            {"networks", ml::concat_text("transformer of width ", r.size("trg_word_prj.weight", 1), ", ",
+                                         r.count("encoder.layer_stack.", ".slf_attn.w_qs.weight", {}), " + ",
+                                         r.count("decoder.layer_stack.", ".slf_attn.w_qs.weight", {}),
+                                         " layers; writes ", r.size("trg_word_prj.weight", 0), " symbols")}};
+  }
+  return {};
+}
+
+Lines mdm_of_actions(const ml::RunFolder& run) {
+  const ml::WeightFile weights = ml::detail::run_weights(run);
+  ml::DiffusionRun about;
+  ml::detail::read_mdm(about, ml::detail::reader_of(run, weights));
+  return {{"actions", ml::concat_text(about.mdm.num_actions, " classes")},
+          {"motions", ml::concat_text(about.mdm.nfeats, " numbers a frame")},
+          {"diffusion", ml::concat_text(about.schedule, ", ", about.steps, " steps")},
+          {"networks", transformer(about.mdm)}};
+}
+
+/// "latent_dim 64, ff_size 128, ..."
+std::string members(const nlohmann::ordered_json& object) {
+  std::string out;
+  for (const auto& [name, value] : object.items())
+    out += ml::concat_text(out.empty() ? "" : ", ", name, " ",
+                           value.is_string() ? value.get<std::string>() : value.dump());
+  return out;
+}
+
+/// Of a training of ours: what its configuration says.
+Lines trained(const ml::RunFolder& run) {
+  const ml::ModelFolder model = ml::read_model_folder(run.folder);
+  Lines out{{"motions", ml::concat_text(model.features, ", ", model.fps, " frames per second")},
+            {"text encoder", model.text_encoder}};
+  if (model.others.contains("labels")) {
+    std::string labels;
+    for (const auto& l : model.others.at("labels")) labels += (labels.empty() ? "" : ", ") + l.get<std::string>();
+    out.emplace_back("actions", labels);
+  }
+  for (const char* part : {"clips", "network", "losses"}) {
+    if (model.config.contains(part) && model.config.at(part).is_object())
+      out.emplace_back(part, members(model.config.at(part)));
+  }
+  if (model.config.contains("kind")) out.emplace_back("network", model.config.at("kind").get<std::string>());
+  return out;
+}
+
+}  // namespace
+
+Lines model_summary(const ml::RunFolder& run) {
+  if (run.system == "motionlang") return trained(run);
+  if (run.weights.empty() && run.system != "tmr") return {};
+  if (run.system == "tm2t") return tm2t(run);
+  if (run.system == "mdm") return mdm_of_actions(run);
+  if (run.system != "actor" && run.system != "temos" && run.system != "tmr") return {};
+  const ml::WeightFile weights = ml::open_weights(run.weights.empty() ? run.folder : run.weights);
+  return run.system == "actor"   ? actor(run, weights)
+         : run.system == "temos" ? lightning(run, weights)
+                                 : tmr(run, weights);
+}
+
+}  // namespace program
