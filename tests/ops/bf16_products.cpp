@@ -148,16 +148,27 @@ TEST_CASE("bf16: bias, residual and nonlinearity stay in float; NaN and infinity
   });
 }
 
-TEST_CASE("bf16: attention over sequences of many lengths is that of float, nearly; the same bits for each sequence alone") {
+TEST_CASE("bf16: attention over sequences of many lengths and its gradients are those of float, nearly; the same bits for each sequence alone") {
   ml::Philox rng{.seed = 6};
   const ml::Offsets offsets(std::vector<Index>{1, 47, 0, 33, 100});
   const Index heads = 3, width = 3 * 20;
   const auto q = Matrix::randn({offsets.rows(), width}, rng), k = Matrix::randn({offsets.rows(), width}, rng),
-             v = Matrix::randn({offsets.rows(), width}, rng);
+             v = Matrix::randn({offsets.rows(), width}, rng), dy = Matrix::randn({offsets.rows(), width}, rng);
   for (bool causal : {false, true}) {
     const ml::AttentionOptions options{.heads = heads, .causal = causal};
     const auto exact = B::attention(q.data(), k.data(), v.data(), offsets, offsets, options);
+    const auto gradients = B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
     with_every_kernel([&] {
+      const auto rounded_gradients = B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
+      for (std::size_t g = 0; g < 3; ++g) {
+        double error = 0, size = 0;
+        for (Index i = 0; i < gradients[g].count(); ++i) {
+          const auto there = static_cast<double>(gradients[g].data()[i]);
+          error += std::pow(static_cast<double>(rounded_gradients[g].data()[i]) - there, 2), size += there * there;
+        }
+        CHECK(std::sqrt(error / size) < 0.02);
+        CHECK(std::sqrt(error / size) > 1e-5);
+      }
       const auto o = B::attention(q.data(), k.data(), v.data(), offsets, offsets, options);
       double worst = 0;
       for (Index i = 0; i < o.count(); ++i) worst = std::max(worst, static_cast<double>(std::abs(o.data()[i] - exact.data()[i])));

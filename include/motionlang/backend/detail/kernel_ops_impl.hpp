@@ -118,24 +118,30 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .causal = options.causal,
           .dropout = options.dropout};
 }
+/// f(kernels), whose attention is that of the current precision.
+template <class S, class F>
+void with_attention_kernels(const F& f) {
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) return f(*current_bf16_kernels());
+  }
+  f(kernels<S>());
+}
 template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const auto run = [&](const auto& kernel) {
+  with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
     parallel_for(q.count() * t.heads, [&](Index i) {
       if (q.length(i / t.heads) > 0) kernel.attention_head(t, i / t.heads, i % t.heads, scratch.mine());
     });
-  };
-  if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) return run(*current_bf16_kernels());
-  }
-  run(kernels<S>());
+  });
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(kernels<S>().attention_vjp_scratch(q.longest(), k.longest(), t.width));
-  parallel_for(q.count() * t.heads,
-               [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
+  with_attention_kernels<S>([&](const auto& kernel) {
+    const Scratch<S> scratch(kernel.attention_vjp_scratch(q.longest(), k.longest(), t.width));
+    parallel_for(q.count() * t.heads,
+                 [&](Index i) { kernel.attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
+  });
 }
 
 /// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same

@@ -140,7 +140,10 @@ struct Bf16Kernels {
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
+  void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
+                             float* scratch);
 };
 inline constexpr Index bf16_columns = 32;                                     // of a panel
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
