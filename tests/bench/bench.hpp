@@ -1,25 +1,46 @@
-// Timing for the benchmarks: medians, and one line per measurement in the form that run.py reads.
+// Timing for the benchmarks: what a program is asked for, medians, and one line per measurement in the form that run.py reads.
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <set>
 #include <string>
 #include <vector>
 
-#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/precision.hpp>
+
+#include "peak.hpp"
 
 namespace bench {
 
-inline double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+namespace ml = motionlang;
+
+/// [THREADS] [--bf16 | --fp32] [WORK ...]: all threads of the machine and all works unless said; with --bf16 the products of the whole program
+/// are computed in bfloat16.
+struct Arguments {
+  std::set<std::string> works;
+
+  Arguments(int argc, char** argv) {
+    for (int i = 1; i < argc; ++i) {
+      const std::string word = argv[i];
+      if (word == "--bf16" || word == "--fp32")
+        ml::set_product_precision(word == "--bf16" ? ml::Precision::bf16 : ml::Precision::fp32);
+      else if (i == 1)
+        ml::set_thread_count(std::atoi(argv[i]));
+      else
+        works.insert(word);
+    }
+  }
+  bool asked(const std::string& work) const { return works.empty() || works.contains(work); }
+};
 
 /// Seconds that f takes, in ascending order: at least `least` runs, up to `most` while `seconds` have not passed.
 template <class F>
 std::vector<double> times_of(F f, double seconds, int least, int most) {
   std::vector<double> times;
-  for (const double start = now(); std::ssize(times) < least || (now() - start < seconds && std::ssize(times) < most);) {
+  for (const double start = now();
+       std::ssize(times) < least || (now() - start < seconds && std::ssize(times) < most);) {
     const double before = now();
     f();
     times.push_back(now() - before);
@@ -28,19 +49,45 @@ std::vector<double> times_of(F f, double seconds, int least, int most) {
   return times;
 }
 
-/// work,config,variant,threads,min_ms,median_ms,p90_ms,gflop,gflops. Returns the median in seconds.
+/// How a measurement is done, and what it is called.
+struct Manner {
+  double seconds = 3;
+  int least = 5;
+  std::string variant = "motionlang";  // another name: a peer
+};
+
+/// work,config,variant,threads,min_ms,median_ms,p90_ms,gflop,gflops,peak. Returns the median in seconds.
+/// gflop   1e9 multiplications and additions of one run; 0: nobody counts them
+/// peak    of the precision that products have; the larger one of those measured before and after
 template <class F>
-double report(const std::string& work, const std::string& config, const std::string& variant, double gflop, F f,
-              double seconds = 3, int least = 5) {
+double report(const std::string& work, const std::string& config, double gflop, F f, const Manner& manner = {}) {
   f();
   f();  // pools fill
-  const auto times = times_of(f, seconds, least, 300);
+  const double before = gflop > 0 ? peak_gflops(ml::product_precision()) : 0;
+  const auto times = times_of(f, manner.seconds, manner.least, 300);
+  const double after = gflop > 0 ? peak_gflops(ml::product_precision()) : 0;
   const double median = times[times.size() / 2];
-  std::printf("%s,%s,%s,%d,%.3f,%.3f,%.3f,%.3f,%.1f\n", work.c_str(), config.c_str(), variant.c_str(),
-              motionlang::thread_count(), times.front() * 1e3, median * 1e3, times[times.size() * 9 / 10] * 1e3, gflop,
-              gflop / median);
+  std::printf("%s,%s,%s,%d,%.4f,%.4f,%.4f,%.3f,%.1f,%.1f\n", work.c_str(), config.c_str(), manner.variant.c_str(),
+              ml::thread_count(), times.front() * 1e3, median * 1e3, times[times.size() * 9 / 10] * 1e3, gflop,
+              gflop / median, std::max(before, after));
   std::fflush(stdout);
   return median;
+}
+
+/// A number that is no time: memory in MB, a factor, milliseconds of something that happens once. Its place is that of the times.
+inline void report_value(const std::string& work, const std::string& config, double value) {
+  std::printf("%s,%s,motionlang,%d,%.4f,%.4f,%.4f,0,0,0\n", work.c_str(), config.c_str(), ml::thread_count(), value,
+              value, value);
+  std::fflush(stdout);
+}
+
+/// The most memory that this program had at once since it began, in MB (1e6 bytes), as Linux counts it.
+inline double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) return 1.024e-3 * std::atof(line.c_str() + 6);
+  }
+  return 0;
 }
 
 /// Multiplications and additions of encoder layers on sequences of `tokens`, in 1e9.

@@ -1,9 +1,7 @@
 // Bodies: SMPL's forward pass (6,890 vertices, 24 joints, 10 coefficients, four weights a vertex; random numbers) for 200 poses,
-// and its joints alone for many. Peer: peer_torch.py.
+// and its joints alone for many.
 //
 // usage: bench_body [THREADS]
-#include <cstdlib>
-
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/body_model.hpp>
@@ -38,7 +36,7 @@ ml::BodyModel<B> random_body(ml::Philox& rng) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1) ml::set_thread_count(std::atoi(argv[1]));
+  const bench::Arguments read(argc, argv);
   ml::Philox rng{.seed = 1};
   const auto body = random_body(rng);
   // the dense count of the formulas: shape, joints, pose, skinning
@@ -47,8 +45,7 @@ int main(int argc, char** argv) {
     const auto betas = ml::Tensor<B, 2>::randn({poses, shapes}, rng), tau = ml::Tensor<B, 2>::randn({poses, 3}, rng);
     const auto pose = ml::Tensor<B, 3>::randn({poses, joints, 3}, rng) * 0.3;
     const std::string config = ml::concat_text("B=", poses);
-    const double seconds =
-        bench::report(work, config, "motionlang", gflop, [&] { f(betas, ml::rotation_rows(pose), tau); });
+    const double seconds = bench::report(work, config, gflop, [&] { f(betas, ml::rotation_rows(pose), tau); });
     std::fprintf(stderr, "%s %s: %.0f poses/s\n", work, config.c_str(), static_cast<double>(poses) / seconds);
   };
   run("smpl", 200, 200 * flop * 1e-9, [&](const auto&... a) { return body(a...); });

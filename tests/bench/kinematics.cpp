@@ -1,5 +1,4 @@
-// Forward kinematics: 100,000 frames of 24 joints from 6D rotations. Peer: peer_torch.py.
-#include <cstdlib>
+// Forward kinematics: 100,000 frames of 24 joints from 6D rotations.
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/lanes.hpp>
@@ -10,11 +9,11 @@
 namespace ml = motionlang;
 
 int main(int argc, char** argv) {
-  if (argc > 1) ml::set_thread_count(std::atoi(argv[1]));
+  const bench::Arguments read(argc, argv);
   constexpr ml::Index frames = 100'000;
   std::vector<float> rot6d(frames * 144), root(frames * 3), joints(frames * 72);
   ml::Philox rng{.seed = 1};
   rng.normal(std::span<float>(rot6d));
-  bench::report("fk", "100000 frames 24 joints 6D", "motionlang", frames * 24 * 120e-9,
+  bench::report("fk", "100000 frames 24 joints 6D", frames * 24 * 120e-9,
                 [&] { ml::forward_kinematics<float>(ml::smpl24_skeleton(), rot6d, root, std::span<float>(joints)); });
 }

@@ -1,11 +1,14 @@
-"""The peer in PyTorch (for search also faiss): the same work as bench_denoiser, bench_kinematics, bench_body, bench_text, bench_search
-and bench_vae, with random weights.
+"""The peer in PyTorch (for search also faiss): the same works as our programs, with random weights.
 
-usage: peer_torch.py THREADS [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss tmr_encoder temos_decoder actor_decoder train_tmr]
-Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster.
+usage: peer_torch.py THREADS [--bf16] [WORK ...]      all works of the table WORKS at the end unless said;
+       settings: what run.py chooses torch's settings by
+Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster. Works that
+are no times print their number in the place of the times. --bf16: under autocast, as torch's mixed precision is meant.
 """
-import os, sys, time
-THREADS = sys.argv[1] if len(sys.argv) > 1 else "1"
+import contextlib, os, subprocess, sys, tempfile, time
+BFLOAT16 = "--bf16" in sys.argv
+ARGUMENTS = [a for a in sys.argv[1:] if a != "--bf16"]
+THREADS = ARGUMENTS[0] if ARGUMENTS else "1"
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = THREADS
 import torch
 import torch.nn as nn
@@ -39,6 +42,40 @@ class Denoiser(nn.Module):
         return self.read(out[:, 4:])
 
 
+def precision():
+    return torch.autocast("cpu", torch.bfloat16) if BFLOAT16 else contextlib.nullcontext()
+
+
+@contextlib.contextmanager
+def inference():
+    """Autocast around all runs, not each: it keeps the weights that it has rounded until it ends."""
+    with torch.no_grad(), precision():
+        yield
+
+
+def peak_memory():
+    """In MB (1e6 bytes)."""
+    with open("/proc/self/status") as status:
+        return next(1.024e-3 * float(line.split()[1]) for line in status if line.startswith("VmHWM:"))
+
+
+def report_value(work, config, variant, value):
+    print(f"{work},{config},{variant},{THREADS},{value:.4f},{value:.4f}", flush=True)
+
+
+def memory_of_training(work, config, make):
+    """Each layout in a process of its own, before torch has started threads."""
+    for name, batch_first in LAYOUTS:
+        child = os.fork()
+        if child == 0:
+            step = make(batch_first)
+            for _ in range(3):
+                step()
+            report_value(work, config, name, peak_memory())
+            os._exit(0)
+        os.waitpid(child, 0)
+
+
 def report(work, config, variant, run, seconds):
     run(), run()
     times, start = [], time.perf_counter()
@@ -50,13 +87,13 @@ def report(work, config, variant, run, seconds):
     print(f"{work},{config},{variant},{THREADS},{times[0] * 1e3:.3f},{times[len(times) // 2] * 1e3:.3f}", flush=True)
 
 
-def mdm_step():
-    for b in (1, 3, 8):
+def mdm_step(batches=(1, 3, 8), seconds=3):
+    for b in batches:
         for name, batch_first in LAYOUTS:
             model = Denoiser(batch_first).eval()
             x, t, text = torch.randn(2 * b, 200, FEATURES), torch.full((2 * b,), 50), torch.randn(2 * b, 3, TEXT)
-            with torch.no_grad():
-                report("mdm_step", f"B={b} (2B crops) T=200", name, lambda: model(x, t, text), 3)
+            with inference():
+                report("mdm_step", f"B={b} (2B crops) T=200", name, lambda: model(x, t, text), seconds)
 
 
 def mdm_ragged():
@@ -65,22 +102,45 @@ def mdm_ragged():
     for name, batch_first in LAYOUTS:
         model = Denoiser(batch_first).eval()
         x, t, text = torch.randn(16, 200, FEATURES), torch.full((16,), 50), torch.randn(16, 3, TEXT)
-        with torch.no_grad():
-            report("mdm_ragged", "16 crops 40..200 frames (mean 111) padding mask", name, lambda: model(x, t, text, mask), 3)
+        with inference():
+            report("mdm_ragged", "16 crops 40..200 frames (mean 111)", name, lambda: model(x, t, text, mask), 3)
+
+
+def mdm_training(batch_first):
+    model = Denoiser(batch_first).train()
+    adam = torch.optim.AdamW(model.parameters(), 1e-4)
+    x, t, text = torch.randn(16, 200, FEATURES), torch.randint(0, 100, (16,)), torch.randn(16, 3, TEXT)
+
+    def step():
+        adam.zero_grad(set_to_none=True)
+        with precision():
+            loss = F.mse_loss(model(x, t, text), x)
+        loss.backward()
+        adam.step()
+
+    return step
 
 
 def train_mdm():
     for name, batch_first in LAYOUTS:
-        model = Denoiser(batch_first).train()
-        adam = torch.optim.AdamW(model.parameters(), 1e-4)
-        x, t, text = torch.randn(16, 200, FEATURES), torch.randint(0, 100, (16,)), torch.randn(16, 3, TEXT)
+        report("train_mdm", "B=16 T=200 dropout 0.1", name, mdm_training(batch_first), 12)
 
-        def step():
-            adam.zero_grad(set_to_none=True)
-            F.mse_loss(model(x, t, text), x).backward()
-            adam.step()
 
-        report("train_mdm", "B=16 T=200 dropout 0.1", name, step, 12)
+def first_step(path, start):
+    """The end of the program that `start` starts. The whole module lies in the file: nothing is initialised in vain."""
+    model = torch.load(path).eval()
+    x, t, text = torch.randn(2, 200, FEATURES), torch.full((2,), 50), torch.randn(2, 3, TEXT)
+    with torch.no_grad():
+        model(x, t, text)
+    report_value("start", "ms to the end of the first step", "torch", (time.monotonic() - float(start)) * 1e3)
+    report_value("start", "MB of the program then", "torch", peak_memory())
+
+
+def start():
+    with tempfile.NamedTemporaryFile(suffix=".pt") as file:
+        torch.save(Denoiser(True), file.name)
+        for _ in range(5):
+            subprocess.run([sys.executable, "-W", "ignore", __file__, THREADS, "first_step", file.name, str(time.monotonic())], check=True)
 
 
 PARENTS = [-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21]
@@ -101,7 +161,7 @@ def fk():
             world.append(world[parent] @ rotations[:, j])
         return torch.stack(joints, 1)
 
-    with torch.no_grad():
+    with inference():
         report("fk", "100000 frames 24 joints 6D", "torch", run, 5)
 
 
@@ -138,7 +198,7 @@ def smpl():
     weights = torch.zeros(vertices, 24).scatter_(1, torch.randint(0, 24, (vertices, 4)), torch.rand(vertices, 4))
     model = (torch.randn(vertices, 3), torch.randn(vertices, 3, 10) * 0.01, torch.randn(207, vertices * 3) * 0.01,
              torch.rand(24, vertices) / vertices, weights / weights.sum(1, keepdim=True))
-    with torch.no_grad():
+    with inference():
         for n in (200, 1):
             betas, pose = torch.randn(n, 10), torch.randn(n, 72) * 0.3
             report("smpl", f"B={n}", "torch", lambda: smpl_forward(*model, betas, pose), 4)
@@ -154,17 +214,28 @@ class TextEncoder(nn.Module):
         layer = nn.TransformerEncoderLayer(768, 12, 3072, 0.1, "gelu", batch_first=batch_first)
         self.layers = nn.TransformerEncoder(layer, 6)
 
-    def forward(self, ids):
+    def forward(self, ids, mask=None):
         x = self.norm(self.words(ids) + self.positions.weight[: ids.shape[1]])
-        return self.layers(x) if self.batch_first else self.layers(x.transpose(0, 1)).transpose(0, 1)
+        if self.batch_first:
+            return self.layers(x, src_key_padding_mask=mask)
+        return self.layers(x.transpose(0, 1), src_key_padding_mask=mask).transpose(0, 1)
+
+
+# Tokens of every 380th caption of KIT-ML, [CLS] and [SEP] included. The same numbers stand in text.cpp.
+CAPTION_LENGTHS = [8, 8, 10, 14, 8, 10, 10, 29, 9, 10, 12, 9, 11, 16, 8, 13, 19, 11, 16, 23, 10, 12, 7, 16, 14, 17, 13, 6, 9, 7, 12, 17]
 
 
 def distilbert():
-    for b in (1, 32):
-        for name, batch_first in LAYOUTS:
-            model, ids = TextEncoder(batch_first).eval(), torch.randint(0, 30000, (b, 32))
-            with torch.no_grad():
+    for name, batch_first in LAYOUTS:
+        model = TextEncoder(batch_first).eval()
+        with inference():
+            for b in (1, 32):
+                ids = torch.randint(0, 30000, (b, 32))
                 report("distilbert", f"B={b} T=32", name, lambda: model(ids), 3)
+            for width in (max(CAPTION_LENGTHS), 32):
+                ids = torch.randint(0, 30000, (len(CAPTION_LENGTHS), width))
+                mask = torch.arange(width)[None] >= torch.tensor(CAPTION_LENGTHS)[:, None]
+                report("distilbert", f"32 captions (mean 12 tokens), peer padded to {width}", name, lambda: model(ids, mask), 3)
 
 
 class ClipBlock(nn.Module):
@@ -197,7 +268,7 @@ def clip_text():
                     x = block(x, mask)
                 return last(x)
 
-            with torch.no_grad():
+            with inference():
                 report("clip_text", f"B={b} T=77", name, run, 3)
 
 
@@ -218,7 +289,7 @@ def search():
         s, i = torch.cat(scores, 1).topk(10, 1)
         return s, torch.cat(places, 1).gather(1, i)
 
-    with torch.no_grad():
+    with inference():
         report("search", "1 query 1e6x256", "torch", lambda: (rows @ queries[0]).topk(10), 3)
         report("search", "1000 queries 1e6x256", "torch", nearest, 3)
 
@@ -229,8 +300,8 @@ def search_faiss():
     faiss.omp_set_num_threads(int(THREADS))
     index = faiss.IndexFlatIP(256)
     index.add(rows)
-    report("search_faiss", "1 query 1e6x256", "faiss", lambda: index.search(queries[:1], 10), 3)
-    report("search_faiss", "1000 queries 1e6x256", "faiss", lambda: index.search(queries, 10), 3)
+    report("search", "1 query 1e6x256", "faiss", lambda: index.search(queries[:1], 10), 3)
+    report("search", "1000 queries 1e6x256", "faiss", lambda: index.search(queries, 10), 3)
 
 
 class SequenceEncoder(nn.Module):
@@ -270,7 +341,7 @@ def tmr_encoder():
     for b in (1, 32):
         for name, batch_first in LAYOUTS:
             model, x = SequenceEncoder(263, batch_first).eval(), torch.randn(b, 200, 263)
-            with torch.no_grad():
+            with inference():
                 report("tmr_encoder", f"B={b} T=200", name, lambda: model(x), 3)
 
 
@@ -278,40 +349,56 @@ def decoder(work, features, layers, frames):
     for b in (1, 32):
         for name, batch_first in LAYOUTS:
             model, z = SequenceDecoder(features, layers, batch_first).eval(), torch.randn(b, 256)
-            with torch.no_grad():
+            with inference():
                 report(work, f"B={b} T={frames}", name, lambda: model(z, frames), 3)
 
 
-def train_tmr():
+def tmr_training(batch_first):
     batch, frames, words = 32, 200, 32
+    motions, texts, decode = SequenceEncoder(263, batch_first), SequenceEncoder(768, batch_first), SequenceDecoder(263, 6, batch_first)
+    adam = torch.optim.AdamW([p for m in (motions, texts, decode) for p in m.parameters()], 1e-4)
+    x, text = torch.randn(batch, frames, 263), torch.randn(batch, words, 768)
+
+    def sample(tokens):
+        mu, logvar = tokens[:, 0], tokens[:, 1]
+        return mu + torch.randn_like(mu) * (0.5 * logvar).exp(), mu, logvar
+
+    def kl(mu, logvar, mu2, logvar2):
+        return 0.5 * ((logvar - logvar2).exp() + (mu - mu2) ** 2 * (-logvar2).exp() - 1 - logvar + logvar2).mean()
+
+    def loss_of_batch():
+        (z, *m), (y, *t) = sample(motions(x)), sample(texts(text))
+        zero = torch.zeros_like(z)
+        loss = F.smooth_l1_loss(decode(z, frames), x) + F.smooth_l1_loss(decode(y, frames), x) + 1e-5 * F.smooth_l1_loss(y, z)
+        loss = loss + 1e-5 * (kl(*t, *m) + kl(*m, *t) + kl(*t, zero, zero) + kl(*m, zero, zero))
+        s, own = F.normalize(y, dim=1) @ F.normalize(z, dim=1).t() / 0.1, torch.arange(batch)
+        return loss + 0.1 * 0.5 * (F.cross_entropy(s, own) + F.cross_entropy(s.t(), own))
+
+    def step():
+        adam.zero_grad(set_to_none=True)
+        with precision():
+            loss = loss_of_batch()
+        loss.backward()
+        adam.step()
+
+    return step
+
+
+def train_tmr():
     for name, batch_first in LAYOUTS:
-        motions, texts, decode = SequenceEncoder(263, batch_first), SequenceEncoder(768, batch_first), SequenceDecoder(263, 6, batch_first)
-        adam = torch.optim.AdamW([p for m in (motions, texts, decode) for p in m.parameters()], 1e-4)
-        x, text = torch.randn(batch, frames, 263), torch.randn(batch, words, 768)
-
-        def sample(tokens):
-            mu, logvar = tokens[:, 0], tokens[:, 1]
-            return mu + torch.randn_like(mu) * (0.5 * logvar).exp(), mu, logvar
-
-        def kl(mu, logvar, mu2, logvar2):
-            return 0.5 * ((logvar - logvar2).exp() + (mu - mu2) ** 2 * (-logvar2).exp() - 1 - logvar + logvar2).mean()
-
-        def step():
-            adam.zero_grad(set_to_none=True)
-            (z, *m), (y, *t) = sample(motions(x)), sample(texts(text))
-            zero = torch.zeros_like(z)
-            loss = F.smooth_l1_loss(decode(z, frames), x) + F.smooth_l1_loss(decode(y, frames), x) + 1e-5 * F.smooth_l1_loss(y, z)
-            loss = loss + 1e-5 * (kl(*t, *m) + kl(*m, *t) + kl(*t, zero, zero) + kl(*m, zero, zero))
-            s, own = F.normalize(y, dim=1) @ F.normalize(z, dim=1).t() / 0.1, torch.arange(batch)
-            (loss + 0.1 * 0.5 * (F.cross_entropy(s, own) + F.cross_entropy(s.t(), own))).backward()
-            adam.step()
-
-        report("train_tmr", f"B={batch} T={frames} dropout 0.1", name, step, 12)
+        report("train_tmr", "B=32 T=200 dropout 0.1", name, tmr_training(batch_first), 12)
 
 
-WORKS = {"mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl,
+WORKS = {"train_mdm_memory": lambda: memory_of_training("train_mdm_memory", "B=16 T=200 dropout 0.1", mdm_training),
+         "train_tmr_memory": lambda: memory_of_training("train_tmr_memory", "B=32 T=200 dropout 0.1", tmr_training),
+         "settings": lambda: mdm_step((1,), 1), "mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl,
          "distilbert": distilbert, "clip_text": clip_text, "search": search, "search_faiss": search_faiss,
          "tmr_encoder": tmr_encoder, "temos_decoder": lambda: decoder("temos_decoder", 263, 6, 200),
-         "actor_decoder": lambda: decoder("actor_decoder", 150, 8, 60), "train_tmr": train_tmr}
-for wanted in sys.argv[2:] or WORKS:
-    WORKS[wanted]()
+         "actor_decoder": lambda: decoder("actor_decoder", 150, 8, 60), "train_tmr": train_tmr, "start": start}
+
+if __name__ == "__main__":
+    if ARGUMENTS[1:2] == ["first_step"]:
+        first_step(*ARGUMENTS[2:])
+    else:
+        for wanted in ARGUMENTS[1:] or WORKS:
+            WORKS[wanted]()

@@ -1,70 +1,309 @@
 #!/usr/bin/python3
-"""Our programs and PyTorch in turns, in one run: for each work the median times and their ratio.
+"""Our programs and their peers in turns, in one run: the table of README.md.
 
-usage: run.py BUILD_FOLDER [--threads 2] [--rounds 3] [mdm_step mdm_ragged train_mdm fk smpl distilbert clip_text search search_faiss
-                                                           tmr_encoder temos_decoder actor_decoder train_tmr]
-Debian: python3-torch, libopenblas0-openmp, for search_faiss python3-faiss. torch runs with the settings that are fastest for it: all candidates are tried once.
+usage: run.py BUILD_FOLDER [--threads 2] [--rounds 3 | --quick] [--json FILE] [--svg FILE] [WORK ...]
+
+BUILD_FOLDER  where `cmake --build ... --target bench` was done
+--quick       one round instead of three
+WORK          only these rows of the table TABLE below
+A peer that is not installed is left out, with the name of its package. torch runs with the settings that are fastest for it: all
+candidates are tried once. ONNX_FOLDER (default ~/.cache/motionlang-bench) is where `npm install onnxruntime-node` was done.
 """
-import argparse, collections, csv, io, os, pathlib, statistics, subprocess, sys
+import argparse, collections, csv, dataclasses, datetime, io, json, os, pathlib, platform, statistics, subprocess, sys
+from xml.sax.saxutils import escape
 
-HERE = pathlib.Path(__file__).parent
+HERE = pathlib.Path(__file__).resolve().parent
+PYTHON = "/usr/bin/python3"
 OPENBLAS = "/usr/lib/x86_64-linux-gnu/openblas-openmp"
-PROGRAM = {"fk": "bench_kinematics", "smpl": "bench_body", "distilbert": "bench_text", "clip_text": "bench_text",
-           "search": "bench_search", "search_faiss": "bench_search", "tmr_encoder": "bench_vae", "temos_decoder": "bench_vae",
-           "actor_decoder": "bench_vae", "train_tmr": "bench_vae"}  # all others: bench_denoiser
-TARGET = {"mdm_step": 1.0, "train_mdm": 1.0, "fk": 0.1, "smpl": 0.3, "distilbert": 0.9, "clip_text": 0.9, "search": 0.6, "search_faiss": 1.1,
-          "tmr_encoder": 0.75, "temos_decoder": 0.9, "actor_decoder": 0.9, "train_tmr": 0.7}
+ONNX_FOLDER = pathlib.Path(os.environ.get("ONNX_FOLDER", pathlib.Path.home() / ".cache/motionlang-bench"))
+
+# Which program of ours does a work; where nothing is said, bench_denoiser.
+PROGRAM = {"product": "products", "product_gelu": "products", "product_batched": "products", "xtensor": "xtensor",
+           "tmr_encoder": "vae", "temos_decoder": "vae", "actor_decoder": "vae", "train_tmr": "vae", "train_tmr_memory": "vae",
+           "distilbert": "text", "clip_text": "text", "fk": "kinematics", "smpl": "body", "search": "search", "search_bf16": "search",
+           "start": "generate", "stmc_full": "generate", "stmc_bundled": "generate"}
+# What a peer needs, and where a work has another name there.
+PACKAGE = {"torch": "Debian: python3-torch libopenblas0-openmp", "faiss": "Debian: python3-faiss",
+           "onnx": f"npm install --prefix {ONNX_FOLDER} onnxruntime-node (and torch, which writes the models)",
+           "native": "target bench_products_native"}
+WORK_OF_PEER = {("search", "faiss"): "search_faiss", ("search_bf16", "faiss"): "search_faiss", ("search_bf16", "torch"): "search"}
 
 
-def rows(command, environment=None):
-    out = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **(environment or {})})
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """A row of the table: "<= bar" bounds ours / peer (times, memory), ">= bar" the share of the peer's speed, or of the peak.
+    A peer of None: the number itself is bounded. `config` is how the configurations begin that the row is about; "median": the median
+    of all of them."""
+    work: str
+    config: str
+    peer: str
+    bar: str = ""          # empty: shown only
+    precision: str = "fp32"
+    peer_precision: str = ""  # empty: the same
+
+
+def peaks(work, precision, each, median):
+    return [Row(work, "", "peak", each, precision)] + ([Row(work, "median", "peak", median, precision)] if median else [])
+
+
+TABLE = [
+    *peaks("product", "fp32", ">= 0.90", ">= 0.95"), *peaks("product_gelu", "fp32", ">= 0.88", ""),
+    *peaks("product", "bf16", ">= 0.90", ">= 0.94"), *peaks("product_batched", "fp32", "", ""),
+    Row("product", "", "native"), Row("product", "median", "native", ">= 0.97"),
+    Row("xtensor", "", "eigen", "<= 1.03"),
+    Row("mdm_step", "B=1", "torch", "<= 0.76"), Row("mdm_step", "B=3", "torch", "<= 0.82"), Row("mdm_step", "B=8", "torch", "<= 0.74"),
+    Row("mdm_step", "", "onnx", "<= 0.72"), Row("mdm_step", "", "peak", ">= 0.88"),
+    Row("mdm_step", "B=1", "torch", "<= 0.66", "bf16"), Row("mdm_step", "B=3", "torch", "<= 0.60", "bf16"),
+    Row("mdm_step", "B=8", "torch", "<= 0.55", "bf16"),
+    Row("mdm_ragged", "", "torch", "<= 0.35"), Row("mdm_ragged", "", "torch", "<= 0.18", "bf16", "fp32"),
+    Row("tmr_encoder", "B=1 ", "torch", "<= 0.56"), Row("tmr_encoder", "B=32", "torch", "<= 0.54"),
+    Row("distilbert", "B=1 ", "torch", "<= 0.44"), Row("distilbert", "B=32", "torch", "<= 0.90"),
+    Row("distilbert", "32 captions", "torch", "<= 0.50"), Row("distilbert", "B=", "onnx"),
+    Row("clip_text", "B=1 ", "torch", "<= 0.50"), Row("clip_text", "B=8", "torch", "<= 0.78"),
+    Row("temos_decoder", "B=1 ", "torch", "<= 0.55"), Row("temos_decoder", "B=32", "torch", "<= 0.44"),
+    Row("actor_decoder", "B=1 ", "torch", "<= 0.35"), Row("actor_decoder", "B=32", "torch", "<= 0.56"),
+    Row("train_mdm", "", "torch", "<= 0.62"), Row("train_tmr", "", "torch", "<= 0.45"),
+    Row("train_mdm_memory", "", "torch", "<= 0.45"), Row("train_tmr_memory", "", "torch", "<= 0.45"),
+    Row("fk", "", "torch", "<= 0.015"), Row("smpl", "B=200", "torch", "<= 0.08"), Row("smpl", "B=1", "torch"),
+    Row("search", "1 query", "torch", "<= 0.85"), Row("search", "1000 queries", "faiss", "<= 0.84"),
+    Row("search_bf16", "1 query", "torch", "<= 0.45", peer_precision="fp32"), Row("search_bf16", "1000 queries", "faiss", "<= 0.46"),
+    Row("start", "ms", "torch", "<= 0.08"), Row("start", "MB", "torch", "<= 0.30"),
+    Row("stmc_full", "real-time", None, "", "fp32"), Row("stmc_full", "real-time", None, "< 1", "bf16"),
+    Row("stmc_full", "MB", None, "<= 150"), Row("stmc_full", "MB", None, "<= 150", "bf16"),
+    Row("stmc_bundled", "real-time", None, "< 1"), Row("stmc_bundled", "MB", None, "<= 200"),
+]
+
+
+class Failed(Exception):
+    pass
+
+
+@dataclasses.dataclass
+class Measured:
+    value: float     # milliseconds, or what else the work is about
+    gflops: float = 0
+    peak: float = 0
+
+
+def run(command, environment=None):
+    """The lines that a program prints, by (config, variant)."""
+    out = subprocess.run([str(word) for word in command], capture_output=True, text=True, env={**os.environ, **(environment or {})})
     if out.returncode:
-        sys.exit(f"{' '.join(map(str, command))}: exit {out.returncode}\n{out.stderr[-2000:]}")
-    return {(r[0], r[1], r[2]): float(r[5]) for r in csv.reader(io.StringIO(out.stdout)) if len(r) > 5}
+        last = (out.stderr.strip().splitlines() or ["nothing on stderr"])[-1]
+        raise Failed(f"{' '.join(map(str, command))}: exit {out.returncode}: {last[:300]}")
+    found = collections.defaultdict(list)
+    for r in csv.reader(io.StringIO(out.stdout)):
+        if len(r) > 5:
+            found[r[1], r[2]].append(Measured(float(r[5]), *(float(x) for x in r[8:10])))
+    return {key: sorted(all_of_it, key=lambda m: m.value)[len(all_of_it) // 2] for key, all_of_it in found.items()}
 
 
-def torch_rows(threads, works, environment):
+def fastest(found):
+    """Of several variants of a peer, by config."""
     best = {}
-    for (work, config, _), ms in rows(["/usr/bin/python3", "-W", "ignore", HERE / "peer_torch.py", threads, *works], environment).items():
-        best[work, config] = min(ms, best.get((work, config), ms))
+    for (config, _), m in found.items():
+        if config not in best or m.value < best[config].value:
+            best[config] = m
     return best
 
 
-def fastest_environment(threads):
-    base = {"LD_LIBRARY_PATH": OPENBLAS, "OMP_PROC_BIND": "close", "OMP_PLACES": "cores"}
-    candidates = [{**base, "OPENBLAS_CORETYPE": core, "ATEN_CPU_CAPABILITY": vectors}
-                  for core, vectors in (("Haswell", "avx2"), ("Zen", "avx2"), ("SkylakeX", "avx512"))]
-    times = [(sum(torch_rows(threads, ["mdm_step"], c).values()), i) for i, c in enumerate(candidates)]
-    return candidates[min(times)[1]]
+class Programs:
+    """Runs ours and the peers, each once per round, and remembers who is not there."""
+
+    def __init__(self, build, threads):
+        self.bench, self.threads, self.missing, self.torch_environment = build / "tests/bench", threads, {}, {}
+        self.arguments = lambda precision: ["--bf16"] if precision == "bf16" else []
+
+    def ours(self, work, precision):
+        return run([self.bench / f"bench_{PROGRAM.get(work, 'denoiser')}", self.threads, *self.arguments(precision), work])
+
+    def peer(self, name, work, precision):
+        work = WORK_OF_PEER.get((work, name), work)
+        if name in ("torch", "faiss"):
+            command = [PYTHON, "-W", "ignore", HERE / "peer_torch.py", self.threads, *self.arguments(precision), work]
+            return fastest(run(command, self.torch_environment))
+        if name == "onnx":
+            ONNX_FOLDER.mkdir(parents=True, exist_ok=True)
+            return fastest(run([PYTHON, "-W", "ignore", HERE / "peer_onnx.py", self.threads, work], {"ONNX_FOLDER": str(ONNX_FOLDER)}))
+        return fastest(run([self.bench / f"bench_products_{name}", self.threads, *self.arguments(precision), work]))
+
+    def look_for(self, peers):
+        checks = {"torch": [PYTHON, "-c", "import torch"], "faiss": [PYTHON, "-c", "import torch, faiss"],
+                  "onnx": ["node", "-e", f"require({json.dumps(str(ONNX_FOLDER / 'node_modules/onnxruntime-node'))})"],
+                  "native": ["test", "-x", self.bench / "bench_products_native"]}
+        for name in peers & checks.keys():
+            try:
+                run(checks[name])
+            except (Failed, FileNotFoundError):
+                self.missing[name] = PACKAGE[name]
+
+    def tune_torch(self):
+        base = {"LD_LIBRARY_PATH": OPENBLAS, "OMP_PROC_BIND": "close", "OMP_PLACES": "cores"}
+        candidates = [{**base, "OPENBLAS_CORETYPE": core, "ATEN_CPU_CAPABILITY": vectors}
+                      for core, vectors in (("Haswell", "avx2"), ("Zen", "avx2"), ("SkylakeX", "avx512"))]
+
+        def time_with(environment):
+            self.torch_environment = environment
+            return sum(m.value for m in self.peer("torch", "settings", "fp32").values())
+
+        self.torch_environment = min(candidates, key=time_with)
+
+
+def meets(value, bar):
+    sign, limit = bar.split()
+    return {"<=": value <= float(limit), "<": value < float(limit), ">=": value >= float(limit)}[sign]
+
+
+def one_round(programs, table, note):
+    """{row: {config: (value, ours, peer's)}} of one round."""
+    ours, peers, results = {}, {}, {}
+
+    def once(store, key, measure):
+        if key not in store:
+            try:
+                store[key] = measure()
+            except (Failed, FileNotFoundError) as e:
+                note(str(e))
+                store[key] = {}
+        return store[key]
+
+    for row in table:
+        if row.peer in programs.missing:
+            continue
+        all_of_it = once(ours, (row.work, row.precision), lambda: programs.ours(row.work, row.precision))
+        mine = {config: m for (config, variant), m in all_of_it.items() if variant == "motionlang"}
+        if row.peer == "peak":
+            theirs = mine
+        elif row.peer == "eigen":
+            theirs = {config: m for (config, variant), m in all_of_it.items() if variant == "eigen"}
+        elif row.peer:
+            precision = row.peer_precision or row.precision
+            theirs = once(peers, (row.peer, row.work, precision), lambda: programs.peer(row.peer, row.work, precision))
+        wanted = "" if row.config == "median" else row.config
+        results[row] = {}
+        for config, m in mine.items():
+            if not config.startswith(wanted):
+                continue
+            if row.peer is None:
+                results[row][config] = (m.value, m.value, None)
+            elif row.peer == "peak":
+                if m.peak > 0:
+                    results[row][config] = (m.gflops / m.peak, m.gflops, m.peak)
+            elif config in theirs:
+                peer = theirs[config].value
+                share = row.bar.startswith(">") or row.peer == "native"
+                results[row][config] = (peer / m.value if share else m.value / peer, m.value, peer)
+    return results
+
+
+def rows_wide(config):
+    """Rows of a product; the goal speaks of 32 or more."""
+    first = config.split("x")[0]
+    return int(first) if first.isdigit() else 32
+
+
+def gather(table, rounds):
+    """One line for each row and configuration, with medians over the rounds."""
+    lines = []
+    for row in table:
+        by_config = collections.defaultdict(list)
+        for results in rounds:
+            for config, values in results.get(row, {}).items():
+                if not (row.work.startswith("product") and rows_wide(config) < 32 and row.config == "median"):
+                    by_config[config].append(values)
+        if row.config == "median" and by_config:
+            middle = [statistics.median(v[0] for v in values) for values in by_config.values()]
+            by_config = {"median of all": [(statistics.median(middle), None, None)]}
+        for config, values in by_config.items():
+            value, mine, theirs = (None if values[0][i] is None else statistics.median(v[i] for v in values) for i in range(3))
+            bar = "" if row.work.startswith("product") and rows_wide(config) < 32 else row.bar
+            lines.append({"work": row.work, "config": config, "precision": row.precision, "peer": row.peer, "value": value, "ours": mine,
+                          "theirs": theirs, "rounds": [v[0] for v in values], "bar": bar, "met": meets(value, bar) if bar else None})
+    return lines
+
+
+def title(line):
+    return f"{line['work']}{' bf16' if line['precision'] == 'bf16' else ''}"
+
+
+def print_table(lines):
+    print(f"{'work':18} {'shape':48} {'against':8} {'ours':>10} {'theirs':>10} {'value':>7}  bar")
+    for l in lines:
+        ours, theirs = (f"{l[k]:10.2f}" if l[k] is not None else " " * 10 for k in ("ours", "theirs"))
+        verdict = {True: "met", False: "missed", None: ""}[l["met"]]
+        print(f"{title(l):18} {l['config']:48} {l['peer'] or '':8} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}")
+    judged = [l["met"] for l in lines if l["met"] is not None]
+    print(f"{sum(judged)} of {len(judged)} bars met")
+
+
+def svg(lines, about):
+    """A bar for each line, as long as its value relative to the bar that it is held against, which is the line down the picture."""
+    high, left, middle, right = 16, 470, 360, 130
+    colours = {True: "#3a7d44", False: "#b5483a", None: "#8a8f98"}
+    out, y = [], 44
+    for l in lines:
+        limit = float(l["bar"].split()[1]) if l["bar"] else 1.0
+        length = min(1.6, l["value"] / limit) / 1.6 * middle
+        label = f"{title(l)}: {l['config']}" + (f" / {l['peer']}" if l["peer"] else "")
+        out.append(f'<text x="{left - 8}" y="{y + 12}" text-anchor="end">{escape(label)}</text>'
+                   f'<rect x="{left}" y="{y + 2}" width="{length:.1f}" height="{high - 4}" fill="{colours[l["met"]]}"/>'
+                   f'<text x="{left + middle + 8}" y="{y + 12}">{l["value"]:.3f}  {escape(l["bar"])}</text>')
+        y += high
+    at = left + middle / 1.6
+    out.append(f'<line x1="{at}" y1="40" x2="{at}" y2="{y + 4}" stroke="black" stroke-dasharray="3 2"/>')
+    head = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + middle + right}" height="{y + 16}" font-family="sans-serif" font-size="11">'
+            f'<rect width="100%" height="100%" fill="white"/><text x="8" y="18" font-size="13">{escape(about)}</text>'
+            f'<text x="{at}" y="36" text-anchor="middle">the bar (grey: none, 1)</text>')
+    return head + "\n".join(out) + "</svg>\n"
+
+
+def processor():
+    try:
+        with open("/proc/cpuinfo") as info:
+            return next(line.split(":")[1].strip() for line in info if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--threads", default="2")
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("works", nargs="*", default=[])
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--json", type=pathlib.Path)
+    parser.add_argument("--svg", type=pathlib.Path)
+    parser.add_argument("works", nargs="*")
     a = parser.parse_intermixed_args()
-    works = a.works or ["mdm_step", "mdm_ragged", "train_mdm", "fk", "smpl", "distilbert", "clip_text", "search", "search_faiss",
-                        "tmr_encoder", "temos_decoder", "actor_decoder", "train_tmr"]
-    environment = fastest_environment(a.threads)
-    print("torch with", {k: v for k, v in environment.items() if k.startswith(("OPENBLAS_", "ATEN"))})
-    ours, theirs = collections.defaultdict(list), collections.defaultdict(list)
-    for _ in range(a.rounds):
-        for work in works:
-            for (name, config, _), ms in rows([a.build / "tests/bench" / PROGRAM.get(work, "bench_denoiser"), a.threads, work]).items():
-                ours[name, config].append(ms)
-            for key, ms in torch_rows(a.threads, [work], environment).items():
-                theirs[key].append(ms)
-    print(f"{'work':12} {'shape':48} {'ours ms':>9} {'torch ms':>9} {'ratio':>6}  target")
-    for (work, config), mine in ours.items():
-        peer = theirs.get((work, config))
-        if peer is None:
-            print(f"{work:12} {config:48} {statistics.median(mine):9.2f}")
-            continue
-        ratio = statistics.median(m / p for m, p in zip(mine, peer))
-        target = f"<= {TARGET[work]}" if work in TARGET else ""
-        print(f"{work:12} {config:48} {statistics.median(mine):9.2f} {statistics.median(peer):9.2f} {ratio:6.2f}  {target}")
+    if unknown := set(a.works) - {row.work for row in TABLE}:
+        parser.error(f"no such work: {', '.join(sorted(unknown))}; there are {', '.join(dict.fromkeys(row.work for row in TABLE))}")
+    table = [row for row in TABLE if not a.works or row.work in a.works]
+    programs = Programs(a.build.resolve(), a.threads)
+    programs.look_for({row.peer for row in table if row.peer})
+    for name, package in programs.missing.items():
+        print(f"{name} is left out, it is not installed: {package}")
+    if "torch" not in programs.missing and any(row.peer == "torch" for row in table):
+        programs.tune_torch()
+        print("torch with", {k: v for k, v in programs.torch_environment.items() if k.startswith(("OPENBLAS_", "ATEN"))})
+    notes = {}
+    rounds, load = [], []
+    for i in range(1 if a.quick else a.rounds):
+        load.append(os.getloadavg()[0])
+        rounds.append(one_round(programs, table, lambda text: notes.setdefault(text)))
+    load.append(os.getloadavg()[0])
+    lines = gather(table, rounds)
+    print_table(lines)
+    for text in notes:
+        print("failed:", text)
+    about = (f"{processor()}, {a.threads} threads, {len(rounds)} rounds, {datetime.date.today()}; "
+             f"load of the machine {', '.join(f'{x:.1f}' for x in load)} (a quiet one has at most {a.threads})")
+    print(about)
+    if a.json:
+        a.json.write_text(json.dumps({"about": about, "torch": programs.torch_environment, "missing": programs.missing,
+                                      "failed": list(notes), "rows": lines}, indent=1) + "\n")
+    if a.svg:
+        a.svg.write_text(svg(lines, about))
+    sys.exit(1 if notes else 0)
 
 
 main()

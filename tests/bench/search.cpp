@@ -1,9 +1,7 @@
-// Exact search over 1,000,000 vectors of 256 numbers, ten nearest: one query and a thousand, float and bfloat16 storage. Peer:
-// peer_torch.py, search (torch) and search_faiss; run.py compares.
+// Exact search over 1,000,000 vectors of 256 numbers, ten nearest: one query and a thousand. search_bf16 scans a copy in bfloat16 and
+// compares the best ones exactly: the same answer.
 //
-// usage: bench_search [THREADS] [search | search_faiss]         the name only says whom to compare with
-#include <cstdlib>
-
+// usage: bench_search [THREADS] [search search_bf16 ...]
 #include <motionlang/core/rng.hpp>
 #include <motionlang/search/vector_scan.hpp>
 
@@ -13,8 +11,7 @@ namespace ml = motionlang;
 using ml::Index;
 
 int main(int argc, char** argv) {
-  ml::set_thread_count(argc > 1 ? std::atoi(argv[1]) : 2);
-  const std::string work = argc > 2 ? argv[2] : "search";
+  const bench::Arguments asked_for(argc, argv);
   constexpr Index count = 1'000'000, width = 256, nearest = 10;
   std::vector<float> rows(count * width), queries(1000 * width);
   ml::parallel_for(count / 1000, [&](Index i) {
@@ -25,13 +22,14 @@ int main(int argc, char** argv) {
   ml::Philox{.seed = 2}.normal(std::span(queries));
   rows = ml::unit_rows(rows, width);
   for (const auto storage : {ml::ScanStorage::float32, ml::ScanStorage::bfloat16}) {
+    const char* work = storage == ml::ScanStorage::bfloat16 ? "search_bf16" : "search";
+    if (!asked_for.asked(work)) continue;
     const ml::VectorScan gallery(rows, width, {}, storage);
-    const bool half = storage == ml::ScanStorage::bfloat16;
     for (const Index n : {1, 1000}) {
       const auto some = std::span(queries).first(static_cast<std::size_t>(n * width));
-      bench::report(
-          work + (half ? "_bf16" : ""), n == 1 ? "1 query 1e6x256" : "1000 queries 1e6x256", "motionlang",
-          2e-9 * static_cast<double>(n * count * width), [&] { gallery.search(some, nearest); }, 3, 3);
+      bench::report(work, n == 1 ? "1 query 1e6x256" : "1000 queries 1e6x256",
+                    2e-9 * static_cast<double>(n * count * width), [&] { gallery.search(some, nearest); },
+                    {.least = 3});
     }
   }
 }

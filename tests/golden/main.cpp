@@ -1,6 +1,6 @@
 // The golden runner: computes every case with this library and compares with the published implementations.
 //
-//     motionlang_golden [-v] [folder or folder/case ...]
+//     motionlang_golden [-v] [-t THREADS] [folder or folder/case ...]
 //
 // Cases lie in $MOTIONLANG_GOLDEN (default: the project's tests/golden/cases), one folder for each topic; without
 // arguments all are run. One line for each case and variant: largest error relative to its tolerance (at most 1
@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+
+#include <motionlang/core/parallel.hpp>
 
 #include "golden.hpp"
 
@@ -102,13 +104,18 @@ int main(int argc, char** argv) {
   std::vector<std::string> names(argv + 1, argv + argc);
   verbose = std::erase(names, "-v") > 0;
   try {
+    if (const auto t = std::find(names.begin(), names.end(), "-t"); t != names.end()) {
+      if (t + 1 == names.end()) return std::fprintf(stderr, "-t THREADS\n"), 1;
+      ml::set_thread_count(std::atoi((t + 1)->c_str()));
+      names.erase(t, t + 2);
+    }
     if (names.empty()) cases = cases_below(root);
     for (const std::string& name : names) {
       const fs::path file = root / (name + ".safetensors");
       const auto found = fs::is_regular_file(file) ? std::vector{file} : cases_below(root / name);
       cases.insert(cases.end(), found.begin(), found.end());
     }
-  } catch (const fs::filesystem_error& e) {
+  } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;
   }

@@ -1,0 +1,40 @@
+// This program started again: for memory and for times from the start, which one program can show only once.
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+/// Runs this program with these arguments and waits. Whether it succeeded.
+inline bool run_again(std::vector<std::string> arguments) {
+  static std::string name = "again";
+  std::vector<char*> words{name.data()};
+  for (std::string& a : arguments) words.push_back(a.data());
+  words.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execv("/proc/self/exe", words.data());
+    ::_exit(127);
+  }
+  int status = 1;
+  ::waitpid(child, &status, 0);
+  return status == 0;
+}
+
+/// A file for as long as the object lives.
+struct TemporaryFile {
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("motionlang_bench_" + std::to_string(::getpid()) + ".safetensors");
+
+  TemporaryFile() = default;
+  ~TemporaryFile() { std::filesystem::remove(path); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+};
+
+}  // namespace bench
