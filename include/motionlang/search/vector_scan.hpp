@@ -17,13 +17,14 @@
 #include <cstdint>  // bfloat16
 #include <memory>   // owner of the rows
 
+#include <motionlang/core/large_table.hpp>
 #include <motionlang/search/nearest.hpp>
 #include <motionlang/search/unit_rows.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 enum class ScanStorage {
-  float32,   // the rows as they are
+  float32,  // the rows as they are
   bfloat16,  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones only
 };
 
@@ -59,7 +60,7 @@ class VectorScan : public VectorSearch {
     require_unit_rows("VectorScan", rows, width);
     scan_ = {rows, {}, static_cast<Index>(rows.size()) / width, width};
     if (storage == ScanStorage::float32) return;
-    const std::shared_ptr<std::uint16_t[]> halves(new std::uint16_t[rows.size()]);
+    const auto halves = large_table<std::uint16_t>(rows.size());
     scan_.half_error = detail::RowScan<float>::to_halves(rows, width, halves.get());
     scan_.halves = {halves.get(), rows.size()};
     halves_ = halves;

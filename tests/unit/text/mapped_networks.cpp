@@ -21,8 +21,7 @@ template <class Load, class Layers>
 void check_mapped(const Numbers& numbers, Load load, Layers layers) {
   const TemporaryFolder folder;
   ml::TensorStore store;
-  for (const auto& [name, t] : numbers)
-    store.add(name, t.first, std::span<const double>(t.second), ml::DType::F32);
+  for (const auto& [name, t] : numbers) store.add(name, t.first, std::span<const double>(t.second), ml::DType::F32);
   ml::write_safetensors(folder.path / "weights.safetensors", store.views());
   const auto mapped = load(ml::SafetensorsFile::open(folder.path / "weights.safetensors"));
   const auto kept = load(file_of(numbers, ml::DType::F32));
