@@ -165,6 +165,9 @@ TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actio
   says("mdm", {"actions                  12 classes", "cosine, 24 steps"});
   const std::string run = official::write_tm2t_runs(w.path, official::small_tm2t()).string();
   says(run, {"from texts to motions", "recurrent, 1 layers of 12, early attention; writes 13 symbols"});
+  const fs::path golden = fs::path(__FILE__).parent_path().parent_path() / "golden/cases/containers";
+  says((golden / "tmr_run").string(), {"system                   tmr", "not a whole model", "motion_encoder."});
+  says((golden / "actor_run").string(), {"12 classes of humanact12", "encoder.muQuery"});
   says((fs::path(run).parent_path() / "VQVAEV3").string(), {"motion tokenizer", "263 numbers a frame", "10 codes, 2 halvings of the length, 2 residual blocks"});
 }
 

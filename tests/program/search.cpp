@@ -222,6 +222,8 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   }
   cache.write(g / "states", "bert");
 
+  check_contains(g.run({"info", "tmr"}), 0,
+                 {"263 numbers a frame", "latent 16, feed-forward 24, 2 layers, 4 heads", "motion_encoder.tokens"});
   check_contains(g.run({"index", "clips", "--model", "tmr", "-o", "moves.index"}), 0, {"6 clips"});
   check_contains(g.run({"search", "moves.index", "a person walks"}), 1, {"[motionlang.config.102]", "--text-encoder"});
   CHECK(g.search({"a person walks", "--text-encoder", "states/bert.npy"}).size() == 6);
@@ -246,7 +248,8 @@ TEST_CASE("index and search: help names every option") {
              "--json", "--exact", "--model", "--text-encoder", "--scale"}}}) {
     const auto help = ::run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
-    for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), command << " " << name);
+    CAPTURE(help.text);
+    for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), name);
   }
 }
 

@@ -53,7 +53,11 @@ std::string describe_folder(const std::filesystem::path& folder) {
   }
   if (system == "mdm" && run.system == "mdm" && ml::is_mdm_action_run(run)) system = "mdm of actions";
   if (system != "stmc" && system != "mdm" && system != "motiondiffuse") {
-    for (const auto& [key, value] : model_summary(run)) say(key, value);
+    try {
+      for (const auto& [key, value] : model_summary(run)) say(key, value);
+    } catch (const ml::error& e) {  // tensors are missing: what there is can be looked at all the same
+      say("not a whole model", e.what());
+    }
     return out;
   }
   const ml::RunFolder inner = ml::detail::published_run(run);
