@@ -76,7 +76,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
                  "--width",       "--feed-forward",  "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
                  "--text-weight", "--text-steps",    "--denoiser", "--seed",       "--license",     "--provenance",
                  "--commit",      "--save-minutes",  "--fresh",    "--threads",    "--noise-focus", "--root-weight",
-                 "--foot-weight", "--other-settings"}}};
+                 "--foot-weight", "--other-settings", "--recompute"}}};
   for (const auto& [command, names] : options) {
     const auto help = run({command, "--help"}, folder.path);
     CHECK(help.code == 0);

@@ -66,8 +66,8 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     begin(std::move(model));
   }
 
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) const {
-    return loss_of(learner_.model, batch(rng, step), rng, {.dropout = rng.split("dropout")});
+  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const {
+    return loss_of(learner_.model, batch(rng, step), rng, context);
   }
   std::vector<Measure> validate() {
     return {{"loss", over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
@@ -129,7 +129,7 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
     begin(Classifier<B>(config_, std::ssize(labels_), ml::Philox{.seed = seed()}.split("init")));
   }
 
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) {
+  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context&) {
     const auto b = with_generated(batch(rng, step), rng.split("generated"));
     return ml::cross_entropy(learner_.model.train(b.x, config_.clips).logits, b.classes);
   }

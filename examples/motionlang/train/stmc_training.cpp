@@ -145,7 +145,7 @@ void StmcTask::take_denoiser(const std::filesystem::path& model) {
   learner_.model.motion_normalizer = ml::convert<A>(learner_.average.motion_normalizer);
 }
 
-ml::Tensor<StmcTask::A, 0> StmcTask::loss(ml::Philox rng, Index) const {
+ml::Tensor<StmcTask::A, 0> StmcTask::loss(ml::Philox rng, Index, const ml::Context& context) const {
   const auto batch = draw_batch(*data_, config_, rng.split("samples"), config_.batch);
 
   // x0, packed; one t per sequence; noise
@@ -166,7 +166,6 @@ ml::Tensor<StmcTask::A, 0> StmcTask::loss(ml::Philox rng, Index) const {
   auto noise_rng = rng.split("noise");
   const auto eps = ml::Tensor<A, 2>::randn(x0.shape(), noise_rng);
 
-  const ml::Context context{.dropout = rng.split("dropout")};
   const auto text = ml::TextFeatures<A>::pooled(learner_.model.text_encoder(captions, context));
   const auto out =
       learner_.model.denoiser(ml::Sequences<A>(ml::q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;

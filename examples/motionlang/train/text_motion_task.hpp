@@ -155,12 +155,12 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
     }
   }
 
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step) const {
+  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const {
     auto choose = rng.split("captions");
     const auto batch = text_motion_batch<A>(
         data_->training, batches_(step, seed()), learner_.model.motion_normalizer,
         [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
-    return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), {.dropout = rng.split("dropout")}));
+    return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), context));
   }
   /// The loss without dropout, of first captions and with the same noise every time; of TMR also recalls among the motions of
   /// the validation part, where motions with a text that means the same count as found.

@@ -113,6 +113,7 @@ void add_train(CLI::App& app) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   c->add_flag("--fresh", o->run.fresh, "Start anew even if there is a checkpoint");
+  c->add_flag("--recompute", o->run.recompute, about_recompute);
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }

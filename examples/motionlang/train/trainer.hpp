@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/core/context.hpp>
+
 #include "learner.hpp"
 #include "../progress_bar.hpp"
 
@@ -20,7 +22,11 @@ struct RunOptions {
   double save_minutes = 5;
   bool fresh = false;           // whatever checkpoint there is
   bool other_settings = false;  // go on although the checkpoint began with other numbers
+  bool recompute = false;       // layers are calculated again instead of kept: the same numbers, less memory, more time
 };
+
+inline constexpr const char* about_recompute =
+    "Calculate layers again instead of keeping what is inside them: the same numbers, a third of the memory, a third more time";
 
 /// What a validation found.
 struct Measure {
@@ -60,14 +66,15 @@ void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map
                            bool with_other_settings);
 
 /// What can be trained.
-/// loss       of a step, from the step's own generator: it may depend on nothing but that, the step and the state
+/// loss       of a step, from the step's own generator: it may depend on nothing but that, the step and the state; the context
+///            brings the dropout of the step
 /// update     one step of the optimisers
 /// settings   everything that decides what a step computes, but for the number of steps
 /// add_to, load   the state
 template <class T>
-concept TrainingTask = requires(T& task, const T& same, ml::Philox rng, const ml::Gradients<TrainingTape>& gradients,
-                                ml::TensorStore& store, const ml::SafetensorsFile& file, ml::Index step) {
-  { task.loss(rng, step) } -> std::same_as<ml::Tensor<TrainingTape, 0>>;
+concept TrainingTask = requires(T& task, const T& same, ml::Philox rng, const ml::Context& context,
+                                const ml::Gradients<TrainingTape>& gradients, ml::TensorStore& store, const ml::SafetensorsFile& file, ml::Index step) {
+  { task.loss(rng, step, context) } -> std::same_as<ml::Tensor<TrainingTape, 0>>;
   task.update(gradients, step);
   { same.seed() } -> std::convertible_to<std::uint64_t>;
   { same.steps() } -> std::convertible_to<ml::Index>;
@@ -101,7 +108,7 @@ class Trainer {
   double step() {
     const ml::Index k = steps_done();
     const auto rng = ml::Philox{.seed = task_.seed()}.split("step").split(static_cast<std::uint64_t>(k));
-    const auto loss = task_.loss(rng, k);
+    const auto loss = task_.loss(rng, k, {.dropout = rng.split("dropout"), .recompute = recompute_});
     const double value = static_cast<double>(loss.item());
     if (!std::isfinite(value)) ml::raise<ml::numeric_error>(301, "training: the loss of step ", k, " is ", value);
     task_.update(ml::backward(loss), k);
@@ -142,6 +149,7 @@ class Trainer {
   /// then, when it is done, and on Ctrl-C, which ends it with `cancelled`.
   template <class Begin>
   void run(const RunOptions& o, Begin begin) {
+    recompute_ = o.recompute;
     std::filesystem::create_directories(o.out);
     const auto checkpoint = o.out / "checkpoint.safetensors";
     auto keep = [&] {
@@ -192,6 +200,7 @@ class Trainer {
 
   Task task_;
   TrainingRecord record_;
+  bool recompute_ = false;
 };
 
 }  // namespace program

@@ -20,6 +20,7 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const char* pub
   command.add_flag("--fresh", o.run.fresh, "Start anew even if there is a checkpoint");
   command.add_flag("--other-settings", o.run.other_settings,
                    "Go on with a checkpoint that began with other rates or weights of losses");
+  command.add_flag("--recompute", o.run.recompute, about_recompute);
   command.add_option("--license", o.license, "Licence of the weights, for their metadata")->capture_default_str();
   command.add_option("--provenance", o.provenance, "Where the data come from, for the metadata")->capture_default_str();
   command.add_option("--commit", o.commit, "Commit of the program, for the metadata");
