@@ -14,6 +14,7 @@
 #include "../commands.hpp"
 #include "../machine_options.hpp"
 #include "../progress_bar.hpp"
+#include "reuse.hpp"
 #include "timelines.hpp"
 
 namespace program {
@@ -25,6 +26,9 @@ struct Options {
   double seconds = 5;  // of the text
   ModelSources sources;
   GenerationSettings settings;
+  std::string preset = "full";
+  std::string reuse;  // a folder or a file
+  bool record = false;
   RigOptions rig;
   MachineOptions machine;
 };
@@ -65,7 +69,16 @@ void run(const Options& o) {
   const RigWriter write_on_rig = o.rig.file.empty() ? RigWriter() : rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   const auto timelines = wanted_timelines(o, generator->fps());
-  const GenerationSettings& settings = o.settings;
+  const std::string name = wanted_name(o);
+  GenerationSettings settings = o.settings;
+  GenerationNotes notes;
+  settings.notes = &notes;
+  if (o.preset == "fast") use_fast_preset(settings);
+  if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
+  if (o.record || !o.reuse.empty()) {
+    std::filesystem::create_directories(o.out);
+    settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
+  }
 
   std::vector<ml::Motion> motions;
   {
@@ -73,9 +86,9 @@ void run(const Options& o) {
     motions = generator->run(timelines, settings, bar);
   }
   std::filesystem::create_directories(o.out);
-  const std::string name = wanted_name(o);
+  std::printf("%s", notes.reuse.c_str());
   const auto model = std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
-  const std::string info = "seed " + std::to_string(settings.seed) + ", model " + model.filename().string();
+  const std::string info = "seed " + std::to_string(notes.seed.value_or(settings.seed)) + ", model " + model.filename().string();
   std::vector<ml::ViewerMotion> pages;
   for (std::size_t m = 0; m < motions.size(); ++m) {
     motions[m].name = motions.size() == 1 ? name : name + "_" + std::to_string(m);
@@ -134,21 +147,45 @@ void add_generate(CLI::App& app) {
   c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the GLB result is this file with the motion added")
       ->check(CLI::ExistingFile);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
-  c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")->capture_default_str();
-  c->add_option("--steps", o->settings.steps, "Denoising steps, evenly kept of the model's; 0: all")
-      ->capture_default_str();
-  c->add_option("--sampler", o->settings.sampler, "How to sample")
-      ->check(CLI::IsMember({"ddpm", "ddim"}))
-      ->capture_default_str();
-  c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
-      ->check(CLI::Range(0.0, 100.0));
-  c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
-      ->capture_default_str();
-  c->add_option("--noise", o->settings.noise_file,
-                "safetensors file with noise/000 (initial), noise/001, ... instead of the seed");
-  c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
+  const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")->capture_default_str();
+  const auto steps = c->add_option("--steps", o->settings.steps, "Denoising steps, evenly kept of the model's; 0: all")
+                         ->capture_default_str();
+  const auto sampler = c->add_option("--sampler", o->settings.sampler, "How to sample")
+                           ->check(CLI::IsMember({"ddpm", "ddim"}))
+                           ->capture_default_str();
+  const auto preset =
+      c->add_option("--preset", o->preset,
+                    "fast: " + std::to_string(fast_steps) + " steps of ddim; the README says what that costs (motionlang judge --compare)")
+          ->check(CLI::IsMember({"full", "fast"}))
+          ->excludes(steps)
+          ->excludes(sampler)
+          ->capture_default_str();
+  const auto guidance =
+      c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
+          ->check(CLI::Range(0.0, 100.0));
+  const auto overlap = c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
+                           ->capture_default_str();
+  const auto noise = c->add_option("--noise", o->settings.noise_file,
+                                   "safetensors file with noise/000 (initial), noise/001, ... instead of the seed");
+  c->add_flag("--record", o->record,
+              "Also write what --reuse needs after an edit: NAME" + record_extension +
+                  ", 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
+      ->excludes(noise);
+  const auto reuse =
+      c->add_option("--reuse", o->reuse,
+                    "Folder (or file) of a run with --record: only what the edited timeline changes is made anew, with seed, steps, "
+                    "sampler, guidance, overlap and cuts of that run; prints what was reused")
+          ->check(CLI::ExistingPath);
+  for (CLI::Option* option : {seed, steps, sampler, preset, guidance, overlap, noise}) reuse->excludes(option);
+  c->add_option("--keep-beyond", o->settings.keep_beyond,
+                "Of --reuse, an approximation: frames further than so many seconds from an edit stay as they were, though the model "
+                "would change them")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->needs(reuse);
+  const auto cut_texts = c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
               "A text is cut where another takes body parts from it or gives them back; without, one crop as published")
       ->capture_default_str();
+  reuse->excludes(cut_texts);
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away, and jerks where texts meet")
       ->capture_default_str();
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet,

@@ -66,6 +66,8 @@ ml::Index action_of(const std::string& text, std::span<const std::string> labels
 void require_no_noise(const GenerationSettings& settings) {
   if (!settings.noise_file.empty())
     ml::raise<ml::config_error>(102, "--noise is for diffusion models; this one takes --seed");
+  if (!settings.record_file.empty() || !settings.reuse_file.empty())
+    ml::raise<ml::config_error>(102, "--record and --reuse are for diffusion models; this one makes every motion in one step");
 }
 
 std::filesystem::path model_file(const std::filesystem::path& path) {

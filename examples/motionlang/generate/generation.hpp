@@ -17,6 +17,14 @@ namespace program {
 
 namespace ml = motionlang;
 
+/// What a diffusion model can tell besides its motions.
+struct GenerationNotes {
+  std::string layout{};                            // of the features
+  std::vector<std::vector<double>> features{};     // of each motion before it was smoothed and put on its feet
+  std::string reuse{};                             // what was taken over, in words
+  std::optional<std::uint64_t> seed{};             // of the run that was reused
+};
+
 struct GenerationSettings {
   std::uint64_t seed = 0;
   ml::Index steps = 0;               // 0: all
@@ -27,7 +35,15 @@ struct GenerationSettings {
   bool smooth = true;                // no trembling, no jerk where texts meet
   bool fix_feet = true;              // feet that stand do not slide
   std::string noise_file{};          // noise/000, noise/001, ... instead of the seed
+  std::string record_file{};         // where to write what a later run needs to reuse this one
+  std::string reuse_file{};          // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
+  std::optional<double> keep_beyond{};  // seconds; what is further from the edit stays as it was
+  GenerationNotes* notes = nullptr;     // written if given
 };
+
+/// Few steps that still do as many prompts as all of them, as `motionlang judge --compare` measures it (README).
+inline constexpr ml::Index fast_steps = 10;
+inline void use_fast_preset(GenerationSettings& s) { s.sampler = "ddim", s.steps = fast_steps; }
 
 /// A loaded model. Motions come back in the order of the timelines.
 class Generator {
@@ -75,7 +91,7 @@ std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folde
 const ml::Interval& only_text(const ml::Timeline& timeline);
 /// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
-/// Throws config_error 102 if there is a file of noise, which models without diffusion do not take.
+/// Throws config_error 102 if there is a file of noise or a record, which models without diffusion do not take.
 void require_no_noise(const GenerationSettings& settings);
 
 }  // namespace program

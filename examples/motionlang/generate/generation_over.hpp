@@ -3,11 +3,13 @@
 
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/io/safetensors.hpp>
+#include <motionlang/io/stmc_record.hpp>
 
 #include <motionlang/systems/stmc.hpp>
 
 #include "../files/feature_motion.hpp"
 #include "generation.hpp"
+#include "reuse.hpp"
 
 namespace program {
 
@@ -28,15 +30,16 @@ class GeneratorOver final : public Generator {
     options.sampling->sampler =
         s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
     options.progress = progress;
-    std::vector<ml::Timeline> cut = timelines;
-    if (s.cut_texts) {  // stretches below half a second would be too short for the denoiser to do what the text says
-      for (ml::Timeline& t : cut) t = ml::cut_at_handovers(t, ml::frame_at(0.5, model_.fps));
-    }
-    const auto features = s.noise_file.empty() ? model_.generate(cut, ml::Philox{.seed = s.seed}, options)
-                                               : model_.generate_from(cut, noise_from(s.noise_file), options);
+    if (s.notes != nullptr) *s.notes = {.layout = model_.layout.name};
+    const auto features = !s.reuse_file.empty()    ? again(timelines, s, progress)
+                          : !s.record_file.empty() ? recorded(cut(timelines, s.cut_texts), s, options)
+                          : s.noise_file.empty()
+                              ? model_.generate(cut(timelines, s.cut_texts), ml::Philox{.seed = s.seed}, options)
+                              : model_.generate_from(cut(timelines, s.cut_texts), noise_from(s.noise_file), options);
     std::vector<ml::Motion> motions;
     for (const auto& f : features) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
+      if (s.notes != nullptr) s.notes->features.push_back(rows);
       motions.push_back(finished(motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps), s));
     }
     return motions;
@@ -44,6 +47,41 @@ class GeneratorOver final : public Generator {
   double fps() const override { return model_.fps; }
 
  private:
+  using Features = std::vector<ml::Tensor<B, 2>>;
+
+  /// Stretches below half a second would be too short for the denoiser to do what the text says.
+  std::vector<ml::Timeline> cut(std::vector<ml::Timeline> timelines, bool cut_texts) const {
+    if (cut_texts) {
+      for (ml::Timeline& t : timelines) t = ml::cut_at_handovers(t, ml::frame_at(0.5, model_.fps));
+    }
+    return timelines;
+  }
+
+  Features recorded(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s, const ml::StmcOptions& options) const {
+    ml::StmcRecord<B> record;
+    auto features = ml::generate_recorded<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, record);
+    save(record, s.record_file, s.cut_texts);
+    return features;
+  }
+
+  /// With what the record of an earlier run says about the part that was not edited.
+  Features again(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s, ml::Progress progress) const {
+    const auto file = ml::SafetensorsFile::open(s.reuse_file);
+    auto record = ml::load_stmc_record<B>(file, model_);
+    const bool cut_texts = file.metadata().contains("cut_texts") && file.metadata().at("cut_texts") == "1";
+    ml::RegenerateOptions how{.within = {}, .progress = progress};
+    if (s.keep_beyond) how.within = ml::frame_at(*s.keep_beyond, model_.fps);
+    ml::StmcReuse reuse;
+    auto features = ml::regenerate<B>(model_, record, cut(timelines, cut_texts), how, &reuse);
+    if (!s.record_file.empty()) save(record, s.record_file, cut_texts);
+    if (s.notes != nullptr) s.notes->reuse = told(reuse, s.keep_beyond.value_or(0)), s.notes->seed = record.rng.seed;
+    return features;
+  }
+
+  void save(const ml::StmcRecord<B>& record, const std::string& path, bool cut_texts) const {
+    ml::save_stmc_record(path, record, model_, {{"cut_texts", cut_texts ? "1" : "0"}});
+  }
+
   static auto noise_from(const std::string& path) {
     return [file = ml::SafetensorsFile::open(path)](ml::Index draw, const ml::Shape& shape) {
       std::string digits = std::to_string(draw);

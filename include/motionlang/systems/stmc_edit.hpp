@@ -2,7 +2,7 @@
 /// STMC after an edit of its timelines: what the edit cannot have changed is taken from the run before.
 ///
 ///     StmcRecord<B> record;
-///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 8}, record);
+///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);           // the bits of generate(timelines, ...)
@@ -10,11 +10,11 @@
 ///
 /// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow each other
 /// with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit nothing is reused any
-/// more: with 100 steps a few per cent of the work, with 8 steps and a long timeline much of it. Free are timelines of the batch that
+/// more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it. Free are timelines of the batch that
 /// were not edited, and with overlap 0 all texts behind a cut that nothing spans. For the rest there is an approximation, named
 /// `within`: frames further than that from the edit keep their clean estimates of every step, as if painted over, and
 /// the frames between are made to fit to them.
-/// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 1.6 MB with 8
+/// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
 #pragma once
 
 #include <motionlang/compose/edits.hpp>

@@ -1,0 +1,52 @@
+// What `generate --reuse` says about what it took over, and where --record and --reuse find their file.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <motionlang/systems/stmc_edit.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+inline const std::string record_extension = ".steps.safetensors";
+
+/// The file of a run with --record: the path itself, or the only such file in the folder. Throws io_error 401.
+inline std::filesystem::path record_file(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return path;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    if (entry.path().filename().string().ends_with(record_extension)) found.push_back(entry.path());
+  }
+  if (found.size() == 1) return found.front();
+  ml::raise<ml::io_error>(401, path.string(), ": ", found.size(), " files *", record_extension,
+                          found.empty() ? ", which generate writes with --record" : "; name one of them");
+}
+
+inline std::string told(const ml::StmcReuse& r, double seconds) {
+  char text[400];
+  const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
+  std::snprintf(text, sizeof text, "reused: %td of %td frames are those of before; %.0f %% of the work of a whole run\n", r.kept,
+                r.frames, work);
+  std::string out = text;
+  if (r.exact) {
+    out += "  the motion is that of a whole run, bit for bit\n";
+  } else {
+    std::snprintf(text, sizeof text,
+                  "  not the motion of a whole run: frames further than %.2f s from an edit were kept (--keep-beyond)\n", seconds);
+    out += text;
+  }
+  if (r.everywhere > 0) {
+    std::snprintf(text, sizeof text,
+                  "  after step %td of %td nothing could be reused: texts that follow each other share frames, so an edit goes one text "
+                  "further with every step\n  fewer steps reuse more (--preset fast); --keep-beyond 1 keeps what is further away, "
+                  "though the model would change it\n",
+                  r.everywhere, r.steps);
+    out += text;
+  }
+  return out;
+}
+
+}  // namespace program
