@@ -90,6 +90,13 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
   }
   CHECK(g.search({"a person walks slowly", "--top", "2"}).size() == 2);
   CHECK(g.search({"a person turns left"}) != hits);
+  const auto rounded = g.search({"a person walks slowly", "--precision", "bf16", "--threads", "1"});
+  REQUIRE(rounded.size() == 6);
+  for (const auto& a : rounded) {
+    const auto b = std::find_if(hits.begin(), hits.end(), [&](const auto& h) { return file_of(h) == file_of(a); });
+    REQUIRE(b != hits.end());
+    CHECK(std::abs(a["score"].get<double>() - (*b)["score"].get<double>()) < 0.02);
+  }
 
   for (const std::string file : {"straight.bvh", "left.bvh", "sub/right.bvh", "slow.npz"}) {
     const auto like = g.search({"--like", "clips/" + file, "--top", "1"})[0];

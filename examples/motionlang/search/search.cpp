@@ -9,6 +9,7 @@
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
+#include "../machine_options.hpp"
 #include "search_model.hpp"
 #include "../files/weights.hpp"
 
@@ -24,6 +25,11 @@ struct Options {
   Index top = 10;
   bool moments = false, captions = false, json = false, exact = false;
   MotionReadOptions read;
+  MachineOptions machine;
+
+  ml::ScanStorage storage() const {
+    return machine.precision == "bf16" ? ml::ScanStorage::bfloat16 : ml::ScanStorage::float32;
+  }
 };
 
 /// The part of a motion between two times. Throws config_error 101 if nothing is there.
@@ -47,7 +53,7 @@ class Search {
     if (o_.moments && o_.captions)
       ml::raise<ml::config_error>(102, "search: --moments and --captions are two different searches");
     const auto query = vector_of_query();
-    const auto search = ml::open_motion_search(file_, o_.exact);
+    const auto search = ml::open_motion_search(file_, o_.exact, o_.storage());
     const auto hits = o_.moments    ? search.moments(query, o_.top, o_.overlap)
                       : o_.captions ? search.captions(query, o_.top)
                                     : search.clips(query, o_.top);
@@ -157,7 +163,11 @@ void add_search(CLI::App& app) {
   c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  c->callback([o] { Search(*o).run(); });
+  o->machine.add_to(*c);
+  c->callback([o] {
+    o->machine.apply();
+    Search(*o).run();
+  });
 }
 
 }  // namespace program

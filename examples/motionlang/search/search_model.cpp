@@ -46,7 +46,7 @@ SearchModel::SearchModel(const std::filesystem::path& folder, const std::filesys
   Parts parts;
   if (run.system == "motionlang") {
     const TextMotionFile file = read_text_motion_config(folder);
-    parts.model = load_text_motion<ml::Tmr, B>(folder, file);
+    parts.model = load_text_motion<ml::Tmr, B>(weights, file);
     parts.features = &ml::motion_features(file.config.features);
     parts.fps = file.fps;
   } else if (run.system == "tmr") {

@@ -133,16 +133,21 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
   if (model.words) file.pieces = model.words->tokenizer;
   write_text_motion(folder, file, about, store);
 }
-/// Throws what the readers throw; config_error 102 for a folder of the other system.
+/// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one of the other system.
 template <template <class> class System, ml::Backend B>
-TextMotionModel<B, System> load_text_motion(const std::filesystem::path& folder, const TextMotionFile& file) {
+TextMotionModel<B, System> load_text_motion(const ml::TensorSet& weights, const TextMotionFile& file) {
   if (file.system != system_name<System>())
-    ml::raise<ml::config_error>(102, folder.string(), ": a model of ", file.system, ", not ", system_name<System>());
+    ml::raise<ml::config_error>(102, weights.name(), ": a model of ", file.system, ", not ", system_name<System>());
   auto model = make_text_motion<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
                                            ml::Philox{});
-  ml::load_module(model, ml::SafetensorsFile::open(folder / "weights.safetensors"));
+  ml::load_module(model, weights);
   ml::prepare(model);
   return model;
+}
+/// The model of a folder.
+template <template <class> class System, ml::Backend B>
+TextMotionModel<B, System> load_text_motion(const std::filesystem::path& folder, const TextMotionFile& file) {
+  return load_text_motion<System, B>(ml::SafetensorsFile::open(folder / "weights.safetensors"), file);
 }
 
 }  // namespace program

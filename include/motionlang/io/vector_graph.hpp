@@ -244,8 +244,10 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
   return out;
 }
 
-/// Searches with the graphs that the file has, or without any. The file has to outlive it. Throws io_error 401, 402, 403.
-inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact = false) {
+/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive it. Throws io_error
+/// 401, 402, 403.
+inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact = false,
+                                       ScanStorage storage = ScanStorage::float32) {
   std::shared_ptr<const VectorSearch> clips, moments;
 #if MOTIONLANG_HAS_HNSWLIB
   const auto graph = [&](const char* name, std::span<const float> rows) -> std::shared_ptr<const VectorSearch> {
@@ -257,7 +259,7 @@ inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unus
   clips = graph("graph_clips", file.index().clip_rows());
   moments = graph("graph_moments", file.index().moment_rows());
 #endif
-  return MotionSearch(file.index(), std::move(clips), std::move(moments));
+  return MotionSearch(file.index(), std::move(clips), std::move(moments), storage);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
