@@ -62,7 +62,8 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const std::map<std::string, std::vector<std::string>> options{
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
-        "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads"}},
+        "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads", "--preset", "--record",
+        "--reuse", "--keep-beyond"}},
       {"check", {"timeline", "--fps", "--overlap", "--model"}},
       {"info", {"file"}},
       {"convert",
@@ -71,7 +72,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--all"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
-      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet"}},
+      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet", "--compare"}},
       {"train", {"--data",        "--captions",      "--out",      "--steps",      "--batch",       "--lr",
                  "--width",       "--feed-forward",  "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
                  "--text-weight", "--text-steps",    "--denoiser", "--seed",       "--license",     "--provenance",
