@@ -80,13 +80,14 @@ class Failed(Exception):
 
 @dataclasses.dataclass
 class Measured:
-    value: float     # milliseconds, or what else the work is about
-    gflops: float = 0
+    value: float       # milliseconds, or what else the work is about; the median
+    gflops: float = 0  # of the fastest run
     peak: float = 0
 
 
 def run(command, environment=None):
     """The lines that a program prints, by (config, variant)."""
+    print(f"\r\x1b[K{' '.join(str(word).split('/')[-1] for word in command)}"[:110], end="", file=sys.stderr, flush=True)
     out = subprocess.run([str(word) for word in command], capture_output=True, text=True, env={**os.environ, **(environment or {})})
     if out.returncode:
         last = (out.stderr.strip().splitlines() or ["nothing on stderr"])[-1]
@@ -94,7 +95,8 @@ def run(command, environment=None):
     found = collections.defaultdict(list)
     for r in csv.reader(io.StringIO(out.stdout)):
         if len(r) > 5:
-            found[r[1], r[2]].append(Measured(float(r[5]), *(float(x) for x in r[8:10])))
+            best, median, gflop, peak = (float(r[i]) if len(r) > i else 0 for i in (4, 5, 7, 9))
+            found[r[1], r[2]].append(Measured(median, gflop / best * 1e3, peak))
     return {key: sorted(all_of_it, key=lambda m: m.value)[len(all_of_it) // 2] for key, all_of_it in found.items()}
 
 
@@ -291,6 +293,7 @@ def main():
         load.append(os.getloadavg()[0])
         rounds.append(one_round(programs, table, lambda text: notes.setdefault(text)))
     load.append(os.getloadavg()[0])
+    print("\r\x1b[K", end="", file=sys.stderr)
     lines = gather(table, rounds)
     print_table(lines)
     for text in notes:
