@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// The usual backends and their tapes. A unit that links motionlang::instantiated and includes this does not compile
+/// them again, at -O0 at least: what is inline is compiled once more wherever it may be inlined.
+#pragma once
+
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/reference.hpp>
+#include <motionlang/backend/xtensor.hpp>
+
+#ifdef MOTIONLANG_INSTANTIATED
+extern template struct motionlang::ReferenceBackend<float>;
+extern template struct motionlang::ReferenceBackend<double>;
+extern template struct motionlang::Autodiff<motionlang::ReferenceBackend<double>>;
+extern template struct motionlang::Autodiff<motionlang::EigenBackend<float>>;
+extern template struct motionlang::Autodiff<motionlang::EigenBackend<double>>;
+extern template struct motionlang::Autodiff<motionlang::XtensorBackend<float>>;
+#endif

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+// The reference backend and its tape, compiled once for motionlang::instantiated.
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/reference.hpp>
+
+template struct motionlang::ReferenceBackend<float>;
+template struct motionlang::ReferenceBackend<double>;
+template struct motionlang::Autodiff<motionlang::ReferenceBackend<double>>;
