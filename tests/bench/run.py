@@ -55,6 +55,7 @@ TABLE = [
     Row("mdm_step", "", "onnx", "<= 0.72"), Row("mdm_step", "", "peak", ">= 0.88"),
     Row("mdm_step", "B=1", "torch", "<= 0.66", "bf16"), Row("mdm_step", "B=3", "torch", "<= 0.60", "bf16"),
     Row("mdm_step", "B=8", "torch", "<= 0.55", "bf16"),
+    Row("mdm_step", "", "torch", "<= 0.39", "bf16", "fp32"),
     Row("mdm_ragged", "", "torch", "<= 0.35"), Row("mdm_ragged", "", "torch", "<= 0.18", "bf16", "fp32"),
     Row("tmr_encoder", "B=1 ", "torch", "<= 0.56"), Row("tmr_encoder", "B=32", "torch", "<= 0.54"),
     Row("distilbert", "B=1 ", "torch", "<= 0.44"), Row("distilbert", "B=32", "torch", "<= 0.90"),
@@ -219,7 +220,7 @@ def gather(table, rounds):
         for config, values in by_config.items():
             value, mine, theirs = (None if values[0][i] is None else statistics.median(v[i] for v in values) for i in range(3))
             bar = "" if row.work.startswith("product") and rows_wide(config) < 32 else row.bar
-            lines.append({"work": row.work, "config": config, "precision": row.precision, "peer": row.peer, "value": value, "ours": mine,
+            lines.append({"work": row.work, "config": config, "precision": row.precision, "peer": row.peer, "peer_precision": row.peer_precision, "value": value, "ours": mine,
                           "theirs": theirs, "rounds": [v[0] for v in values], "bar": bar, "met": meets(value, bar) if bar else None})
     return lines
 
@@ -228,12 +229,16 @@ def title(line):
     return f"{line['work']}{' bf16' if line['precision'] == 'bf16' else ''}"
 
 
+def against(line):
+    return (line["peer"] or "") + (f" {line['peer_precision']}" if line["peer_precision"] else "")
+
+
 def print_table(lines):
-    print(f"{'work':18} {'shape':48} {'against':8} {'ours':>10} {'theirs':>10} {'value':>7}  bar")
+    print(f"{'work':18} {'shape':48} {'against':10} {'ours':>10} {'theirs':>10} {'value':>7}  bar")
     for l in lines:
         ours, theirs = (f"{l[k]:10.2f}" if l[k] is not None else " " * 10 for k in ("ours", "theirs"))
         verdict = {True: "met", False: "missed", None: ""}[l["met"]]
-        print(f"{title(l):18} {l['config']:48} {l['peer'] or '':8} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}")
+        print(f"{title(l):18} {l['config']:48} {against(l):10} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}")
     judged = [l["met"] for l in lines if l["met"] is not None]
     print(f"{sum(judged)} of {len(judged)} bars met")
 
@@ -246,7 +251,7 @@ def svg(lines, about):
     for l in lines:
         limit = float(l["bar"].split()[1]) if l["bar"] else 1.0
         length = min(1.6, l["value"] / limit) / 1.6 * middle
-        label = f"{title(l)}: {l['config']}" + (f" / {l['peer']}" if l["peer"] else "")
+        label = f"{title(l)}: {l['config']}" + (f" / {against(l)}" if l["peer"] else "")
         out.append(f'<text x="{left - 8}" y="{y + 12}" text-anchor="end">{escape(label)}</text>'
                    f'<rect x="{left}" y="{y + 2}" width="{length:.1f}" height="{high - 4}" fill="{colours[l["met"]]}"/>'
                    f'<text x="{left + middle + 8}" y="{y + 12}">{l["value"]:.3f}  {escape(l["bar"])}</text>')
