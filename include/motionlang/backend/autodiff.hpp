@@ -4,8 +4,8 @@
 /// Each operation below stands next to its derivative (vjp: vector-Jacobian product): g is the gradient of the result,
 /// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
 /// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
-/// Of a layer norm, which is cheap, no result is kept: a product that needs it has it calculated again. `checkpoint` does
-/// the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost", 2016).
+/// Results of layer norms and of a sequence's attention to itself, which are cheap, are not kept: a product that needs
+/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost", 2016).
 /// Gradients are returned as a value and live on the inner backend.
 ///
 /// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
@@ -392,8 +392,10 @@ struct Autodiff {
     B::self_attention_vjp(v, offsets, options, v);
   }
   {
-    return record(
-        B::self_attention(qkv.value, offsets, options),
+    auto forward = [x = qkv.value, offsets, options] { return B::self_attention(x, offsets, options); };
+    Value y = forward();
+    return record_cheap(
+        std::move(y), std::move(forward),
         [x = qkv.value, offsets, options](const Value& g, const Sink& s) {
           s.add(0, B::self_attention_vjp(x, offsets, options, g));
         },

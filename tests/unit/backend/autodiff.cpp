@@ -152,12 +152,16 @@ TEST_CASE("a checkpoint refuses results that are not among its inputs") {
   CHECK_ERROR(ml::backward(ml::sum(hidden + y)), "[motionlang.config.102] backward: what is calculated again uses a result");
 }
 
-TEST_CASE("layer norms are calculated again where a product needs their result: no value changes") {
-  const auto x = tensors::normal<A, 2>({6, 4}, 1), w = tensors::normal<A, 2>({5, 4}, 2);
-  const auto gain = tensors::normal<A, 1>({4}, 3), shift = tensors::normal<A, 1>({4}, 4);
-  const auto normed = ml::layer_norm(x * 2.0, gain, shift);
-  const auto found = ml::backward(ml::sum(ml::square(ml::linear<A>(normed, w, nullptr))));
-  // the same with a copy of the result that is kept
-  const auto kept = ml::variable<A>(ml::value_of(normed));
-  CHECK(tensors::same_bits(found[w], ml::backward(ml::sum(ml::square(ml::linear<A>(kept, w, nullptr))))[w]));
+TEST_CASE("layer norms and attention are calculated again where a product needs their result: no value changes") {
+  const auto x = tensors::normal<A, 2>({6, 12}, 1);
+  const auto gain = tensors::normal<A, 1>({12}, 3), shift = tensors::normal<A, 1>({12}, 4);
+  const auto loss = [](const ml::Tensor<A, 2>& y, const ml::Tensor<A, 2>& w) {
+    return ml::sum(ml::square(ml::linear<A>(y, w, nullptr)));
+  };
+  for (const auto& y : {ml::layer_norm(x * 2.0, gain, shift),
+                        ml::self_attention(x * 2.0, ml::Offsets{4, 2}, {.heads = 2, .dropout = {.p = 0.5, .key = 7}})}) {
+    const auto w = tensors::normal<A, 2>({5, y.size(1)}, 2);
+    const auto kept = ml::variable<A>(ml::value_of(y));  // this is not calculated again
+    CHECK(tensors::same_bits(ml::backward(loss(y, w))[w], ml::backward(loss(kept, w))[w]));
+  }
 }
