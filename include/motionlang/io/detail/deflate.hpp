@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard fixes.
-/// For pictures of a few flat colours, where nothing better is needed. Unpacking is in inflate.hpp.
+/// For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be linked. Unpacking is in
+/// inflate.hpp.
 #pragma once
 
 #include <algorithm>  // min
