@@ -239,6 +239,14 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 /// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
 /// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
 
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
+#include <cpuid.h>  // what the processor has
+#if defined(__linux__)
+#include <sys/syscall.h>  // arch_prctl
+#include <unistd.h>       // syscall
+#endif
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
@@ -339,6 +347,24 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that are the same for all instruction sets.
+struct Bf16Kernels {
+  const char* name;
+  Index row_block;
+  Index (*scratch)(Index k);  // numbers
+  void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
+               std::uint16_t* panels);
+  void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch);
+  Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
+  void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
+  void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
+                             float* scratch);
+};
+inline constexpr Index bf16_columns = 32;                                     // of a panel
+constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
+
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 
 // GCC and clang spell "generate code for these instructions" differently.
@@ -430,6 +456,26 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
   S m = v[0];
   for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
   return m;
+}
+
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
@@ -562,7 +608,7 @@ inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>;
@@ -574,11 +620,19 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
       for (Index i = 0; i < k; ++i, out += w) {
         for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
       }
-    } else {  // a transposed B: read along its rows, eight at a time
-      for (Index i0 = 0; i0 < k; i0 += 8) {
-        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
-        for (Index c = 0; c < w; ++c) {
-          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+    } else {  // a transposed B: read along its rows, a square of lanes at a time
+      constexpr Index l = lanes<S>;
+      for (Index i = 0; i < k; i += l) {
+        const Index rows = k - i < l ? k - i : l;
+        for (Index c = 0; c < w; c += l) {
+          Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<S>; ++q) {
+            const S* from = in + (c + q) * stride_n + i;
+            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+          }
+          transpose_lanes<S>(square);
+          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
         }
       }
     }
@@ -779,110 +833,147 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
   return (n + panel_width<S> - 1) / panel_width<S>;
 }
 
-/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+/// The products of attention in S. (Bf16Products is the other kind.)
 template <class S>
-MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
-                                     bool whole_panels) {
-  constexpr Index w = panel_width<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  const Epilogue<S> plain;
-  for (Index j = 0; j < padded_panels<S>(n); ++j) {
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
-      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                         whole_panels ? w : n - j * w, plain);
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache). Element (i, k) of a is a[i * row_stride + k * depth_stride].
+  static void multiply(const S* a, Index row_stride, Index depth_stride, Index count, Index k, const S* panels, Index n, S* c, Index ldc,
+                       S*, bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                           whole_panels ? w : n - j * w, plain);
+      }
     }
   }
-}
+};
 
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
 template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+  S* o;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width),
+        o(a.o + q0 * a.o_stride + head * a.width) {}
+
+  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
+  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    if (t.relative_scores != nullptr) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
+      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    }
+    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
+    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+  }
+  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
 Index attention_scratch(Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  return pk * width + pw * keys + tile_rows * (pk + 16);
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class S>
+template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  const Index pq = padded_panels<S>(queries) * panel_width<S>;
-  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
 }
 
-/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
-template <class S>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
-  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* kt = scratch;
-  S* vp = kt + key_panels * w * width;
-  S* scores = vp + value_panels * w * keys;
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
-  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
-  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+/// Output of one head.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  const Index tiles = (h.queries + P::rows - 1) / P::rows;
   for (Index i = 0; i < tiles; ++i) {
-    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
-    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
-    for (Index r = 0; r < rows; ++r) {
-      S* row = scores + r * pitch;
-      if (t.relative_scores != nullptr) {
-        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
-      }
-      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
-      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
-    }
-    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
   }
+  P::end();
 }
 
 /// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class S>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
   constexpr int l = lanes<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
-  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* a = scratch;                             // K^T, then V^T
-  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
-  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
-  S* ds = p + queries * pitch;                // dP, later dS
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
-  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
-  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
-  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
+  S* scratch = ds + (queries + P::rows) * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply(d_o, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
     softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
-    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
-    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
     const S mean = reduce_add<S>(sum);
     for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
   }
-  S* dq = g.d_q + q0 * t.q_stride + head * width;
-  S* dk = g.d_k + k0 * t.k_stride + head * width;
-  S* dv = g.d_v + k0 * t.v_stride + head * width;
-  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
-  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
-  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
 }
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
@@ -1105,6 +1196,282 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
+// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
+//            to a multiple of 32 in k. The same for all tiles.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
+  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+}
+/// Of two vectors of rounded numbers: pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          return at < k ? rounded(a + at * lda + r, n) : Words{};
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes;
+  const Index depth = bf16_depth(k);
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride_n;
+    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
+    if (stride_n == 1) {
+      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
+          store_words(out + 2 * c, pairs(even, odd));
+        }
+      }
+    } else {
+      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) {
+            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
+            const float* from = in + (c + q) * stride_n + i;
+            const Index there = c + q < columns ? k - i : 0;
+            store_rounded(column, rounded(from, there));
+            store_rounded(column + l, rounded(from + l, there - l));
+            std::memcpy(&square[q], column, sizeof column);
+          }
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+}
+
+/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+template <class Tile>
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
+                        Index sums_pitch) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{&Tile::template rows_of<R + 1>...};
+  }(std::make_integer_sequence<int, Tile::rows>{});
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+}
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static void begin() {}
+  static void end() {}
+  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        store(sums + i * sums_pitch + column, c0[i]);
+        store(sums + i * sums_pitch + column + l, c1[i]);
+      }
+    }
+  }
+};
+
+/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+template <class Tile>
+constexpr Index bf16_rows_at_once(Index depth) {
+  constexpr Index bytes = 768 * 1024;
+  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
+  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  const Index depth = bf16_depth(k);
+  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
+}
+
+/// c = act(sums + bias + residual) for `rows` rows and one panel.
+inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
+  constexpr Index l = lanes<float>;
+  const Index columns = std::min(bf16_columns, g.n - column);
+  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
+    float* c = g.c + (row + r) * g.ldc + column;
+    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
+    for (Index i = 0; i < columns; i += l) {
+      Vec<float> x = load(sums + i);
+      if (i + l <= columns) {
+        if (g.bias != nullptr) x += load(g.bias + column + i);
+        if (residual != nullptr) x += load(residual + i);
+        store(c + i, x);
+      } else {
+        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
+        if (residual != nullptr) x += load_some(residual + i, columns - i);
+        store_some(c + i, x, columns - i);
+      }
+    }
+    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
+  }
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
+  float* sums = scratch;
+  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  Tile::begin();
+  for (Index top = r0; top < r1; top += at_once) {
+    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+    if (g.a_transposed) {
+      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
+    } else {
+      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
+    }
+    for (Index j = j0; j < j1; ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+      }
+    }
+  }
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+  }
+  /// With whole panels, rows of c up to a multiple of a tile's are written.
+  static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
+                       Index ldc, float* sums, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      if (depth_stride == 1) {
+        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
+      } else {
+        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
+      }
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        float* to = c + first * ldc + j;
+        if (whole_panels) {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+        } else {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
+          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
+        }
+      }
+    }
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .row_block = Index{128} / Tile::rows * Tile::rows,
+                                 .scratch = &bf16_scratch<Tile>,
+                                 .pack = &bf16_pack,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
@@ -1114,10 +1481,10 @@ const Kernels<S>& table() {
       .gemm_scratch = row_block * (depth_block + 16),
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<S>,
-      .attention_vjp_scratch = &attention_vjp_scratch<S>,
-      .attention_head = &attention_head<S>,
-      .attention_head_vjp = &attention_head_vjp<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
@@ -1222,6 +1589,26 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
   return m;
 }
 
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
+}
+
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
 /// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
@@ -1352,7 +1739,7 @@ inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>;
@@ -1364,11 +1751,19 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
       for (Index i = 0; i < k; ++i, out += w) {
         for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
       }
-    } else {  // a transposed B: read along its rows, eight at a time
-      for (Index i0 = 0; i0 < k; i0 += 8) {
-        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
-        for (Index c = 0; c < w; ++c) {
-          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+    } else {  // a transposed B: read along its rows, a square of lanes at a time
+      constexpr Index l = lanes<S>;
+      for (Index i = 0; i < k; i += l) {
+        const Index rows = k - i < l ? k - i : l;
+        for (Index c = 0; c < w; c += l) {
+          Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<S>; ++q) {
+            const S* from = in + (c + q) * stride_n + i;
+            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+          }
+          transpose_lanes<S>(square);
+          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
         }
       }
     }
@@ -1569,110 +1964,147 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
   return (n + panel_width<S> - 1) / panel_width<S>;
 }
 
-/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+/// The products of attention in S. (Bf16Products is the other kind.)
 template <class S>
-MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
-                                     bool whole_panels) {
-  constexpr Index w = panel_width<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  const Epilogue<S> plain;
-  for (Index j = 0; j < padded_panels<S>(n); ++j) {
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
-      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                         whole_panels ? w : n - j * w, plain);
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache). Element (i, k) of a is a[i * row_stride + k * depth_stride].
+  static void multiply(const S* a, Index row_stride, Index depth_stride, Index count, Index k, const S* panels, Index n, S* c, Index ldc,
+                       S*, bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                           whole_panels ? w : n - j * w, plain);
+      }
     }
   }
-}
+};
 
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
 template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+  S* o;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width),
+        o(a.o + q0 * a.o_stride + head * a.width) {}
+
+  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
+  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    if (t.relative_scores != nullptr) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
+      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    }
+    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
+    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+  }
+  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
 Index attention_scratch(Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  return pk * width + pw * keys + tile_rows * (pk + 16);
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class S>
+template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  const Index pq = padded_panels<S>(queries) * panel_width<S>;
-  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
 }
 
-/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
-template <class S>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
-  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* kt = scratch;
-  S* vp = kt + key_panels * w * width;
-  S* scores = vp + value_panels * w * keys;
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
-  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
-  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+/// Output of one head.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  const Index tiles = (h.queries + P::rows - 1) / P::rows;
   for (Index i = 0; i < tiles; ++i) {
-    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
-    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
-    for (Index r = 0; r < rows; ++r) {
-      S* row = scores + r * pitch;
-      if (t.relative_scores != nullptr) {
-        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
-      }
-      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
-      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
-    }
-    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
   }
+  P::end();
 }
 
 /// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class S>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
   constexpr int l = lanes<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
-  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* a = scratch;                             // K^T, then V^T
-  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
-  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
-  S* ds = p + queries * pitch;                // dP, later dS
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
-  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
-  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
-  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
+  S* scratch = ds + (queries + P::rows) * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply(d_o, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
     softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
-    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
-    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
     const S mean = reduce_add<S>(sum);
     for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
   }
-  S* dq = g.d_q + q0 * t.q_stride + head * width;
-  S* dk = g.d_k + k0 * t.k_stride + head * width;
-  S* dv = g.d_v + k0 * t.v_stride + head * width;
-  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
-  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
-  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
 }
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
@@ -1895,6 +2327,282 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
+// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
+//            to a multiple of 32 in k. The same for all tiles.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
+  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+}
+/// Of two vectors of rounded numbers: pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          return at < k ? rounded(a + at * lda + r, n) : Words{};
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes;
+  const Index depth = bf16_depth(k);
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride_n;
+    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
+    if (stride_n == 1) {
+      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
+          store_words(out + 2 * c, pairs(even, odd));
+        }
+      }
+    } else {
+      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) {
+            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
+            const float* from = in + (c + q) * stride_n + i;
+            const Index there = c + q < columns ? k - i : 0;
+            store_rounded(column, rounded(from, there));
+            store_rounded(column + l, rounded(from + l, there - l));
+            std::memcpy(&square[q], column, sizeof column);
+          }
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+}
+
+/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+template <class Tile>
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
+                        Index sums_pitch) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{&Tile::template rows_of<R + 1>...};
+  }(std::make_integer_sequence<int, Tile::rows>{});
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+}
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static void begin() {}
+  static void end() {}
+  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        store(sums + i * sums_pitch + column, c0[i]);
+        store(sums + i * sums_pitch + column + l, c1[i]);
+      }
+    }
+  }
+};
+
+/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+template <class Tile>
+constexpr Index bf16_rows_at_once(Index depth) {
+  constexpr Index bytes = 768 * 1024;
+  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
+  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  const Index depth = bf16_depth(k);
+  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
+}
+
+/// c = act(sums + bias + residual) for `rows` rows and one panel.
+inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
+  constexpr Index l = lanes<float>;
+  const Index columns = std::min(bf16_columns, g.n - column);
+  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
+    float* c = g.c + (row + r) * g.ldc + column;
+    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
+    for (Index i = 0; i < columns; i += l) {
+      Vec<float> x = load(sums + i);
+      if (i + l <= columns) {
+        if (g.bias != nullptr) x += load(g.bias + column + i);
+        if (residual != nullptr) x += load(residual + i);
+        store(c + i, x);
+      } else {
+        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
+        if (residual != nullptr) x += load_some(residual + i, columns - i);
+        store_some(c + i, x, columns - i);
+      }
+    }
+    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
+  }
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
+  float* sums = scratch;
+  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  Tile::begin();
+  for (Index top = r0; top < r1; top += at_once) {
+    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+    if (g.a_transposed) {
+      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
+    } else {
+      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
+    }
+    for (Index j = j0; j < j1; ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+      }
+    }
+  }
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+  }
+  /// With whole panels, rows of c up to a multiple of a tile's are written.
+  static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
+                       Index ldc, float* sums, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      if (depth_stride == 1) {
+        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
+      } else {
+        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
+      }
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        float* to = c + first * ldc + j;
+        if (whole_panels) {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+        } else {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
+          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
+        }
+      }
+    }
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .row_block = Index{128} / Tile::rows * Tile::rows,
+                                 .scratch = &bf16_scratch<Tile>,
+                                 .pack = &bf16_pack,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
@@ -1904,10 +2612,10 @@ const Kernels<S>& table() {
       .gemm_scratch = row_block * (depth_block + 16),
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<S>,
-      .attention_vjp_scratch = &attention_vjp_scratch<S>,
-      .attention_head = &attention_head<S>,
-      .attention_head_vjp = &attention_head_vjp<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
@@ -2010,6 +2718,26 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
   return m;
 }
 
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
+}
+
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
 /// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
@@ -2140,7 +2868,7 @@ inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>;
@@ -2152,11 +2880,19 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
       for (Index i = 0; i < k; ++i, out += w) {
         for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
       }
-    } else {  // a transposed B: read along its rows, eight at a time
-      for (Index i0 = 0; i0 < k; i0 += 8) {
-        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
-        for (Index c = 0; c < w; ++c) {
-          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+    } else {  // a transposed B: read along its rows, a square of lanes at a time
+      constexpr Index l = lanes<S>;
+      for (Index i = 0; i < k; i += l) {
+        const Index rows = k - i < l ? k - i : l;
+        for (Index c = 0; c < w; c += l) {
+          Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<S>; ++q) {
+            const S* from = in + (c + q) * stride_n + i;
+            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+          }
+          transpose_lanes<S>(square);
+          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
         }
       }
     }
@@ -2357,110 +3093,147 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
   return (n + panel_width<S> - 1) / panel_width<S>;
 }
 
-/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+/// The products of attention in S. (Bf16Products is the other kind.)
 template <class S>
-MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
-                                     bool whole_panels) {
-  constexpr Index w = panel_width<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  const Epilogue<S> plain;
-  for (Index j = 0; j < padded_panels<S>(n); ++j) {
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
-      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                         whole_panels ? w : n - j * w, plain);
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache). Element (i, k) of a is a[i * row_stride + k * depth_stride].
+  static void multiply(const S* a, Index row_stride, Index depth_stride, Index count, Index k, const S* panels, Index n, S* c, Index ldc,
+                       S*, bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                           whole_panels ? w : n - j * w, plain);
+      }
     }
   }
-}
+};
 
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
 template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+  S* o;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width),
+        o(a.o + q0 * a.o_stride + head * a.width) {}
+
+  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
+  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    if (t.relative_scores != nullptr) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
+      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    }
+    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
+    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+  }
+  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
 Index attention_scratch(Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  return pk * width + pw * keys + tile_rows * (pk + 16);
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class S>
+template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  const Index pq = padded_panels<S>(queries) * panel_width<S>;
-  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
 }
 
-/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
-template <class S>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
-  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* kt = scratch;
-  S* vp = kt + key_panels * w * width;
-  S* scores = vp + value_panels * w * keys;
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
-  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
-  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+/// Output of one head.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  const Index tiles = (h.queries + P::rows - 1) / P::rows;
   for (Index i = 0; i < tiles; ++i) {
-    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
-    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
-    for (Index r = 0; r < rows; ++r) {
-      S* row = scores + r * pitch;
-      if (t.relative_scores != nullptr) {
-        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
-      }
-      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
-      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
-    }
-    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
   }
+  P::end();
 }
 
 /// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class S>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
   constexpr int l = lanes<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
-  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* a = scratch;                             // K^T, then V^T
-  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
-  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
-  S* ds = p + queries * pitch;                // dP, later dS
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
-  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
-  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
-  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
+  S* scratch = ds + (queries + P::rows) * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply(d_o, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
     softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
-    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
-    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
     const S mean = reduce_add<S>(sum);
     for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
   }
-  S* dq = g.d_q + q0 * t.q_stride + head * width;
-  S* dk = g.d_k + k0 * t.k_stride + head * width;
-  S* dv = g.d_v + k0 * t.v_stride + head * width;
-  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
-  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
-  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
 }
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
@@ -2683,6 +3456,282 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
+// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
+//            to a multiple of 32 in k. The same for all tiles.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
+  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+}
+/// Of two vectors of rounded numbers: pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          return at < k ? rounded(a + at * lda + r, n) : Words{};
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes;
+  const Index depth = bf16_depth(k);
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride_n;
+    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
+    if (stride_n == 1) {
+      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
+          store_words(out + 2 * c, pairs(even, odd));
+        }
+      }
+    } else {
+      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) {
+            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
+            const float* from = in + (c + q) * stride_n + i;
+            const Index there = c + q < columns ? k - i : 0;
+            store_rounded(column, rounded(from, there));
+            store_rounded(column + l, rounded(from + l, there - l));
+            std::memcpy(&square[q], column, sizeof column);
+          }
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+}
+
+/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+template <class Tile>
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
+                        Index sums_pitch) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{&Tile::template rows_of<R + 1>...};
+  }(std::make_integer_sequence<int, Tile::rows>{});
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+}
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static void begin() {}
+  static void end() {}
+  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        store(sums + i * sums_pitch + column, c0[i]);
+        store(sums + i * sums_pitch + column + l, c1[i]);
+      }
+    }
+  }
+};
+
+/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+template <class Tile>
+constexpr Index bf16_rows_at_once(Index depth) {
+  constexpr Index bytes = 768 * 1024;
+  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
+  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  const Index depth = bf16_depth(k);
+  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
+}
+
+/// c = act(sums + bias + residual) for `rows` rows and one panel.
+inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
+  constexpr Index l = lanes<float>;
+  const Index columns = std::min(bf16_columns, g.n - column);
+  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
+    float* c = g.c + (row + r) * g.ldc + column;
+    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
+    for (Index i = 0; i < columns; i += l) {
+      Vec<float> x = load(sums + i);
+      if (i + l <= columns) {
+        if (g.bias != nullptr) x += load(g.bias + column + i);
+        if (residual != nullptr) x += load(residual + i);
+        store(c + i, x);
+      } else {
+        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
+        if (residual != nullptr) x += load_some(residual + i, columns - i);
+        store_some(c + i, x, columns - i);
+      }
+    }
+    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
+  }
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
+  float* sums = scratch;
+  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  Tile::begin();
+  for (Index top = r0; top < r1; top += at_once) {
+    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+    if (g.a_transposed) {
+      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
+    } else {
+      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
+    }
+    for (Index j = j0; j < j1; ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+      }
+    }
+  }
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+  }
+  /// With whole panels, rows of c up to a multiple of a tile's are written.
+  static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
+                       Index ldc, float* sums, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      if (depth_stride == 1) {
+        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
+      } else {
+        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
+      }
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        float* to = c + first * ldc + j;
+        if (whole_panels) {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+        } else {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
+          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
+        }
+      }
+    }
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .row_block = Index{128} / Tile::rows * Tile::rows,
+                                 .scratch = &bf16_scratch<Tile>,
+                                 .pack = &bf16_pack,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
@@ -2692,10 +3741,10 @@ const Kernels<S>& table() {
       .gemm_scratch = row_block * (depth_block + 16),
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<S>,
-      .attention_vjp_scratch = &attention_vjp_scratch<S>,
-      .attention_head = &attention_head<S>,
-      .attention_head_vjp = &attention_head_vjp<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
@@ -2721,11 +3770,140 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 MOTIONLANG_TARGET_POP
+
+#define MOTIONLANG_VECTOR_BYTES 64
+#define MOTIONLANG_TILE_ROWS 14
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,avx512bf16,amx-tile,amx-bf16")
+namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
+// header, and their types differ between compilers.
+
+/// n numbers as the nearest bfloat16 (below 2^-126: 0), then zeros up to `padded`.
+inline void convert_row(const float* x, Index n, Index padded, std::uint16_t* y) {
+  typedef float HalfVector __attribute__((vector_size(32), aligned(2), may_alias));
+  for (Index i = 0; i < padded; i += lanes<float>) {
+    const Vec<float> from = n - i >= lanes<float> ? load(x + i) : n <= i ? Vec<float>{} : load_some(x + i, n - i);
+    HalfVector h;
+    asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
+    *reinterpret_cast<HalfVector*>(y + i) = h;
+  }
+}
+
+/// AVX512-BF16: one instruction adds 16 sums of two products. AMD since Zen 4, Intel since Cooper Lake.
+struct DotTile {
+  using Element = std::uint16_t;
+  static constexpr const char* name = "avx512_bf16";
+  static constexpr int rows = MOTIONLANG_TILE_ROWS;
+  static constexpr bool even = true;
+  static void begin() {}
+  static void end() {}
+  static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<DotTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+    for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
+      const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        std::uint32_t pair;
+        std::memcpy(&pair, a + i * pitch + k, sizeof pair);
+        const Words x = pair - Words{};
+        asm("vdpbf16ps %2, %1, %0" : "+v"(c0[i]) : "v"(x), "v"(b0));
+        asm("vdpbf16ps %2, %1, %0" : "+v"(c1[i]) : "v"(x), "v"(b1));
+      }
+    }
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(sums + i * sums_pitch, c0[i]), store(sums + i * sums_pitch + lanes<float>, c1[i]);
+  }
+};
+
+/// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
+/// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
+struct AmxTile {
+  using Element = std::uint16_t;
+  static constexpr const char* name = "amx";
+  static constexpr int rows = 32;
+  static constexpr bool even = false;  // 32 rows cost as much as 17
+
+  struct alignas(64) Shapes {
+    std::uint8_t palette = 1, start_row = 0, reserved[14] = {};
+    std::uint16_t row_bytes[16] = {64, 64, 64, 64, 64, 64, 64, 64};
+    std::uint8_t rows[16] = {16, 16, 16, 16, 16, 16, 16, 16};
+  };
+  static void begin() {
+    static constexpr Shapes shapes;
+    asm volatile("ldtilecfg %0" : : "m"(shapes));
+  }
+  static void end() { asm volatile("tilerelease"); }
+  static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
+    const bool lower = height > 16;
+    asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
+    for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
+      asm volatile(
+          "tileloadd (%0,%3,1), %%tmm6\n\t"
+          "tileloadd (%1,%2,1), %%tmm4\n\t"
+          "tileloadd 64(%0,%3,1), %%tmm7\n\t"
+          "tdpbf16ps %%tmm6, %%tmm4, %%tmm0\n\t"
+          "tdpbf16ps %%tmm7, %%tmm4, %%tmm1"
+          :
+          : "r"(panel), "r"(a), "r"(a_stride), "r"(b_stride));
+      if (lower) {
+        asm volatile(
+            "tileloadd (%0,%1,1), %%tmm5\n\t"
+            "tdpbf16ps %%tmm6, %%tmm5, %%tmm2\n\t"
+            "tdpbf16ps %%tmm7, %%tmm5, %%tmm3"
+            :
+            : "r"(a + 16 * pitch), "r"(a_stride));
+      }
+    }
+    asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(sums), "r"(c_stride) : "memory");
+    if (lower) {
+      asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)"
+                   :
+                   : "r"(sums + 16 * sums_pitch), "r"(c_stride)
+                   : "memory");
+    }
+  }
+};
+}
+MOTIONLANG_TARGET_POP
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+#undef MOTIONLANG_INLINE
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-enum class Isa { portable, avx2, avx512, best };
+/// Instruction sets, each with those before it; the last two differ from avx512 in products of bfloat16 only.
+enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
+
+#if defined(MOTIONLANG_WIDE_KERNELS)
+/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
+inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
+  unsigned r[4] = {};
+  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
+}
+inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
+inline bool may_use_amx() {
+#if defined(__linux__)
+  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
+#else
+  return false;
+#endif
+}
+#endif
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -2734,7 +3912,7 @@ const Kernels<S>* kernels_for(Isa isa) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
-  if (isa == Isa::avx512) {
+  if (isa != Isa::best) {
     const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
     return has ? &avx512::table<S>() : nullptr;
@@ -2746,16 +3924,59 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
+/// products in float); else float instructions.
+inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
+  if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (isa == Isa::avx2) return kernels_for<float>(isa) ? &avx2::bf16_table<avx2::WideningTile>() : nullptr;
+  if (isa != Isa::best) {
+    if (kernels_for<float>(Isa::avx512) == nullptr) return nullptr;
+    if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
+    if (isa == Isa::avx512_bf16) return cpuid_bit(1, 0, 5) ? &avx512::bf16_table<avx512::DotTile>() : nullptr;
+    return has_amx_bf16() && may_use_amx() ? &avx512::bf16_table<avx512::AmxTile>() : nullptr;
+  }
+  if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
+  if (!has_amx_bf16()) {
+    if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
+  }
+#endif
+  if (isa != Isa::best) return nullptr;
+  for (Isa better : {Isa::avx512, Isa::avx2}) {
+    if (const auto* k = bf16_kernels_for(better)) return k;
+  }
+  return bf16_kernels_for(Isa::portable);
+}
+
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+inline Isa wanted_isa() {
+  static const Isa wanted = [] {
+    const char* name = std::getenv("MOTIONLANG_KERNELS");
+    if (name == nullptr || *name == 0) return Isa::best;
+    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto isa = static_cast<Isa>(i);
+      if (std::strcmp(name, names[i]) == 0 && bf16_kernels_for(isa) != nullptr) return isa;
+    }
+    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
+                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
+  }();
+  return wanted;
+}
 
 /// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
 template <class S>
 const Kernels<S>*& current_kernels() {
-  static const Kernels<S>* chosen = kernels_for<S>(Isa::best);
+  static const Kernels<S>* chosen = kernels_for<S>(wanted_isa());
   return chosen;
 }
 template <class S>
 const Kernels<S>& kernels() {
   return *current_kernels<S>();
+}
+inline const Bf16Kernels*& current_bf16_kernels() {
+  static const Bf16Kernels* chosen = bf16_kernels_for(wanted_isa());
+  return chosen;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail

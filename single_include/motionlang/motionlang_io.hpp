@@ -466,13 +466,36 @@ class MappedFile {
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
+  /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
+  static const MappedFile* that_holds(std::span<const std::byte> bytes) {
+    const std::scoped_lock lock(mutex_);
+    const MappedFile* f = first_;
+    while (f != nullptr && (address(bytes) < address(f->bytes()) ||
+                            address(bytes) + bytes.size() > address(f->bytes()) + f->bytes().size()))
+      f = f->next_;
+    return f;
+  }
   ~MappedFile() {
-    if (size_ != 0) ::munmap(data_, size_);
+    if (size_ == 0) return;
+    {
+      const std::scoped_lock lock(mutex_);
+      MappedFile** place = &first_;
+      while (*place != this) place = &(*place)->next_;
+      *place = next_;
+    }
+    ::munmap(data_, size_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+  /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
+  void forget(std::span<const std::byte> part) const {
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const std::uintptr_t begin = (address(part) + page - 1) / page * page,
+                         end = (address(part) + part.size()) / page * page;
+    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  }
 
  private:
   explicit MappedFile(const FilePath& path) {
@@ -481,9 +504,19 @@ class MappedFile {
     if (size_ == 0) return;  // an empty mapping is an error of mmap
     data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
     if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+    const std::scoped_lock lock(mutex_);
+    next_ = std::exchange(first_, this);
   }
+  static std::uintptr_t address(std::span<const std::byte> bytes) {
+    return reinterpret_cast<std::uintptr_t>(bytes.data());
+  }
+
   void* data_ = nullptr;
   std::size_t size_ = 0;
+  MappedFile* next_ = nullptr;
+
+  inline static std::mutex mutex_;
+  inline static MappedFile* first_ = nullptr;  // all that are mapped
 };
 
 /// The whole file as text. Throws io_error 401.
@@ -1135,7 +1168,9 @@ class TensorStore {
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
 ///          value are stacked and whose text_projection is transposed
-/// Memory   tensors of 32-bit numbers are views of the file
+/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers among them are packed for the kernels (prepare) and their
+///          memory in the file is given back, so that no weight is there twice; weights that had to be converted or put together are
+///          packed whenever they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes; io_error 406,
 ///          407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
@@ -1483,6 +1518,24 @@ inline RenamedTensors clip_tensors(const TensorSet& file) {
   return out;
 }
 
+/// Packs weights that lie in a mapped file, and gives their memory there back: who still reads them gets them from the file again.
+struct PrepareMapped {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (R == 2 && requires { B::prepare(t.data()); }) {
+      const auto bytes = std::as_bytes(t.span());
+      const MappedFile* file = MappedFile::that_holds(bytes);
+      if (file == nullptr) return;
+      B::prepare(t.data());
+      file->forget(bytes);
+    }
+  }
+};
+template <class Layer>
+void prepare_mapped(std::vector<Layer>& layers) {
+  for (Layer& layer : layers) visit_tensors(layer, PrepareMapped{});
+}
+
 /// A size in a configuration file, 1 ... largest.
 inline Index config_size(const JsonView& config, const std::string& key, Index largest) {
   const Index n = config[key].as<Index>();
@@ -1533,6 +1586,7 @@ Network load_text_network(const BertConfig& config, const TensorSet& weights) {
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
+  detail::prepare_mapped(network.layers);
   return network;
 }
 /// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
@@ -1612,6 +1666,7 @@ ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weight
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
+  detail::prepare_mapped(network.blocks);
   return network;
 }
 template <Backend B>
@@ -1675,7 +1730,8 @@ inline const FileValue* find_value(const std::vector<FileValue>& values, std::st
 #ifndef MOTIONLANG_HAS_IO_DETAIL_INFLATE_HPP  // <motionlang/io/detail/inflate.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_INFLATE_HPP
 /// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksum of zip and gzip.
-/// Nothing here compresses.
+/// Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its headers to read .npz, .pt
+/// and .gz; tests/unit/io compares with data that zlib packed.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -9294,8 +9350,6 @@ inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWrite
 ///
 /// Source  spec text-encoders.md 9.2, 10
 
-#include <tuple>    // tie
-
 #ifndef MOTIONLANG_HAS_IO_TOKENIZER_FILES_HPP  // <motionlang/io/tokenizer_files.hpp>
 #define MOTIONLANG_HAS_IO_TOKENIZER_FILES_HPP
 /// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The JSON files
@@ -10780,7 +10834,8 @@ inline StrokedText stroke_text(std::string_view text) {
 #ifndef MOTIONLANG_HAS_IO_DETAIL_DEFLATE_HPP  // <motionlang/io/detail/deflate.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_DEFLATE_HPP
 /// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard fixes.
-/// For pictures of a few flat colours, where nothing better is needed. Unpacking is in inflate.hpp.
+/// For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be linked. Unpacking is in
+/// inflate.hpp.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
@@ -12932,6 +12987,102 @@ class KitRecordings {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_MDM_ACTION_RUN_HPP  // <motionlang/io/mdm_action_run.hpp>
+#define MOTIONLANG_HAS_IO_MDM_ACTION_RUN_HPP
+/// MDM's models of actions (HumanAct12, UESTC) from the folders in which their repository leaves them.
+///
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
+///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///
+/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a model that was
+///           trained without empty actions (cond_mask_prob 0, as the published command has it) is not guided
+/// Source    spec mdm.md 3, 3.1, 3.5
+/// Throws    as io/diffusion_run.hpp
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct MdmActionRun {
+  MdmActions<B> model;
+  ActorFeatureOptions features{};   // what a frame is made of
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+  double fps = 20;                  // of the repository's videos; data have none
+};
+
+/// Whether a run folder is MDM's and of actions.
+inline bool is_mdm_action_run(const RunFolder& run) {
+  return run.system == "mdm" && !run.weights.empty() &&
+         detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value();
+}
+
+template <Backend B>
+MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
+  const WeightFile weights = detail::run_weights(run);
+  const detail::RunReader r = detail::reader_of(run, weights);
+  DiffusionRun about;
+  about.system = "mdm";
+  detail::read_mdm(about, r);
+  MdmConfig& c = about.mdm;
+  const ActorFeatureOptions features{.rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
+  if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
+    raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ",
+                    wanted);
+  if (c.condition != MdmCondition::action) raise<io_error>(404, weights.name(), ": not a model of actions");
+  c.crop_frames = r.number({"num_frames"}, 60, 10'000);
+  NoInit zeros;
+  MdmActionRun<B> out{
+      .model = {.denoiser = MdmDenoiser<B>(c, zeros),
+                .diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
+                                                        : GaussianDiffusion(CosineSchedule{.steps = about.steps}),
+                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
+      .features = features,
+      .labels = {}};
+  detail::load_denoiser(out.model.denoiser, weights, r.prefix());
+  prepare(out.model.denoiser);
+  if (r.text("dataset", "") == "humanact12" && c.num_actions == std::ssize(humanact12_actions))
+    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_MERGED_BODY_HPP  // <motionlang/io/merged_body.hpp>
+#define MOTIONLANG_HAS_IO_MERGED_BODY_HPP
+/// SMPL-H with the hands of MANO in one file, as TEMOS wants it: the downloads have them apart.
+///
+///     merge_smplh("smplh/male/model.npz", "MANO_LEFT.pkl", "MANO_RIGHT.pkl", "smplh/SMPLH_MALE.npz");
+///
+/// Source   spec weights.md 8.1: hands_components, hands_mean, hands_coeffs of MANO, with l and r behind them
+/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is left out
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Throws  io_error 401 to 407 for files that cannot be read, are no body of 52 joints or no hand; numeric_error 301
+inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out) {
+  const detail::BodyArrays arrays(body);
+  if (const auto joints = std::ssize(detail::body_parents(arrays)); body_kind_of(joints) != BodyKind::smplh)
+    raise<io_error>(407, arrays.file(), ": a body of ", joints, " joints; hands belong to SMPL-H, which has 52");
+  std::vector<NamedArray> merged;
+  for (const char* name : {"v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table"})
+    merged.push_back({name, arrays.read(name)});
+  if (arrays.has("J")) merged.push_back({"J", arrays.read("J")});
+  for (const auto& [file, side] : {std::pair{&left, "l"}, {&right, "r"}}) {
+    const detail::BodyArrays hand(*file);
+    for (const auto& [name, shape] :
+         {std::pair{"hands_components", std::vector<Index>{-1, 45}}, {"hands_mean", {45}}}) {
+      if (!hand.has(name)) raise<io_error>(406, hand.file(), ": no '", name, "'; not a hand of MANO");
+      hand.read<double>(name, shape);  // of that shape, and finite
+      merged.push_back({concat_text(name, side), hand.read(name)});
+    }
+    if (hand.has("hands_coeffs")) merged.push_back({concat_text("hands_coeffs", side), hand.read("hands_coeffs")});
+  }
+  write_npz(out, merged);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_MOTION_INDEX_FILE_HPP  // <motionlang/io/motion_index_file.hpp>
 #define MOTIONLANG_HAS_IO_MOTION_INDEX_FILE_HPP
 /// A MotionIndex as one file, whose vectors are used where they lie in it.
@@ -13650,6 +13801,156 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_STMC_RECORD_HPP  // <motionlang/io/stmc_record.hpp>
+#define MOTIONLANG_HAS_IO_STMC_RECORD_HPP
+/// The record of an STMC run in one safetensors file, for edits in another process.
+///
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the generator and the
+///            options of the run
+/// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame, end, body parts
+///            as bits; their texts are metadata text/0/0, ...
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Of all numbers of a module and their scalar.
+template <Module M>
+std::string weights_checksum(const M& module) {
+  std::uint64_t h = 0;
+  visit_tensors(module, [&](const std::string&, const auto& t) { h = content_hash(std::as_bytes(t.span()), h); });
+  return hexadecimal(h);
+}
+inline std::string metadata_real_text(double x) {
+  std::string out;
+  append_python_float(out, x);
+  return out;
+}
+inline std::string precision_name() { return product_precision() == Precision::bf16 ? "bf16" : "fp32"; }
+inline std::string record_name(const char* what, std::size_t i) {
+  const std::string digits = std::to_string(i);
+  return concat_text(what, '/', digits.size() < 3 ? std::string(3 - digits.size(), '0') : "", digits);
+}
+
+}  // namespace detail
+
+/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would change what the record is.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const Stmc<B, D, E>& stmc,
+                      const std::map<std::string, std::string>& about = {}) {
+  using S = typename B::scalar;
+  const StmcOptions& o = record.options;
+  const SamplingOptions sampling = o.sampling.value_or(stmc.sampling);
+  auto text = [](auto value) { return std::to_string(value); };
+  std::map<std::string, std::string> metadata{
+      {"record", "stmc"},
+      {"format", "1"},
+      {"model", detail::weights_checksum(stmc)},
+      {"precision", detail::precision_name()},
+      {"seed", text(record.rng.seed)},
+      {"stream", text(record.rng.stream)},
+      {"timelines", text(record.timelines.size())},
+      {"steps", text(record.x0.size())},
+      {"rows", text(record.rows)},
+      {"exact", record.exact ? "1" : "0"},
+      {"overlap", text(o.overlap)},
+      {"guidance", detail::metadata_real_text(o.guidance.value_or(stmc.guidance))},
+      {"sampler", sampling.sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm"},
+      {"eta", detail::metadata_real_text(sampling.eta)},
+      {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
+      {"clip", sampling.clip ? "1" : "0"},
+      {"gaps", o.gaps == Gaps::fill ? "fill" : "refuse"},
+      {"hidden", o.hidden == HiddenTexts::refuse ? "refuse" : "ignore"}};
+  TensorStore store;
+  for (std::size_t m = 0; m < record.timelines.size(); ++m) {
+    std::vector<double> rows;
+    for (const Interval& i : record.timelines[m].intervals) {
+      metadata.emplace(concat_text("text/", m, '/', rows.size() / 3), i.text);
+      for (const auto n : {i.start, i.end, static_cast<Index>(i.parts.bits)}) rows.push_back(static_cast<double>(n));
+    }
+    store.add<double>(detail::record_name("timeline", m), {std::ssize(rows) / 3, 3}, rows, DType::F64);
+  }
+  for (const auto& [key, value] : about) {
+    if (!metadata.emplace(key, value).second)
+      raise<config_error>(102, path.string(), ": metadata '", key, "' belongs to the record, not to what is told about it");
+  }
+  std::vector<TensorView> views = store.views();
+  for (std::size_t k = 0; k < record.x0.size(); ++k) {
+    views.push_back({.name = detail::record_name("x0", k),
+                     .dtype = sizeof(S) == 4 ? DType::F32 : DType::F64,
+                     .shape = record.x0[k].shape(),
+                     .bytes = std::as_bytes(record.x0[k].span())});
+  }
+  write_safetensors(path, views, metadata);
+}
+
+namespace detail {
+
+inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Index rows) {
+  const TensorView& view = file.tensor(record_name("timeline", m));
+  if (view.shape.rank() != 2 || view.shape[1] != 3)
+    raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.shape, ", not (texts, 3)");
+  const auto numbers = values_of<double>(view);
+  Timeline out;
+  for (std::size_t i = 0; 3 * i < numbers.size(); ++i) {
+    const auto number = [&](std::size_t column, Index largest) {
+      const double x = numbers[3 * i + column];
+      if (!(x >= 0 && x <= static_cast<double>(largest)))
+        raise<config_error>(101, file.name(), ": ", x, " in tensor '", view.name, "' is not in 0 ... ", largest);
+      return static_cast<Index>(x);
+    };
+    const auto text = file.metadata().find(concat_text("text/", m, '/', i));
+    if (text == file.metadata().end())
+      raise<config_error>(107, file.name(), ": metadata 'text/", m, "/", i, "' is missing");
+    out.intervals.push_back({text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, BodyParts::all().bits))}});
+  }
+  return out;
+}
+
+}  // namespace detail
+
+/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error 101, 102 (made
+/// with other weights or another precision), 103 (no record), 107.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
+  const auto& m = file.metadata();
+  const std::string& name = file.name();
+  const auto word = [&](const char* key) { return detail::metadata_text(m, key, ""); };
+  const auto whole = [&](const char* key) { return detail::metadata_number<std::uint64_t>(m, key, name); };
+  const auto real = [&](const char* key) { return detail::metadata_number<double>(m, key, name); };
+  if (word("record") != "stmc" || word("format") != "1")
+    raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
+  if (const std::string model = detail::weights_checksum(stmc); word("model") != model)
+    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model);
+  if (word("precision") != detail::precision_name())
+    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", detail::precision_name());
+  StmcRecord<B> out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
+  out.rows = detail::metadata_size(m, "rows", latest_time, name);
+  out.exact = word("exact") == "1";
+  out.options = {.overlap = detail::metadata_number<Index>(m, "overlap", name),
+                 .guidance = real("guidance"),
+                 .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
+                 .sampling = SamplingOptions{.eta = real("eta"), .clip = word("clip") == "1"},
+                 .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
+                 .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
+  if (word("sampler") == "ddim") out.options.sampling->sampler = SamplingOptions::Sampler::ddim;
+  if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
+  const Index timelines = detail::metadata_size(m, "timelines", latest_time, name);
+  for (Index i = 0; i < timelines; ++i) {
+    out.timelines.push_back(detail::record_timeline(file, static_cast<std::size_t>(i), out.rows));
+  }
+  const Shape shape{timelines * out.rows, stmc.layout.size};
+  for (Index k = 0; k < out.options.steps; ++k) {
+    const TensorView& view = file.tensor(detail::record_name("x0", static_cast<std::size_t>(k)));
+    if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
+    out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP  // <motionlang/io/teach_sinc_file.hpp>
 #define MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP
 /// TEACH and SINC from their published checkpoints: sizes come from the shapes of the tensors.
@@ -13787,6 +14088,176 @@ Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mod
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_TM2T_RUN_HPP  // <motionlang/io/tm2t_run.hpp>
+#define MOTIONLANG_HAS_IO_TM2T_RUN_HPP
+/// TM2T's model from texts to motions from the folders in which its repository leaves it.
+///
+///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
+///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
+///
+/// Three places: the folder of the recurrent model (opt.txt, model/finest.tar); the one of the motion tokenizer, beside it (its
+/// checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+///
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with
+/// Differs  from the published program: `model` has no transformer from motions to texts, which is in yet another folder
+/// Source   spec tm2t.md 1, 2, 5, 6
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for models of transformers; 406, 407 for tensors;
+///          config_error 102 where the parts do not fit each other
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct Tm2tRun {
+  Tm2t<B> model;
+  GloVe words;
+  double fps = 20;
+
+  Index width() const { return model.statistics.mean.size(0); }
+};
+
+struct Tm2tRunOptions {
+  FilePath tokenizer = "";  // its folder; looked for beside the model unless given
+  FilePath words = "";      // the folder with our_vab_data.npy; looked for in the folders above unless given
+};
+
+namespace detail {
+
+inline WeightFile tm2t_weights(const RunFolder& run) {
+  if (run.system != "tm2t")
+    raise<io_error>(404, run.folder.string(), ": ",
+                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected tm2t");
+  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
+  return open_weights(run.weights, {.path = ""});
+}
+inline bool has_motion_tokenizer(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         tm2t_weights(run).find("quantizer.embedding.weight") != nullptr;
+}
+
+/// The folder that the options name, else the only one beside the model that has a tokenizer.
+inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options) {
+  namespace fs = std::filesystem;
+  if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
+  const fs::path beside = run.folder.lexically_normal();
+  const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
+  std::vector<RunFolder> found;
+  for (const fs::path& folder : listed(around.empty() ? fs::path(".") : around)) {
+    std::error_code ignored;
+    if (!fs::is_directory(folder, ignored)) continue;
+    RunFolder other = motionlang::find_run(folder);
+    if (!has_motion_tokenizer(other)) continue;
+    for (const char* key : {"tokenizer_name", "tokenizer_name_motion"}) {
+      const FileValue* named = run.option(key);
+      if (named != nullptr && to_string(*named) == folder.filename().string()) return other;
+    }
+    found.push_back(std::move(other));
+  }
+  if (found.size() == 1) return std::move(found.front());
+  raise<io_error>(401, run.folder.string(), ": ", found.size(), " folders with a motion tokenizer beside it (",
+                  "VQVAEV3_CB1024_CMT_H1024_NRES3 as published): put it there, or name it");
+}
+
+inline FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> places;
+  if (!options.words.string().empty()) {
+    places.emplace_back(options.words.string());
+  } else {
+    fs::path folder = fs::absolute(run.folder).lexically_normal();
+    for (int up = 0; up < 5 && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
+      places.push_back(folder);
+      places.push_back(folder / "glove");
+    }
+  }
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (fs::is_regular_file(place / "our_vab_data.npy", ignored)) return place / "our_vab";
+  }
+  raise<io_error>(401, run.folder.string(),
+                  ": no word vectors: put glove/our_vab_data.npy, our_vab_words.pkl and our_vab_idx.pkl "
+                  "in a folder above, or name their folder");
+}
+
+inline MotionTokenizerConfig tm2t_tokenizer_config(const RunReader& r) {
+  MotionTokenizerConfig c;
+  c.channels.clear();
+  const std::string encoder = "vq_encoder.main.", decoder = "vq_decoder.main.";
+  for (Index i = 0; r.has(concat_text(encoder, i, ".weight"));
+       i += 3)  // a convolution, its activation, a residual block
+    c.channels.push_back(r.size(concat_text(encoder, i, ".weight"), 0));
+  c.features = r.size(encoder + "0.weight", 1) + 4;
+  c.codes = r.size("quantizer.embedding.weight", 0);
+  c.residual_blocks = r.count(decoder, ".model.0.weight", {"n_resblk"});
+  return c;
+}
+
+inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
+  const std::string step = "motion_decoder_step.";
+  Seq2SeqGruConfig c{.word = r.size("text_encoder.input_emb.weight", 1),
+                     .text_hidden = r.size("text_encoder.gru.weight_hh_l0", 1, {"dim_txt_hid"}),
+                     .motion_hidden = r.size(step + "input_emb.weight", 1, {"dim_mot_hid"}),
+                     .layers = r.count(step + "gru.", ".weight_ih", {"n_mot_layers"}),
+                     .symbols = r.size(step + "input_emb.weight", 0),
+                     .late = r.has(step + "att_linear.3.weight")};
+  if (const std::string stated = r.one_of("early_or_late", c.late ? "late" : "early", {"early", "late"});
+      (stated == "late") != c.late)
+    raise<config_error>(102, r.place("early_or_late"), " is ", stated, ", the tensors are those of ",
+                        c.late ? "late" : "early", " attention");
+  return c;
+}
+
+}  // namespace detail
+
+/// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
+inline bool is_tm2t_generator(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
+}
+
+template <Backend B>
+Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  const std::string prefix = "t2m_model.";
+  const detail::RunReader r(run, weights, prefix);
+  if (!r.has("motion_decoder_step.input_emb.weight"))
+    raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
+  const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
+  const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
+  const MotionTokenizerConfig tokenizer =
+      detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
+  const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
+  Tm2tRun<B> out{.model = {},
+                 .words = read_glove(detail::tm2t_words(run, options)),
+                 .fps = tokenizer.features == 251 ? 12.5 : 20.0};
+  if (gru.symbols != tokenizer.codes + 3)
+    raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
+                        tokenizer.codes, " codes and three marks");
+  if (gru.word != out.words.width())
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
+                        out.words.width());
+  NoInit zeros;
+  out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
+  out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
+  detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
+  detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
+    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+  });
+  auto statistics = tokenizer_run.parts.empty() ? std::nullopt
+                                                : detail::find_normalizer<B>(detail::statistics_of(tokenizer_run),
+                                                                             tokenizer.features, {"meta.", ""});
+  if (!statistics)
+    raise<io_error>(401, tokenizer_run.folder.string(),
+                    ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
+  statistics->eps = 0;
+  out.model.statistics = std::move(*statistics);
+  prepare(out.model.t2m_model);
+  prepare(out.model.tokenizer);
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_VAE_RUN_HPP  // <motionlang/io/vae_run.hpp>
 #define MOTIONLANG_HAS_IO_VAE_RUN_HPP
 /// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
@@ -13804,10 +14275,6 @@ Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mod
 ///          config_error 101, 102 where options and tensors differ, 103, 107
 
 namespace motionlang::inline MOTIONLANG_ABI {
-
-/// HumanAct12's classes, in the order of their numbers; spec actor.md 8.1.
-inline constexpr std::string_view humanact12_actions[] = {"warm_up", "walk", "run", "jump", "drink", "lift_dumbbell", "sit",
-                                                          "eat", "turn steering wheel", "phone", "boxing", "throw"};
 
 template <Backend B>
 struct ActorRun {
@@ -14197,8 +14664,10 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
   return out;
 }
 
-/// Searches with the graphs that the file has, or without any. The file has to outlive it. Throws io_error 401, 402, 403.
-inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact = false) {
+/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive it. Throws io_error
+/// 401, 402, 403.
+inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact = false,
+                                       ScanStorage storage = ScanStorage::float32) {
   std::shared_ptr<const VectorSearch> clips, moments;
 #if MOTIONLANG_HAS_HNSWLIB
   const auto graph = [&](const char* name, std::span<const float> rows) -> std::shared_ptr<const VectorSearch> {
@@ -14210,7 +14679,7 @@ inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unus
   clips = graph("graph_clips", file.index().clip_rows());
   moments = graph("graph_moments", file.index().moment_rows());
 #endif
-  return MotionSearch(file.index(), std::move(clips), std::move(moments));
+  return MotionSearch(file.index(), std::move(clips), std::move(moments), storage);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

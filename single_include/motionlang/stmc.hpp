@@ -2053,6 +2053,14 @@ extern template struct motionlang::KernelOps<double>;
 /// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
 /// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
 
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
+#include <cpuid.h>  // what the processor has
+#if defined(__linux__)
+#include <sys/syscall.h>  // arch_prctl
+#include <unistd.h>       // syscall
+#endif
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
@@ -2153,6 +2161,24 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that are the same for all instruction sets.
+struct Bf16Kernels {
+  const char* name;
+  Index row_block;
+  Index (*scratch)(Index k);  // numbers
+  void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
+               std::uint16_t* panels);
+  void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch);
+  Index (*attention_scratch)(Index keys, Index width);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
+  void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
+  void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
+                             float* scratch);
+};
+inline constexpr Index bf16_columns = 32;                                     // of a panel
+constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
+
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 
 // GCC and clang spell "generate code for these instructions" differently.
@@ -2244,6 +2270,26 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
   S m = v[0];
   for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
   return m;
+}
+
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
 }
 
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
@@ -2376,7 +2422,7 @@ inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>;
@@ -2388,11 +2434,19 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
       for (Index i = 0; i < k; ++i, out += w) {
         for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
       }
-    } else {  // a transposed B: read along its rows, eight at a time
-      for (Index i0 = 0; i0 < k; i0 += 8) {
-        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
-        for (Index c = 0; c < w; ++c) {
-          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+    } else {  // a transposed B: read along its rows, a square of lanes at a time
+      constexpr Index l = lanes<S>;
+      for (Index i = 0; i < k; i += l) {
+        const Index rows = k - i < l ? k - i : l;
+        for (Index c = 0; c < w; c += l) {
+          Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<S>; ++q) {
+            const S* from = in + (c + q) * stride_n + i;
+            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+          }
+          transpose_lanes<S>(square);
+          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
         }
       }
     }
@@ -2593,110 +2647,147 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
   return (n + panel_width<S> - 1) / panel_width<S>;
 }
 
-/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+/// The products of attention in S. (Bf16Products is the other kind.)
 template <class S>
-MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
-                                     bool whole_panels) {
-  constexpr Index w = panel_width<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  const Epilogue<S> plain;
-  for (Index j = 0; j < padded_panels<S>(n); ++j) {
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
-      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                         whole_panels ? w : n - j * w, plain);
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache). Element (i, k) of a is a[i * row_stride + k * depth_stride].
+  static void multiply(const S* a, Index row_stride, Index depth_stride, Index count, Index k, const S* panels, Index n, S* c, Index ldc,
+                       S*, bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                           whole_panels ? w : n - j * w, plain);
+      }
     }
   }
-}
+};
 
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
 template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+  S* o;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width),
+        o(a.o + q0 * a.o_stride + head * a.width) {}
+
+  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
+  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    if (t.relative_scores != nullptr) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
+      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    }
+    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
+    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+  }
+  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
 Index attention_scratch(Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  return pk * width + pw * keys + tile_rows * (pk + 16);
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class S>
+template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  const Index pq = padded_panels<S>(queries) * panel_width<S>;
-  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
 }
 
-/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
-template <class S>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
-  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* kt = scratch;
-  S* vp = kt + key_panels * w * width;
-  S* scores = vp + value_panels * w * keys;
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
-  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
-  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+/// Output of one head.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  const Index tiles = (h.queries + P::rows - 1) / P::rows;
   for (Index i = 0; i < tiles; ++i) {
-    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
-    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
-    for (Index r = 0; r < rows; ++r) {
-      S* row = scores + r * pitch;
-      if (t.relative_scores != nullptr) {
-        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
-      }
-      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
-      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
-    }
-    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
   }
+  P::end();
 }
 
 /// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class S>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
   constexpr int l = lanes<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
-  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* a = scratch;                             // K^T, then V^T
-  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
-  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
-  S* ds = p + queries * pitch;                // dP, later dS
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
-  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
-  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
-  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
+  S* scratch = ds + (queries + P::rows) * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply(d_o, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
     softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
-    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
-    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
     const S mean = reduce_add<S>(sum);
     for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
   }
-  S* dq = g.d_q + q0 * t.q_stride + head * width;
-  S* dk = g.d_k + k0 * t.k_stride + head * width;
-  S* dv = g.d_v + k0 * t.v_stride + head * width;
-  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
-  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
-  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
 }
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
@@ -2919,6 +3010,282 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
+// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
+//            to a multiple of 32 in k. The same for all tiles.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
+  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+}
+/// Of two vectors of rounded numbers: pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          return at < k ? rounded(a + at * lda + r, n) : Words{};
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes;
+  const Index depth = bf16_depth(k);
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride_n;
+    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
+    if (stride_n == 1) {
+      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
+          store_words(out + 2 * c, pairs(even, odd));
+        }
+      }
+    } else {
+      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) {
+            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
+            const float* from = in + (c + q) * stride_n + i;
+            const Index there = c + q < columns ? k - i : 0;
+            store_rounded(column, rounded(from, there));
+            store_rounded(column + l, rounded(from + l, there - l));
+            std::memcpy(&square[q], column, sizeof column);
+          }
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+}
+
+/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+template <class Tile>
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
+                        Index sums_pitch) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{&Tile::template rows_of<R + 1>...};
+  }(std::make_integer_sequence<int, Tile::rows>{});
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+}
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static void begin() {}
+  static void end() {}
+  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        store(sums + i * sums_pitch + column, c0[i]);
+        store(sums + i * sums_pitch + column + l, c1[i]);
+      }
+    }
+  }
+};
+
+/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+template <class Tile>
+constexpr Index bf16_rows_at_once(Index depth) {
+  constexpr Index bytes = 768 * 1024;
+  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
+  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  const Index depth = bf16_depth(k);
+  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
+}
+
+/// c = act(sums + bias + residual) for `rows` rows and one panel.
+inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
+  constexpr Index l = lanes<float>;
+  const Index columns = std::min(bf16_columns, g.n - column);
+  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
+    float* c = g.c + (row + r) * g.ldc + column;
+    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
+    for (Index i = 0; i < columns; i += l) {
+      Vec<float> x = load(sums + i);
+      if (i + l <= columns) {
+        if (g.bias != nullptr) x += load(g.bias + column + i);
+        if (residual != nullptr) x += load(residual + i);
+        store(c + i, x);
+      } else {
+        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
+        if (residual != nullptr) x += load_some(residual + i, columns - i);
+        store_some(c + i, x, columns - i);
+      }
+    }
+    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
+  }
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
+  float* sums = scratch;
+  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  Tile::begin();
+  for (Index top = r0; top < r1; top += at_once) {
+    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+    if (g.a_transposed) {
+      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
+    } else {
+      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
+    }
+    for (Index j = j0; j < j1; ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+      }
+    }
+  }
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+  }
+  /// With whole panels, rows of c up to a multiple of a tile's are written.
+  static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
+                       Index ldc, float* sums, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      if (depth_stride == 1) {
+        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
+      } else {
+        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
+      }
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        float* to = c + first * ldc + j;
+        if (whole_panels) {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+        } else {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
+          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
+        }
+      }
+    }
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .row_block = Index{128} / Tile::rows * Tile::rows,
+                                 .scratch = &bf16_scratch<Tile>,
+                                 .pack = &bf16_pack,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
@@ -2928,10 +3295,10 @@ const Kernels<S>& table() {
       .gemm_scratch = row_block * (depth_block + 16),
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<S>,
-      .attention_vjp_scratch = &attention_vjp_scratch<S>,
-      .attention_head = &attention_head<S>,
-      .attention_head_vjp = &attention_head_vjp<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
@@ -3036,6 +3403,26 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
   return m;
 }
 
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
+}
+
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
 /// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
@@ -3166,7 +3553,7 @@ inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>;
@@ -3178,11 +3565,19 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
       for (Index i = 0; i < k; ++i, out += w) {
         for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
       }
-    } else {  // a transposed B: read along its rows, eight at a time
-      for (Index i0 = 0; i0 < k; i0 += 8) {
-        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
-        for (Index c = 0; c < w; ++c) {
-          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+    } else {  // a transposed B: read along its rows, a square of lanes at a time
+      constexpr Index l = lanes<S>;
+      for (Index i = 0; i < k; i += l) {
+        const Index rows = k - i < l ? k - i : l;
+        for (Index c = 0; c < w; c += l) {
+          Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<S>; ++q) {
+            const S* from = in + (c + q) * stride_n + i;
+            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+          }
+          transpose_lanes<S>(square);
+          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
         }
       }
     }
@@ -3383,110 +3778,147 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
   return (n + panel_width<S> - 1) / panel_width<S>;
 }
 
-/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+/// The products of attention in S. (Bf16Products is the other kind.)
 template <class S>
-MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
-                                     bool whole_panels) {
-  constexpr Index w = panel_width<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  const Epilogue<S> plain;
-  for (Index j = 0; j < padded_panels<S>(n); ++j) {
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
-      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                         whole_panels ? w : n - j * w, plain);
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache). Element (i, k) of a is a[i * row_stride + k * depth_stride].
+  static void multiply(const S* a, Index row_stride, Index depth_stride, Index count, Index k, const S* panels, Index n, S* c, Index ldc,
+                       S*, bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                           whole_panels ? w : n - j * w, plain);
+      }
     }
   }
-}
+};
 
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
 template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+  S* o;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width),
+        o(a.o + q0 * a.o_stride + head * a.width) {}
+
+  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
+  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    if (t.relative_scores != nullptr) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
+      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    }
+    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
+    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+  }
+  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
 Index attention_scratch(Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  return pk * width + pw * keys + tile_rows * (pk + 16);
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class S>
+template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  const Index pq = padded_panels<S>(queries) * panel_width<S>;
-  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
 }
 
-/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
-template <class S>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
-  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* kt = scratch;
-  S* vp = kt + key_panels * w * width;
-  S* scores = vp + value_panels * w * keys;
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
-  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
-  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+/// Output of one head.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  const Index tiles = (h.queries + P::rows - 1) / P::rows;
   for (Index i = 0; i < tiles; ++i) {
-    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
-    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
-    for (Index r = 0; r < rows; ++r) {
-      S* row = scores + r * pitch;
-      if (t.relative_scores != nullptr) {
-        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
-      }
-      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
-      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
-    }
-    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
   }
+  P::end();
 }
 
 /// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class S>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
   constexpr int l = lanes<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
-  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* a = scratch;                             // K^T, then V^T
-  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
-  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
-  S* ds = p + queries * pitch;                // dP, later dS
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
-  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
-  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
-  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
+  S* scratch = ds + (queries + P::rows) * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply(d_o, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
     softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
-    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
-    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
     const S mean = reduce_add<S>(sum);
     for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
   }
-  S* dq = g.d_q + q0 * t.q_stride + head * width;
-  S* dk = g.d_k + k0 * t.k_stride + head * width;
-  S* dv = g.d_v + k0 * t.v_stride + head * width;
-  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
-  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
-  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
 }
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
@@ -3709,6 +4141,282 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
+// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
+//            to a multiple of 32 in k. The same for all tiles.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
+  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+}
+/// Of two vectors of rounded numbers: pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          return at < k ? rounded(a + at * lda + r, n) : Words{};
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes;
+  const Index depth = bf16_depth(k);
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride_n;
+    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
+    if (stride_n == 1) {
+      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
+          store_words(out + 2 * c, pairs(even, odd));
+        }
+      }
+    } else {
+      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) {
+            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
+            const float* from = in + (c + q) * stride_n + i;
+            const Index there = c + q < columns ? k - i : 0;
+            store_rounded(column, rounded(from, there));
+            store_rounded(column + l, rounded(from + l, there - l));
+            std::memcpy(&square[q], column, sizeof column);
+          }
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+}
+
+/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+template <class Tile>
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
+                        Index sums_pitch) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{&Tile::template rows_of<R + 1>...};
+  }(std::make_integer_sequence<int, Tile::rows>{});
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+}
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static void begin() {}
+  static void end() {}
+  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        store(sums + i * sums_pitch + column, c0[i]);
+        store(sums + i * sums_pitch + column + l, c1[i]);
+      }
+    }
+  }
+};
+
+/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+template <class Tile>
+constexpr Index bf16_rows_at_once(Index depth) {
+  constexpr Index bytes = 768 * 1024;
+  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
+  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  const Index depth = bf16_depth(k);
+  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
+}
+
+/// c = act(sums + bias + residual) for `rows` rows and one panel.
+inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
+  constexpr Index l = lanes<float>;
+  const Index columns = std::min(bf16_columns, g.n - column);
+  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
+    float* c = g.c + (row + r) * g.ldc + column;
+    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
+    for (Index i = 0; i < columns; i += l) {
+      Vec<float> x = load(sums + i);
+      if (i + l <= columns) {
+        if (g.bias != nullptr) x += load(g.bias + column + i);
+        if (residual != nullptr) x += load(residual + i);
+        store(c + i, x);
+      } else {
+        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
+        if (residual != nullptr) x += load_some(residual + i, columns - i);
+        store_some(c + i, x, columns - i);
+      }
+    }
+    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
+  }
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
+  float* sums = scratch;
+  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  Tile::begin();
+  for (Index top = r0; top < r1; top += at_once) {
+    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+    if (g.a_transposed) {
+      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
+    } else {
+      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
+    }
+    for (Index j = j0; j < j1; ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+      }
+    }
+  }
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+  }
+  /// With whole panels, rows of c up to a multiple of a tile's are written.
+  static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
+                       Index ldc, float* sums, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      if (depth_stride == 1) {
+        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
+      } else {
+        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
+      }
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        float* to = c + first * ldc + j;
+        if (whole_panels) {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+        } else {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
+          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
+        }
+      }
+    }
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .row_block = Index{128} / Tile::rows * Tile::rows,
+                                 .scratch = &bf16_scratch<Tile>,
+                                 .pack = &bf16_pack,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
@@ -3718,10 +4426,10 @@ const Kernels<S>& table() {
       .gemm_scratch = row_block * (depth_block + 16),
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<S>,
-      .attention_vjp_scratch = &attention_vjp_scratch<S>,
-      .attention_head = &attention_head<S>,
-      .attention_head_vjp = &attention_head_vjp<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
@@ -3824,6 +4532,26 @@ MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
   return m;
 }
 
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
+}
+
 /// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
 /// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
@@ -3954,7 +4682,7 @@ inline constexpr Index depth_block = 256;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n].
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>;
@@ -3966,11 +4694,19 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
       for (Index i = 0; i < k; ++i, out += w) {
         for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
       }
-    } else {  // a transposed B: read along its rows, eight at a time
-      for (Index i0 = 0; i0 < k; i0 += 8) {
-        const Index i1 = i0 + 8 < k ? i0 + 8 : k;
-        for (Index c = 0; c < w; ++c) {
-          for (Index i = i0; i < i1; ++i) out[i * w + c] = c < columns ? in[i * stride_k + c * stride_n] : S(0);
+    } else {  // a transposed B: read along its rows, a square of lanes at a time
+      constexpr Index l = lanes<S>;
+      for (Index i = 0; i < k; i += l) {
+        const Index rows = k - i < l ? k - i : l;
+        for (Index c = 0; c < w; c += l) {
+          Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<S>; ++q) {
+            const S* from = in + (c + q) * stride_n + i;
+            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+          }
+          transpose_lanes<S>(square);
+          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
         }
       }
     }
@@ -4171,110 +4907,147 @@ MOTIONLANG_INLINE Index padded_panels(Index n) {
   return (n + panel_width<S> - 1) / panel_width<S>;
 }
 
-/// Product of a whole small matrix with panels, tile by tile, without blocks of k (all operands are in cache).
+/// The products of attention in S. (Bf16Products is the other kind.)
 template <class S>
-MOTIONLANG_INLINE void small_product(const S* a, Index row_stride, Index depth_stride, Index rows, Index k, const S* panels, Index n, S* c, Index ldc,
-                                     bool whole_panels) {
-  constexpr Index w = panel_width<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  const Epilogue<S> plain;
-  for (Index j = 0; j < padded_panels<S>(n); ++j) {
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first;
-      tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                         whole_panels ? w : n - j * w, plain);
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache). Element (i, k) of a is a[i * row_stride + k * depth_stride].
+  static void multiply(const S* a, Index row_stride, Index depth_stride, Index count, Index k, const S* panels, Index n, S* c, Index ldc,
+                       S*, bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                           whole_panels ? w : n - j * w, plain);
+      }
     }
   }
-}
+};
 
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
 template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+  S* o;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width),
+        o(a.o + q0 * a.o_stride + head * a.width) {}
+
+  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
+  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    if (t.relative_scores != nullptr) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
+      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    }
+    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
+    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+  }
+  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
 Index attention_scratch(Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  return pk * width + pw * keys + tile_rows * (pk + 16);
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class S>
+template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index pk = padded_panels<S>(keys) * panel_width<S>, pw = padded_panels<S>(width) * panel_width<S>;
-  const Index pq = padded_panels<S>(queries) * panel_width<S>;
-  return 4 * pw * (pk + pq) + 2 * (queries + tile_rows) * (pk + 16) + 4096;
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
 }
 
-/// Output of one head: rows of q, k, v have the strides of the tensors that they are columns of.
-template <class S>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S unscale = std::sqrt(static_cast<S>(width)), scale = S(1) / unscale;
-  const Index key_panels = padded_panels<S>(keys), value_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* kt = scratch;
-  S* vp = kt + key_panels * w * width;
-  S* scores = vp + value_panels * w * keys;
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, kt);  // K^T
-  pack(v, keys, width, t.v_stride, Index{1}, Index{0}, value_panels, vp);
-  const Index tiles = (queries + tile_rows - 1) / tile_rows;
+/// Output of one head.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  const Index tiles = (h.queries + P::rows - 1) / P::rows;
   for (Index i = 0; i < tiles; ++i) {
-    const Index first = part(queries, i, tiles), rows = part(queries, i + 1, tiles) - first;
-    small_product(q + first * t.q_stride, t.q_stride, Index{1}, rows, width, kt, keys, scores, pitch, true);
-    for (Index r = 0; r < rows; ++r) {
-      S* row = scores + r * pitch;
-      if (t.relative_scores != nullptr) {
-        const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-        for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
-      }
-      softmax_row<S>(row, keys, t.causal ? std::min(keys, first + r + 1) : keys, scale);
-      if (t.dropout.p > 0) dropout(row, keys, static_cast<Index>(Dropout::attention_position(q0 + first + r, t.heads, head, 0)), t.dropout, row);
-    }
-    small_product(scores, pitch, Index{1}, rows, keys, vp, width, t.o + (q0 + first) * t.o_stride + head * width, t.o_stride, false);
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
   }
+  P::end();
 }
 
 /// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class S>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* scratch) {
-  constexpr Index w = panel_width<S>;
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
   constexpr int l = lanes<S>;
-  const Index q0 = t.q_offsets[sequence], queries = t.q_offsets[sequence + 1] - q0;
-  const Index k0 = t.k_offsets[sequence], keys = t.k_offsets[sequence + 1] - k0, width = t.width;
-  const S* q = t.q + q0 * t.q_stride + head * width;
-  const S* k = t.k + k0 * t.k_stride + head * width;
-  const S* v = t.v + k0 * t.v_stride + head * width;
-  const S* go = g.d_o + q0 * t.o_stride + head * width;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
-  const Index key_panels = padded_panels<S>(keys), width_panels = padded_panels<S>(width), pitch = key_panels * w + 16;
-  S* a = scratch;                             // K^T, then V^T
-  S* b = a + key_panels * w * width;          // panels with the keys or queries as the summed index
-  S* p = b + width_panels * w * std::max(keys, queries);  // P, later P after dropout
-  S* ds = p + queries * pitch;                // dP, later dS
-  pack(k, width, keys, Index{1}, t.k_stride, Index{0}, key_panels, a);
-  small_product(q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, true);
-  pack(v, width, keys, Index{1}, t.v_stride, Index{0}, key_panels, a);
-  small_product(go, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, true);
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
+  S* scratch = ds + (queries + P::rows) * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply(d_o, t.o_stride, Index{1}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
     softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
-    const auto mask_at = static_cast<Index>(Dropout::attention_position(q0 + r, t.heads, head, 0));
-    if (t.dropout.p > 0) dropout(dr, keys, mask_at, t.dropout, dr);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
     const S mean = reduce_add<S>(sum);
     for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, mask_at, t.dropout, pr);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
   }
-  S* dq = g.d_q + q0 * t.q_stride + head * width;
-  S* dk = g.d_k + k0 * t.k_stride + head * width;
-  S* dv = g.d_v + k0 * t.v_stride + head * width;
-  pack(k, keys, width, t.k_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, false);
-  pack(q, queries, width, t.q_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, false);
-  pack(go, queries, width, t.o_stride, Index{1}, Index{0}, width_panels, b);
-  small_product(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, false);
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply(ds, pitch, Index{1}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply(ds, Index{1}, pitch, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply(p, Index{1}, pitch, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
 }
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
@@ -4497,6 +5270,282 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
+// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
+//            to a multiple of 32 in k. The same for all tiles.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
+  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+}
+/// Of two vectors of rounded numbers: pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          return at < k ? rounded(a + at * lda + r, n) : Words{};
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes;
+  const Index depth = bf16_depth(k);
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride_n;
+    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
+    if (stride_n == 1) {
+      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
+          store_words(out + 2 * c, pairs(even, odd));
+        }
+      }
+    } else {
+      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) {
+            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
+            const float* from = in + (c + q) * stride_n + i;
+            const Index there = c + q < columns ? k - i : 0;
+            store_rounded(column, rounded(from, there));
+            store_rounded(column + l, rounded(from + l, there - l));
+            std::memcpy(&square[q], column, sizeof column);
+          }
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+}
+
+/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+template <class Tile>
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
+                        Index sums_pitch) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{&Tile::template rows_of<R + 1>...};
+  }(std::make_integer_sequence<int, Tile::rows>{});
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+}
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static void begin() {}
+  static void end() {}
+  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        store(sums + i * sums_pitch + column, c0[i]);
+        store(sums + i * sums_pitch + column + l, c1[i]);
+      }
+    }
+  }
+};
+
+/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+template <class Tile>
+constexpr Index bf16_rows_at_once(Index depth) {
+  constexpr Index bytes = 768 * 1024;
+  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
+  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  const Index depth = bf16_depth(k);
+  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
+}
+
+/// c = act(sums + bias + residual) for `rows` rows and one panel.
+inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
+  constexpr Index l = lanes<float>;
+  const Index columns = std::min(bf16_columns, g.n - column);
+  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
+    float* c = g.c + (row + r) * g.ldc + column;
+    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
+    for (Index i = 0; i < columns; i += l) {
+      Vec<float> x = load(sums + i);
+      if (i + l <= columns) {
+        if (g.bias != nullptr) x += load(g.bias + column + i);
+        if (residual != nullptr) x += load(residual + i);
+        store(c + i, x);
+      } else {
+        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
+        if (residual != nullptr) x += load_some(residual + i, columns - i);
+        store_some(c + i, x, columns - i);
+      }
+    }
+    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
+  }
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
+  float* sums = scratch;
+  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  Tile::begin();
+  for (Index top = r0; top < r1; top += at_once) {
+    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+    if (g.a_transposed) {
+      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
+    } else {
+      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
+    }
+    for (Index j = j0; j < j1; ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+      }
+    }
+  }
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+  }
+  /// With whole panels, rows of c up to a multiple of a tile's are written.
+  static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
+                       Index ldc, float* sums, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      if (depth_stride == 1) {
+        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
+      } else {
+        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
+      }
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        float* to = c + first * ldc + j;
+        if (whole_panels) {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+        } else {
+          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
+          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
+        }
+      }
+    }
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .row_block = Index{128} / Tile::rows * Tile::rows,
+                                 .scratch = &bf16_scratch<Tile>,
+                                 .pack = &bf16_pack,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
@@ -4506,10 +5555,10 @@ const Kernels<S>& table() {
       .gemm_scratch = row_block * (depth_block + 16),
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<S>,
-      .attention_vjp_scratch = &attention_vjp_scratch<S>,
-      .attention_head = &attention_head<S>,
-      .attention_head_vjp = &attention_head_vjp<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
       .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
@@ -4535,11 +5584,140 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 MOTIONLANG_TARGET_POP
+
+#define MOTIONLANG_VECTOR_BYTES 64
+#define MOTIONLANG_TILE_ROWS 14
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,avx512bf16,amx-tile,amx-bf16")
+namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
+// header, and their types differ between compilers.
+
+/// n numbers as the nearest bfloat16 (below 2^-126: 0), then zeros up to `padded`.
+inline void convert_row(const float* x, Index n, Index padded, std::uint16_t* y) {
+  typedef float HalfVector __attribute__((vector_size(32), aligned(2), may_alias));
+  for (Index i = 0; i < padded; i += lanes<float>) {
+    const Vec<float> from = n - i >= lanes<float> ? load(x + i) : n <= i ? Vec<float>{} : load_some(x + i, n - i);
+    HalfVector h;
+    asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
+    *reinterpret_cast<HalfVector*>(y + i) = h;
+  }
+}
+
+/// AVX512-BF16: one instruction adds 16 sums of two products. AMD since Zen 4, Intel since Cooper Lake.
+struct DotTile {
+  using Element = std::uint16_t;
+  static constexpr const char* name = "avx512_bf16";
+  static constexpr int rows = MOTIONLANG_TILE_ROWS;
+  static constexpr bool even = true;
+  static void begin() {}
+  static void end() {}
+  static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    multiply_by_height<DotTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+    for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
+      const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) {
+        std::uint32_t pair;
+        std::memcpy(&pair, a + i * pitch + k, sizeof pair);
+        const Words x = pair - Words{};
+        asm("vdpbf16ps %2, %1, %0" : "+v"(c0[i]) : "v"(x), "v"(b0));
+        asm("vdpbf16ps %2, %1, %0" : "+v"(c1[i]) : "v"(x), "v"(b1));
+      }
+    }
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(sums + i * sums_pitch, c0[i]), store(sums + i * sums_pitch + lanes<float>, c1[i]);
+  }
+};
+
+/// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
+/// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
+struct AmxTile {
+  using Element = std::uint16_t;
+  static constexpr const char* name = "amx";
+  static constexpr int rows = 32;
+  static constexpr bool even = false;  // 32 rows cost as much as 17
+
+  struct alignas(64) Shapes {
+    std::uint8_t palette = 1, start_row = 0, reserved[14] = {};
+    std::uint16_t row_bytes[16] = {64, 64, 64, 64, 64, 64, 64, 64};
+    std::uint8_t rows[16] = {16, 16, 16, 16, 16, 16, 16, 16};
+  };
+  static void begin() {
+    static constexpr Shapes shapes;
+    asm volatile("ldtilecfg %0" : : "m"(shapes));
+  }
+  static void end() { asm volatile("tilerelease"); }
+  static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
+
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+    const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
+    const bool lower = height > 16;
+    asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
+    for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
+      asm volatile(
+          "tileloadd (%0,%3,1), %%tmm6\n\t"
+          "tileloadd (%1,%2,1), %%tmm4\n\t"
+          "tileloadd 64(%0,%3,1), %%tmm7\n\t"
+          "tdpbf16ps %%tmm6, %%tmm4, %%tmm0\n\t"
+          "tdpbf16ps %%tmm7, %%tmm4, %%tmm1"
+          :
+          : "r"(panel), "r"(a), "r"(a_stride), "r"(b_stride));
+      if (lower) {
+        asm volatile(
+            "tileloadd (%0,%1,1), %%tmm5\n\t"
+            "tdpbf16ps %%tmm6, %%tmm5, %%tmm2\n\t"
+            "tdpbf16ps %%tmm7, %%tmm5, %%tmm3"
+            :
+            : "r"(a + 16 * pitch), "r"(a_stride));
+      }
+    }
+    asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(sums), "r"(c_stride) : "memory");
+    if (lower) {
+      asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)"
+                   :
+                   : "r"(sums + 16 * sums_pitch), "r"(c_stride)
+                   : "memory");
+    }
+  }
+};
+}
+MOTIONLANG_TARGET_POP
+#undef MOTIONLANG_VECTOR_BYTES
+#undef MOTIONLANG_TILE_ROWS
+#undef MOTIONLANG_INLINE
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-enum class Isa { portable, avx2, avx512, best };
+/// Instruction sets, each with those before it; the last two differ from avx512 in products of bfloat16 only.
+enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
+
+#if defined(MOTIONLANG_WIDE_KERNELS)
+/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
+inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
+  unsigned r[4] = {};
+  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
+}
+inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
+inline bool may_use_amx() {
+#if defined(__linux__)
+  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
+#else
+  return false;
+#endif
+}
+#endif
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -4548,7 +5726,7 @@ const Kernels<S>* kernels_for(Isa isa) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
-  if (isa == Isa::avx512) {
+  if (isa != Isa::best) {
     const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
     return has ? &avx512::table<S>() : nullptr;
@@ -4560,16 +5738,59 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
+/// products in float); else float instructions.
+inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
+  if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (isa == Isa::avx2) return kernels_for<float>(isa) ? &avx2::bf16_table<avx2::WideningTile>() : nullptr;
+  if (isa != Isa::best) {
+    if (kernels_for<float>(Isa::avx512) == nullptr) return nullptr;
+    if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
+    if (isa == Isa::avx512_bf16) return cpuid_bit(1, 0, 5) ? &avx512::bf16_table<avx512::DotTile>() : nullptr;
+    return has_amx_bf16() && may_use_amx() ? &avx512::bf16_table<avx512::AmxTile>() : nullptr;
+  }
+  if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
+  if (!has_amx_bf16()) {
+    if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
+  }
+#endif
+  if (isa != Isa::best) return nullptr;
+  for (Isa better : {Isa::avx512, Isa::avx2}) {
+    if (const auto* k = bf16_kernels_for(better)) return k;
+  }
+  return bf16_kernels_for(Isa::portable);
+}
+
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+inline Isa wanted_isa() {
+  static const Isa wanted = [] {
+    const char* name = std::getenv("MOTIONLANG_KERNELS");
+    if (name == nullptr || *name == 0) return Isa::best;
+    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto isa = static_cast<Isa>(i);
+      if (std::strcmp(name, names[i]) == 0 && bf16_kernels_for(isa) != nullptr) return isa;
+    }
+    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
+                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
+  }();
+  return wanted;
+}
 
 /// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
 template <class S>
 const Kernels<S>*& current_kernels() {
-  static const Kernels<S>* chosen = kernels_for<S>(Isa::best);
+  static const Kernels<S>* chosen = kernels_for<S>(wanted_isa());
   return chosen;
 }
 template <class S>
 const Kernels<S>& kernels() {
   return *current_kernels<S>();
+}
+inline const Bf16Kernels*& current_bf16_kernels() {
+  static const Bf16Kernels* chosen = bf16_kernels_for(wanted_isa());
+  return chosen;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
@@ -4746,6 +5967,35 @@ void parallel_ranges(Index count, Index cost, const F& f) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
+#define MOTIONLANG_HAS_CORE_PRECISION_HPP
+/// How exactly products of matrices are computed.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// fp32  the numbers as they are.
+/// bf16  both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
+///       prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
+///       product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
+///       the sum. All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
+enum class Precision { fp32, bf16 };
+
+namespace detail {
+inline std::atomic<Precision>& current_product_precision() {
+  static std::atomic<Precision> current{Precision::fp32};
+  return current;
+}
+}  // namespace detail
+
+inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
+
+/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed anew at every
+/// use: set it before preparing a model.
+inline void set_product_precision(Precision p) { detail::current_product_precision().store(p, std::memory_order_relaxed); }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -4765,47 +6015,84 @@ class Scratch {
   BufferHandle memory_;
 };
 
-/// A weight in the panels of the current kernels.
+/// A matrix (k, n) in panels: of S for `kernels`, or of bfloat16.
 template <class S>
 struct Panels {
   Index k = 0, n = 0;
-  const Kernels<S>* kernels = nullptr;
+  const Kernels<S>* kernels = nullptr;  // none: bfloat16
   BufferHandle memory;
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
+  const std::uint16_t* bf16() const { return static_cast<const std::uint16_t*>(memory.data()); }
 };
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
 
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n].
+/// Precision of products of S.
 template <class S>
-Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n) {
+Precision precision_of() {
+  return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
+}
+
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1.
+template <class S>
+Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
+                      Precision precision = Precision::fp32) {
   const Kernels<S>& kernel = kernels<S>();
-  const Index panels = parts(n, kernel.panel_width);
-  Panels<S> p{k, n, &kernel, BufferHandle(static_cast<std::size_t>(panels * kernel.panel_width * k) * sizeof(S))};
-  S* out = static_cast<S*>(p.memory.data());
-  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * kernel.panel_width));
+  const bool bf16 = precision == Precision::bf16;
+  const Index width = bf16 ? bf16_columns : kernel.panel_width, panels = parts(n, width);
+  const Index rows = bf16 ? bf16_depth(k) : k;
+  const std::size_t element = bf16 ? sizeof(std::uint16_t) : sizeof(S);
+  Panels<S> p{k, n, bf16 ? nullptr : &kernel, BufferHandle(static_cast<std::size_t>(panels * width * rows) * element)};
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * width));
   parallel_for(parts(panels, at_once), [&](Index i) {
-    kernel.pack(b, k, n, stride_k, stride_n, i * at_once, std::min(panels, (i + 1) * at_once), out);
+    const Index first = i * at_once, last = std::min(panels, first + at_once);
+    if constexpr (std::is_same_v<S, float>) {
+      if (bf16) {
+        auto* out = static_cast<std::uint16_t*>(p.memory.data());
+        return current_bf16_kernels()->pack(b, k, n, stride_k, stride_n, first, last, out);
+      }
+    }
+    kernel.pack(b, k, n, stride_k, stride_n, first, last, static_cast<S*>(p.memory.data()));
   });
   return p;
 }
 
-template <class S>
-void run_gemm(const Gemm<S>& g) {
-  if (g.m == 0 || g.n == 0) return;
-  const Kernels<S>& kernel = kernels<S>();
-  const Index panels = parts(g.n, kernel.panel_width), threads = thread_count();
-  const bool small = g.m * g.n * g.k < 100'000;
-  const Index row_parts = small ? 1 : parts(g.m, kernel.row_block);
+/// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
+template <class S, class F>
+void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
+  const Index threads = thread_count(), row_parts = small ? 1 : parts(rows, row_block);
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
-  const Scratch<S> scratch(kernel.gemm_scratch);
+  const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
-    kernel.gemm_block(g, g.m * r / row_parts, g.m * (r + 1) / row_parts, panels * j / panel_parts,
-                      panels * (j + 1) / panel_parts, scratch.mine());
+    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts,
+          scratch.mine());
   });
+}
+
+/// g with the right-hand side `p`.
+template <class S>
+void run_gemm(Gemm<S> g, const Panels<S>& p) {
+  if (g.m == 0 || g.n == 0) return;
+  const bool small = g.m * g.n * g.k < 100'000;
+  if constexpr (std::is_same_v<S, float>) {
+    if (p.kernels == nullptr) {
+      const Bf16Kernels& kernel = *current_bf16_kernels();
+      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.row_block, small, kernel.scratch(g.k),
+                    [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
+                      kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
+                    });
+      return;
+    }
+  }
+  const Kernels<S>& kernel = kernels<S>();
+  g.panels = p.data();
+  for_blocks<S>(g.m, parts(g.n, kernel.panel_width), kernel.row_block, small, kernel.gemm_scratch,
+                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
+                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
+                });
 }
 
 template <class S>
@@ -4818,18 +6105,30 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .causal = options.causal,
           .dropout = options.dropout};
 }
+/// f(kernels), whose attention is that of the current precision.
+template <class S, class F>
+void with_attention_kernels(const F& f) {
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) return f(*current_bf16_kernels());
+  }
+  f(kernels<S>());
+}
 template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(kernels<S>().attention_scratch(k.longest(), t.width));
-  parallel_for(q.count() * t.heads, [&](Index i) {
-    if (q.length(i / t.heads) > 0) kernels<S>().attention_head(t, i / t.heads, i % t.heads, scratch.mine());
+  with_attention_kernels<S>([&](const auto& kernel) {
+    const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
+    parallel_for(q.count() * t.heads, [&](Index i) {
+      if (q.length(i / t.heads) > 0) kernel.attention_head(t, i / t.heads, i % t.heads, scratch.mine());
+    });
   });
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  const Scratch<S> scratch(kernels<S>().attention_vjp_scratch(q.longest(), k.longest(), t.width));
-  parallel_for(q.count() * t.heads,
-               [&](Index i) { kernels<S>().attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
+  with_attention_kernels<S>([&](const auto& kernel) {
+    const Scratch<S> scratch(kernel.attention_vjp_scratch(q.longest(), k.longest(), t.width));
+    parallel_for(q.count() * t.heads,
+                 [&](Index i) { kernel.attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
+  });
 }
 
 /// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
@@ -4839,8 +6138,7 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(
-      Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .panels = panels.data(), .c = z.data(), .ldc = m});
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels);
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -4871,16 +6169,17 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   s[r - 1] = n;
   Dense<S> out(s);
   for (Index i = 0; i < s.count(0, r - 2); ++i) {
-    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1);
+    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1,
+                                            detail::precision_of<S>());
     detail::run_gemm(detail::Gemm<S>{.m = m,
                                      .n = n,
                                      .k = k,
                                      .a = a.data() + i * m * k,
                                      .lda = transpose_a ? m : k,
                                      .a_transposed = transpose_a,
-                                     .panels = panels.data(),
                                      .c = out.data() + i * m * n,
-                                     .ldc = n});
+                                     .ldc = n},
+                     panels);
   }
   return out;
 }
@@ -4888,7 +6187,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k)));
+  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k,
+                                                                           detail::precision_of<S>())));
 }
 
 template <Scalar S>
@@ -4899,12 +6199,14 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
   const bool last =
       residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
-  if (ready == nullptr || ready->kernels != &detail::kernels<S>() || ready->n != n || ready->k != k) {
-    if (last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+  const Precision precision = detail::precision_of<S>();
+  const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
+  if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
+    if (wanted != nullptr && last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
       return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                       residual == nullptr ? nullptr : residual->data());
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k);
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
@@ -4913,13 +6215,13 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                                    .k = k,
                                    .a = x.data(),
                                    .lda = k,
-                                   .panels = ready->data(),
                                    .c = y.data(),
                                    .ldc = n,
                                    .bias = bias == nullptr ? nullptr : bias->data(),
                                    .residual = residual == nullptr || !last ? nullptr : residual->data(),
                                    .ldr = n,
-                                   .act = act});
+                                   .act = act},
+                   *ready);
   if (!last) {
     for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
   }
@@ -5865,6 +7167,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 struct Context {
   std::optional<Philox> dropout{};
   mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
+  bool recompute = false;  // training keeps what enters a layer and calculates its inside again: less memory, more time
 
   /// The generator of the next dropout mask. Only when `dropout` is set.
   Philox next_mask() const { return dropout->split(drawn++); }
@@ -6425,7 +7728,7 @@ concept Denoiser = Module<D> &&
 
 /// A denoiser that does a part of its work on the texts alone, which is the same at every step:
 ///     d(x, t, d.encode(text)) == d(x, t, text)
-/// Models   MotionDiffuseDenoiser, AnyDenoiser
+/// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
 template <class D, class B>
 concept EncodesText = Denoiser<D, B> &&
     requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
@@ -6928,6 +8231,126 @@ struct MultiheadAttention {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
+#define MOTIONLANG_HAS_NN_RECOMPUTE_HPP
+/// Layers whose inside is calculated again in the backward pass, where the context asks for it.
+
+#ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
+#define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
+/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What `backward` returns: the gradient of every variable, on the inner backend.
+template <AutodiffBackend A>
+class Gradients {
+ public:
+  explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
+
+  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
+  /// the result of an operation: only variables have gradients.
+  template <int R>
+  Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto& node = variable.data().node;
+    if (node == nullptr || !node->variable) {
+      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
+                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
+    }
+    const auto* g = find(variable.data());
+    return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
+  }
+  /// Null if the loss does not depend on it, or if it is a constant.
+  const typename A::Value* find(const typename A::tensor& variable) const {
+    const auto it = map_.find(variable.node.get());
+    return it == map_.end() ? nullptr : &it->second;
+  }
+
+ private:
+  typename A::GradientMap map_;
+};
+
+/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+template <Backend A>
+auto backward(const Tensor<A, 0>& loss) {
+  static_assert(AutodiffBackend<A>,
+                "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
+  return Gradients<A>(A::gradients(loss.data()));
+}
+
+/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...), which
+/// has to give y once more. Training needs the memory of one such piece instead of all, for a second forward pass.
+/// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
+/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been calculated
+///          has to be an input (config_error 102). Gradients are the same bits as without
+template <AutodiffBackend A, int R, class F, int... Q>
+Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
+  return Tensor<A, R>(A::checkpoint(
+      y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
+      inputs.data()...));
+}
+/// f(inputs...), of which the graph keeps the inputs only.
+template <class F, AutodiffBackend A, int... Q>
+auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
+  return keep_inputs(f(inputs...), f, inputs...);
+}
+
+/// A leaf that gradients are wanted for.
+template <AutodiffBackend A, int R>
+Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
+  return Tensor<A, R>(A::variable(value.data()));
+}
+/// The plain value of a differentiable tensor.
+template <AutodiffBackend A, int R>
+Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
+  return Tensor<typename A::inner, R>(A::value(t.data()));
+}
+/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+template <Backend B, int R>
+Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
+  if constexpr (AutodiffBackend<B>)
+    return Tensor<B, R>(typename B::tensor{B::value(t.data()), nullptr});
+  else
+    return t;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what happens inside
+/// is calculated once more with the same dropout masks, so gradients are the same bits.
+template <class Layer, Backend B>
+Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
+  if constexpr (AutodiffBackend<B>) {
+    if (context.recompute) {
+      auto again = [layer, offsets, before = context](const Tensor<B, 2>& rows) {
+        return layer(rows, offsets, Context(before));
+      };
+      return keep_inputs(layer(x, offsets, context), std::move(again), x);
+    }
+  }
+  return layer(x, offsets, context);
+}
+/// The same for layers that read a memory: layer(x, offsets, memory, context).
+template <class Layer, Backend B>
+Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
+                       const Context& context) {
+  if constexpr (AutodiffBackend<B>) {
+    if (context.recompute) {
+      auto again = [layer, offsets, of_memory = memory.offsets, before = context](const Tensor<B, 2>& rows,
+                                                                                  const Tensor<B, 2>& memory_rows) {
+        return layer(rows, offsets, Sequences<B>(memory_rows, of_memory), Context(before));
+      };
+      return keep_inputs(layer(x, offsets, memory, context), std::move(again), x, memory.rows);
+    }
+  }
+  return layer(x, offsets, memory, context);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TransformerConfig {
@@ -7020,7 +8443,7 @@ struct TransformerEncoder {
     Tensor<B, 2> rows = x.rows;
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
-      rows = layers[i](rows, x.offsets, context);
+      rows = run_layer(layers[i], rows, x.offsets, context);
     }
     return x.with(std::move(rows));
   }
@@ -7111,23 +8534,33 @@ struct MdmSmplDenoiser {
   Sequences<B> text_tokens(const TextFeatures<B>& text) const {
     return text.tokens.with(text_norm(text_out(text_in(text.tokens.rows, Activation::gelu))));
   }
+  /// The tokens of the texts, which are the same at every step.
+  struct EncodedText {
+    Sequences<B> tokens;
+  };
+  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text)}; }
+
   /// What enters the first layer.
-  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
     const Index n = x.count();
-    if (text.count() != n || static_cast<Index>(t.size()) != n) {
-      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.count(), " texts, ", t.size(), " steps");
+    const Offsets& texts = text.tokens.offsets;
+    if (texts.count() != n || static_cast<Index>(t.size()) != n) {
+      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", texts.count(), " texts, ", t.size(), " steps");
     }
     const Sequences<B> time(time_tokens(t), Offsets::equal(n, 1));
-    const auto tokens =
-        concat_tokens(time, text_tokens(text), repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
+    const auto tokens = concat_tokens(time, text.tokens, repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
     PoolVector<PositionGap> gaps;  // what follows the text stands where it would behind the longest text of the batch
-    for (Index s = 0; s < n; ++s) {
-      const Index length = text.tokens.offsets.length(s);
-      gaps.push_back({1 + length, text.tokens.offsets.longest() - length});
-    }
+    for (Index s = 0; s < n; ++s) gaps.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
     return add_positions(tokens, positions.rows(), gaps);
   }
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
+    return sequence(x, t, encode(text));
+  }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+                          const Context& context = {}) const {
+    return (*this)(x, t, encode(text), context);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
     auto tokens = sequence(x, t, text);
     if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
@@ -8201,6 +9634,15 @@ struct Stmc {
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
+  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
+  /// collage, features); whole(collage, x, t) is what a plain run takes. Not in the SINC modes, where nothing is stitched.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
+                                          Estimate&& estimate) const;
+
+  /// How timelines are planned for this model.
+  PlanOptions plan_options(const StmcOptions& options) const;
+
   /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
@@ -8208,8 +9650,11 @@ struct Stmc {
   GaussianDiffusion process(Index steps) const;
 
  private:
-  TextFeatures<B> encode(const std::vector<std::string>& texts) const;
-  static std::vector<std::string> texts_of(const BatchPlan& plan);
+  /// Features of the text of every interval, and of "". Each text goes through the encoder once.
+  struct PlanTexts {
+    TextFeatures<B> text, null;
+  };
+  PlanTexts encode(const BatchPlan& plan) const;
   Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
@@ -8738,13 +10183,36 @@ class MappedFile {
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
+  /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
+  static const MappedFile* that_holds(std::span<const std::byte> bytes) {
+    const std::scoped_lock lock(mutex_);
+    const MappedFile* f = first_;
+    while (f != nullptr && (address(bytes) < address(f->bytes()) ||
+                            address(bytes) + bytes.size() > address(f->bytes()) + f->bytes().size()))
+      f = f->next_;
+    return f;
+  }
   ~MappedFile() {
-    if (size_ != 0) ::munmap(data_, size_);
+    if (size_ == 0) return;
+    {
+      const std::scoped_lock lock(mutex_);
+      MappedFile** place = &first_;
+      while (*place != this) place = &(*place)->next_;
+      *place = next_;
+    }
+    ::munmap(data_, size_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+  /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
+  void forget(std::span<const std::byte> part) const {
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const std::uintptr_t begin = (address(part) + page - 1) / page * page,
+                         end = (address(part) + part.size()) / page * page;
+    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  }
 
  private:
   explicit MappedFile(const FilePath& path) {
@@ -8753,9 +10221,19 @@ class MappedFile {
     if (size_ == 0) return;  // an empty mapping is an error of mmap
     data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
     if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+    const std::scoped_lock lock(mutex_);
+    next_ = std::exchange(first_, this);
   }
+  static std::uintptr_t address(std::span<const std::byte> bytes) {
+    return reinterpret_cast<std::uintptr_t>(bytes.data());
+  }
+
   void* data_ = nullptr;
   std::size_t size_ = 0;
+  MappedFile* next_ = nullptr;
+
+  inline static std::mutex mutex_;
+  inline static MappedFile* first_ = nullptr;  // all that are mapped
 };
 
 /// The whole file as text. Throws io_error 401.
@@ -9271,70 +10749,6 @@ inline std::vector<std::byte> safetensors_bytes(std::span<const TensorView> tens
 inline void write_safetensors(const FilePath& path, std::span<const TensorView> tensors,
                               const std::map<std::string, std::string>& metadata = {{"format", "pt"}}) {
   write_file(path, safetensors_bytes(tensors, metadata));
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
-#define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
-/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// What `backward` returns: the gradient of every variable, on the inner backend.
-template <AutodiffBackend A>
-class Gradients {
- public:
-  explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
-
-  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
-  /// the result of an operation: only variables have gradients.
-  template <int R>
-  Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
-    const auto& node = variable.data().node;
-    if (node == nullptr || !node->variable) {
-      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
-                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
-    }
-    const auto* g = find(variable.data());
-    return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
-  }
-  /// Null if the loss does not depend on it, or if it is a constant.
-  const typename A::Value* find(const typename A::tensor& variable) const {
-    const auto it = map_.find(variable.node.get());
-    return it == map_.end() ? nullptr : &it->second;
-  }
-
- private:
-  typename A::GradientMap map_;
-};
-
-/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
-template <Backend A>
-auto backward(const Tensor<A, 0>& loss) {
-  static_assert(AutodiffBackend<A>,
-                "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
-  return Gradients<A>(A::gradients(loss.data()));
-}
-
-/// A leaf that gradients are wanted for.
-template <AutodiffBackend A, int R>
-Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
-  return Tensor<A, R>(A::variable(value.data()));
-}
-/// The plain value of a differentiable tensor.
-template <AutodiffBackend A, int R>
-Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
-  return Tensor<typename A::inner, R>(A::value(t.data()));
-}
-/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
-template <Backend B, int R>
-Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
-  if constexpr (AutodiffBackend<B>)
-    return Tensor<B, R>(typename B::tensor{B::value(t.data()), nullptr});
-  else
-    return t;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -9978,14 +11392,14 @@ struct CropRows {
   Index stride = 0;
 
   /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
-  /// as many rows behind their end.
+  /// as many rows behind their end. A crop without frames has no rows.
   static CropRows of(const BatchPlan& plan, Index crop_frames = 0) {
     CropRows out;
     out.stride = plan.frames + crop_frames;
     std::vector<Index> lengths;
     for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
       for (const Crop& c : plan.timelines[m].crops) {
-        const Index n = crop_frames > 0 ? crop_frames : c.range.size();
+        const Index n = crop_frames > 0 && c.range.size() > 0 ? crop_frames : c.range.size();
         for (Index i = 0; i < n; ++i) out.rows.push_back(static_cast<Index>(m) * out.stride + c.range.start + i);
         lengths.push_back(n);
       }
@@ -10108,8 +11522,10 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    crops whose text is "" go through the network once: both calls of guidance would give the same. Texts,
-///         offsets and index lists are prepared here, not in the loop.
+/// Cost    one call of the network per step. Sequences of the same frames and the same text go through it once: both calls of
+///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together. The longest
+///         come first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -10118,15 +11534,22 @@ class Collage {
   /// the denoiser.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance)
-      : denoiser_(&denoiser), plan_(std::move(plan)), guidance_(guidance) {
-    const DenoiserTraits traits = denoiser.traits();
-    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
-    const bool fixed = traits.crop_frames > 0;
-    motion_ = CropRows::of(plan_, traits.crop_frames);
-    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
-    crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
-    stitch_ = Stitcher<B>(plan_, layout, crops_.offsets, motion_.stride);
-    build_batch(text, null);
+      : denoiser_(&denoiser),
+        plan_(std::move(plan)),
+        layout_(layout),
+        texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
+               text.end_position},
+        guidance_(guidance) {
+    texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
+    check_texts(text.count(), null.count());
+    prepare_step();
+  }
+  /// The same with some crops and slices of its plan only (compose/edits.hpp).
+  Collage with_plan(BatchPlan plan) const {
+    Collage out = *this;
+    out.plan_ = std::move(plan);
+    out.prepare_step();
+    return out;
   }
 
   const BatchPlan& plan() const { return plan_; }
@@ -10134,6 +11557,8 @@ class Collage {
   /// Rows of x per timeline, and of all timelines together.
   Index stride() const { return motion_.stride; }
   Index rows() const { return motion_.stride * static_cast<Index>(plan_.timelines.size()); }
+  /// Rows that go through the network in a step, without tokens for time and text.
+  Index batch_rows() const { return batch_offsets_.rows(); }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
@@ -10142,15 +11567,10 @@ class Collage {
     CollageStep<B> s;
     s.crops = gather(x, crops_.rows);
     const PoolVector<Index> steps(static_cast<std::size_t>(batch_offsets_.count()), t);
-    const Sequences<B> batch(base_.empty() ? s.crops : gather(x, batch_rows_), batch_offsets_);
-    const auto out = (*denoiser_)(batch, steps, batch_text_).rows;
-    if (base_.empty()) {
-      s.cond = s.null = s.guided = out;
-    } else {
-      s.cond = slice(out, 0, 0, crops_.offsets.rows());
-      s.null = gather(out, base_);
-      s.guided = guide(s.cond, s.null, guidance_);
-    }
+    const auto out = (*denoiser_)(Sequences<B>(gather(x, batch_rows_), batch_offsets_), steps, batch_text_).rows;
+    s.cond = gather(out, cond_);
+    s.null = guidance_ == 1 ? s.cond : gather(out, null_);
+    s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
     s.x0 = stitch_(to_x0(s.guided, s.crops));
     return s;
   }
@@ -10161,6 +11581,30 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
+  /// Frames of a crop with a text: what the network sees as one sequence.
+  struct Job {
+    Index first, length, text;  // first: row of the motions
+    auto operator<=>(const Job&) const = default;
+  };
+
+  void check_texts(Index texts, Index nulls) const {
+    Index intervals = 0;
+    for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
+    if (texts == intervals && nulls == 1) return;
+    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+  }
+
+  void prepare_step() {
+    const DenoiserTraits traits = denoiser_->traits();
+    for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
+    const bool fixed = traits.crop_frames > 0;
+    motion_ = CropRows::of(plan_, traits.crop_frames);
+    // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
+    crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
+    stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
+    build_batch();
+  }
+
   CropRows own_frames(Index crop_frames) const {
     CropRows out = CropRows::of(plan_);
     for (Index& row : out.rows) {  // the same frames in motions with more rows
@@ -10171,46 +11615,53 @@ class Collage {
     return out;
   }
 
-  /// The batch: all crops with their texts, then every crop with a text once more without it.
-  void build_batch(const TextFeatures<B>& text, const TextFeatures<B>& null) {
-    std::vector<Index> which, lengths, again;
-    Index next_text = 0, crop = 0;
+  /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
+  std::vector<Index> texts_of_crops() const {
+    const Index null = texts_.count() - 1;
+    std::vector<Index> out;
+    std::map<std::string_view, Index> known{{"", null}};
+    Index first = 0;
     for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) {
-        const bool own_text = !c.is_transition();
-        which.push_back(own_text ? next_text + c.interval : -1);
-        if (own_text && !p.text(c).empty()) again.push_back(crop);
-        ++crop;
-      }
-      next_text += static_cast<Index>(p.timeline.intervals.size());
+      for (const Crop& c : p.crops) out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
+      first += static_cast<Index>(p.timeline.intervals.size());
     }
-    if (text.count() != next_text || null.count() != 1) {
-      raise<shape_error>(204, "Collage: ", text.count(), " texts for ", next_text, " intervals; ", null.count(),
-                         " unconditional texts");
+    return out;
+  }
+
+  void build_batch() {
+    const Index null = texts_.count() - 1;
+    std::vector<std::pair<Job, Job>> crops;  // with its text, and without
+    std::map<Job, Index> begin;              // of all jobs, where their rows begin in the batch
+    for (Index i = 0; const Index text : texts_of_crops()) {
+      const Index length = crops_.offsets.length(i);
+      const Index first = length == 0 ? 0 : crops_.rows[static_cast<std::size_t>(crops_.offsets.begin(i))];
+      crops.push_back({{first, length, text}, {first, length, null}});
+      ++i;
+      if (length == 0) continue;
+      begin[crops.back().first];
+      if (guidance_ != 1) begin[crops.back().second];
     }
-    if (guidance_ == 1) again.clear();
-    batch_rows_ = crops_.rows;
-    for (Index i = 0; i < crop; ++i) lengths.push_back(crops_.offsets.length(i));
-    if (!again.empty()) {
-      base_.resize(static_cast<std::size_t>(crops_.offsets.rows()));
-      for (std::size_t r = 0; r < base_.size(); ++r) base_[r] = static_cast<Index>(r);
-      for (Index i : again) {
-        which.push_back(-1);
-        lengths.push_back(crops_.offsets.length(i));
-        for (Index r = crops_.offsets.begin(i); r < crops_.offsets.end(i); ++r) {
-          base_[static_cast<std::size_t>(r)] = static_cast<Index>(batch_rows_.size());
-          batch_rows_.push_back(crops_.rows[static_cast<std::size_t>(r)]);
-        }
-      }
+    std::vector<Job> jobs;
+    for (const auto& [job, at] : begin) jobs.push_back(job);
+    detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
+
+    std::vector<Index> lengths, which;
+    batch_rows_.clear();
+    for (const Job& job : jobs) {
+      begin[job] = static_cast<Index>(batch_rows_.size());
+      for (Index r = 0; r < job.length; ++r) batch_rows_.push_back(job.first + r);
+      lengths.push_back(job.length);
+      which.push_back(job.text);
     }
     batch_offsets_ = Offsets(lengths);
-    // The unconditional text is number `next_text` of the joined features.
-    for (Index& i : which) i = i < 0 ? next_text : i;
-    TextFeatures<B> all{
-        {concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-        text.end_position};
-    all.end_position.insert(all.end_position.end(), null.end_position.begin(), null.end_position.end());
-    batch_text_ = encoded_text<B>(*denoiser_, gather(all, which));
+    batch_text_ = encoded_text<B>(*denoiser_, gather(texts_, which));
+    cond_.clear(), null_.clear();
+    for (const auto& [with, without] : crops) {
+      for (Index r = 0; r < with.length; ++r) {
+        cond_.push_back(begin[with] + r);
+        if (guidance_ != 1) null_.push_back(begin[without] + r);
+      }
+    }
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {
     std::vector<Index> lengths;
@@ -10222,37 +11673,48 @@ class Collage {
 
   const D* denoiser_;
   BatchPlan plan_;
+  FeatureLayout layout_;
+  TextFeatures<B> texts_;  // of all intervals, then the unconditional one
   double guidance_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
-  std::vector<Index> batch_rows_, base_;  // base_: for every row of the crops, where its unconditional result is
+  std::vector<Index> batch_rows_;   // of x, for every row of the batch
+  std::vector<Index> cond_, null_;  // for every row of the crops its row of the batch, with its text and without
   Offsets batch_offsets_;
   decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
 };
 
-/// The whole reverse process. noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
+/// x0 of all timelines at index t of the process.
+template <Backend B, Denoiser<B> D>
+Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
+                          const Tensor<B, 2>& x, Index t) {
+  const auto to_clean = [&](const Tensor<B, 2>& output, const Tensor<B, 2>& crops) {
+    return to_x0(diffusion, prediction, output, crops, std::span<const Index>(&t, 1));
+  };
+  return collage.step(x, diffusion.network_t(t), to_clean).x0;
+}
+
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
 /// (rows, features).
 /// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
+template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
+Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
+                                  const SamplingOptions& options = {}, Progress progress = {}, const Watch& watch = {}) {
+  auto step_noise = [&](Index draw) { return noise(draw + 1); };
+  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
+  if (options.sampler == SamplingOptions::Sampler::ddim) {
+    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{}, progress,
+                             watch);
+  }
+  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+}
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
                             Noise&& noise, const SamplingOptions& options = {}, Progress progress = {},
                             const Watch& watch = {}) {
-  auto network = [&](const Tensor<B, 2>& x, Index t) {
-    return collage
-        .step(x, diffusion.network_t(t),
-              [&](const Tensor<B, 2>& output, const Tensor<B, 2>& crops) {
-                return to_x0(diffusion, prediction, output, crops, std::span<const Index>(&t, 1));
-              })
-        .x0;
-  };
-  auto step_noise = [&](Index draw) { return noise(draw + 1); };
-  const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
-  if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), network, step_noise, options.eta, step, detail::KeepX0{}, progress,
-                             watch);
-  }
-  return sample_ancestral<B, 2>(diffusion, noise(0), network, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+  const auto clean = [&](const Tensor<B, 2>& x, Index t) { return clean_motion(collage, diffusion, prediction, x, t); };
+  return sample_clean_motions<B>(diffusion, clean, noise, options, progress, watch);
 }
 
 /// Every interval of a plan as a motion of its own, for text-to-motion without a timeline and for the SINC baselines.
@@ -10818,19 +12280,33 @@ Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
+  const bool hard_cuts = options.mode != StmcMode::stmc;
+  return {.overlap = options.overlap,
+          .extend = !hard_cuts,
+          .transition_crops = !hard_cuts,
+          .gaps = options.gaps,
+          .hidden = options.hidden,
+          .longest_crop = denoiser.traits().longest()};
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
+  return generate_from(timelines, noise, options,
+                       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                                       const StmcOptions& options, Estimate&& estimate) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  BatchPlan plan = plan_timelines(timelines, {.overlap = options.overlap,
-                                              .extend = !hard_cuts,
-                                              .transition_crops = !hard_cuts,
-                                              .gaps = options.gaps,
-                                              .hidden = options.hidden,
-                                              .longest_crop = traits.longest()});
-  const auto text = encode(texts_of(plan)), null = encode({std::string()});
+  BatchPlan plan = plan_timelines(timelines, plan_options(options));
   BatchPlan together;  // what is stitched at the end where every text is sampled alone
+  const auto [text, null] = encode(plan);
   if (hard_cuts) {
     together = std::move(plan);
     plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
@@ -10844,8 +12320,13 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  auto x0 = sample_collage<B>(collage, process(options.steps), traits.prediction, rows,
-                              options.sampling.value_or(sampling), options.progress);
+  const GaussianDiffusion steps = process(options.steps);
+  const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
+    return clean_motion(c, steps, traits.prediction, x, t);
+  };
+  auto x0 = sample_clean_motions<B>(
+      steps, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
+      options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
     x0 = stitch_independent(wanted, x0, stride);
@@ -10879,27 +12360,25 @@ GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-TextFeatures<B> Stmc<B, D, E>::encode(const std::vector<std::string>& texts) const {
+auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
+  std::vector<std::string> texts{""};
+  std::vector<Index> which;  // of every interval
+  std::map<std::string_view, Index> known{{"", 0}};
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Interval& i : p.timeline.intervals) {
+      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
+      if (is_new) texts.push_back(i.text);
+      which.push_back(place->second);
+    }
+  }
   auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {
-    std::vector<typename B::scalar> keep;
-    for (std::size_t i = 0; i < texts.size(); ++i) {
-      const Index rows = features.tokens.offsets.length(static_cast<Index>(i));
-      keep.insert(keep.end(), static_cast<std::size_t>(rows), texts[i].empty() ? 0 : 1);
-    }
+    std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
+    std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
     features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
   }
-  return features;
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<std::string> Stmc<B, D, E>::texts_of(const BatchPlan& plan) {
-  std::vector<std::string> texts;
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Interval& i : p.timeline.intervals) texts.push_back(i.text);
-  }
-  return texts;
+  return {gather(features, which), gather(features, std::vector<Index>{0})};
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
