@@ -312,6 +312,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
   prepare(denoiser);
+  release_packed(denoiser);
   const auto diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
                                                     : GaussianDiffusion(CosineSchedule{.steps = about.steps});
   return {.denoiser = std::move(denoiser),

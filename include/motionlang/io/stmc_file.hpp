@@ -205,6 +205,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
   prepare(model);
+  release_packed(model.denoiser);
   return model;
 }
 template <Backend B>

@@ -98,6 +98,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   if (r.text("dataset", "") == "humanact12" && out.model.config.num_classes == std::ssize(humanact12_actions))
     out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
   prepare(out.model);
+  release_packed(out.model);
   return out;
 }
 template <Backend B>
@@ -133,6 +134,7 @@ TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& w
                               .text_encoder = temos_text_encoder<B>(run, weights, options),
                               .fps = r.real("data/framerate", fps)};
   prepare(out.model);
+  release_packed(out.model);
   return out;
 }
 inline WeightFile lightning_weights(const RunFolder& run, const char* system) {
