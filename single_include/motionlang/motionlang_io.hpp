@@ -1151,6 +1151,26 @@ class TensorStore {
   std::vector<Entry> entries_;
 };
 
+namespace detail {
+struct ReleasePacked {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (requires { t.data().attached(); }) {
+      const auto bytes = std::as_bytes(t.span());
+      if (t.data().attached() == nullptr) return;
+      if (const MappedFile* file = MappedFile::that_holds(bytes)) file->forget(bytes);
+    }
+  }
+};
+}  // namespace detail
+
+/// After `prepare`: the memory of packed weights in a mapped file is given back, so that no weight is there twice. Whoever still reads
+/// them gets them from the file again.
+template <Module M>
+void release_packed(M& model) {
+  visit_tensors(model, detail::ReleasePacked{});
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -10190,6 +10210,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
   prepare(denoiser);
+  release_packed(denoiser);
   const auto diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
                                                     : GaussianDiffusion(CosineSchedule{.steps = about.steps});
   return {.denoiser = std::move(denoiser),
@@ -13775,6 +13796,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
   prepare(model);
+  release_packed(model.denoiser);
   return model;
 }
 template <Backend B>
@@ -14353,6 +14375,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   if (r.text("dataset", "") == "humanact12" && out.model.config.num_classes == std::ssize(humanact12_actions))
     out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
   prepare(out.model);
+  release_packed(out.model);
   return out;
 }
 template <Backend B>
@@ -14388,6 +14411,7 @@ TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& w
                               .text_encoder = temos_text_encoder<B>(run, weights, options),
                               .fps = r.real("data/framerate", fps)};
   prepare(out.model);
+  release_packed(out.model);
   return out;
 }
 inline WeightFile lightning_weights(const RunFolder& run, const char* system) {

@@ -10912,6 +10912,26 @@ class TensorStore {
   std::vector<Entry> entries_;
 };
 
+namespace detail {
+struct ReleasePacked {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (requires { t.data().attached(); }) {
+      const auto bytes = std::as_bytes(t.span());
+      if (t.data().attached() == nullptr) return;
+      if (const MappedFile* file = MappedFile::that_holds(bytes)) file->forget(bytes);
+    }
+  }
+};
+}  // namespace detail
+
+/// After `prepare`: the memory of packed weights in a mapped file is given back, so that no weight is there twice. Whoever still reads
+/// them gets them from the file again.
+template <Module M>
+void release_packed(M& model) {
+  visit_tensors(model, detail::ReleasePacked{});
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -12617,6 +12637,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
   prepare(model);
+  release_packed(model.denoiser);
   return model;
 }
 template <Backend B>
