@@ -11750,6 +11750,12 @@ inline constexpr std::string_view humanact12_actions[] = {
     "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
     "phone",   "boxing", "throw"};
 
+/// What a data set calls its classes; nothing if they are only numbers, or are not so many.
+inline std::vector<std::string> action_labels(std::string_view dataset, Index classes) {
+  if (dataset != "humanact12" || classes != std::ssize(humanact12_actions)) return {};
+  return {std::begin(humanact12_actions), std::end(humanact12_actions)};
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -16276,6 +16282,26 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
+/// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
+  if (steps == 0 || steps == process.steps()) return process;
+  return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
+}
+
+/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a batch it
+/// sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+template <Backend B>
+Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
+  using S = typename B::scalar;
+  PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+  const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
+  for (Index m = 0; m < shape[0]; ++m) {
+    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
+    stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
+  }
+  return Tensor<B, 3>::from(std::span<const S>(values), shape);
+}
+
 /// How a whole reverse process is run.
 struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
@@ -16284,6 +16310,12 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
+/// "ddpm" or "ddim". Throws config_error 103.
+inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
+  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
+  if (name == "ddim") return SamplingOptions::Sampler::ddim;
+  raise<config_error>(103, "sampler '", name, "' is neither ddpm nor ddim");
+}
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>
@@ -16479,10 +16511,7 @@ struct MdmActions {
     }
     const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {calls * n, c.num_actions}));
     const Offsets offsets = Offsets::equal(calls * n, frames);
-    const Shape shape{n * frames, c.nfeats};
-    const GaussianDiffusion process =
-        options.steps == 0 ? diffusion
-                           : diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{options.steps}));
+    const GaussianDiffusion process = with_steps(diffusion, options.steps);
 
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(calls * n), process.network_t(t));
@@ -16491,13 +16520,7 @@ struct MdmActions {
                         : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
     };
     const auto noise = [&](Index draw) {
-      PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-      const auto size = static_cast<std::size_t>(frames * c.nfeats);
-      for (std::size_t m = 0; m < static_cast<std::size_t>(n); ++m) {
-        auto stream = rng.split("noise").split(m).split(static_cast<std::uint64_t>(draw));
-        stream.normal(std::span<S>(values).subspan(m * size, size));
-      }
-      return Tensor<B, 2>::from(std::span<const S>(values), shape);
+      return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
     };
     const auto of_step = [&](Index draw) { return noise(draw + 1); };
     const StepOptions step{.prediction = denoiser.traits().prediction, .noise_scale = NoiseScale::posterior_std};
@@ -25802,20 +25825,12 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  using S = typename B::scalar;
-  PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-  const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
-  for (Index m = 0; m < shape[0]; ++m) {
-    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
-    stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
-  }
-  return Tensor<B, 3>::from(std::span<const S>(values), shape);
+  return sequence_noise<B>(rng, draw, shape);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
-  if (steps == 0 || steps == diffusion.steps()) return diffusion;
-  return diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{steps}));
+  return with_steps(diffusion, steps);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -27125,7 +27140,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that are the same for all instruction sets.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
+/// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
   Index row_block;
@@ -27140,8 +27156,9 @@ struct Bf16Kernels {
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
-inline constexpr Index bf16_columns = 32;                                     // of a panel
-constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
+/// Columns of a panel, and its rows: k, filled up to whole tiles.
+inline constexpr Index bf16_columns = 32;
+constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 
@@ -27205,6 +27222,11 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
+}
+/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
 }
 template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
@@ -27407,7 +27429,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
 #pragma GCC unroll 16
           for (int q = 0; q < lanes<S>; ++q) {
             const S* from = in + (c + q) * stride_n + i;
-            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+            square[q] = load_first(from, c + q < columns ? rows : 0);
           }
           transpose_lanes<S>(square);
           for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -28001,7 +28023,7 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 
 /// A vector of numbers, rounded; zeros from the n-th on.
 MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+  return round_to_bf16(load_first(x, n));
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
@@ -28019,7 +28041,7 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
           if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
-          return at < k ? rounded(a + at * lda + r, n) : Words{};
+          return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
           square[q] = (Vec<float>)row(i + q);
@@ -28126,7 +28148,17 @@ struct WideningTile {
   }
 };
 
-/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+/// `count` rows of A, whose element (i, k) is a[i * row_stride + k * depth_stride]; one of the strides is 1.
+template <class Tile>
+void round_rows(const float* a, Index row_stride, Index depth_stride, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (depth_stride == 1) {
+    for (Index r = 0; r < count; ++r) Tile::round_row(a + r * row_stride, k, depth, y + r * pitch);
+  } else {
+    round_columns(a, depth_stride, count, k, depth, y, pitch);
+  }
+}
+
+/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
 template <class Tile>
 constexpr Index bf16_rows_at_once(Index depth) {
   constexpr Index bytes = 768 * 1024;
@@ -28152,15 +28184,14 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
     float* c = g.c + (row + r) * g.ldc + column;
     const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
     for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
       Vec<float> x = load(sums + i);
-      if (i + l <= columns) {
-        if (g.bias != nullptr) x += load(g.bias + column + i);
-        if (residual != nullptr) x += load(residual + i);
+      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
+      if (residual != nullptr) x += load_first(residual + i, n);
+      if (n >= l) {
         store(c + i, x);
       } else {
-        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
-        if (residual != nullptr) x += load_some(residual + i, columns - i);
-        store_some(c + i, x, columns - i);
+        store_some(c + i, x, n);
       }
     }
     if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
@@ -28177,11 +28208,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   Tile::begin();
   for (Index top = r0; top < r1; top += at_once) {
     const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
-    if (g.a_transposed) {
-      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
-    } else {
-      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
-    }
+    const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
+    round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
@@ -28216,11 +28244,7 @@ struct Bf16Products {
     auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
-      if (depth_stride == 1) {
-        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
-      } else {
-        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
-      }
+      round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
@@ -28337,6 +28361,11 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
 }
+/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
+}
 template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
@@ -28538,7 +28567,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
 #pragma GCC unroll 16
           for (int q = 0; q < lanes<S>; ++q) {
             const S* from = in + (c + q) * stride_n + i;
-            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+            square[q] = load_first(from, c + q < columns ? rows : 0);
           }
           transpose_lanes<S>(square);
           for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -29132,7 +29161,7 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 
 /// A vector of numbers, rounded; zeros from the n-th on.
 MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+  return round_to_bf16(load_first(x, n));
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
@@ -29150,7 +29179,7 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
           if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
-          return at < k ? rounded(a + at * lda + r, n) : Words{};
+          return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
           square[q] = (Vec<float>)row(i + q);
@@ -29257,7 +29286,17 @@ struct WideningTile {
   }
 };
 
-/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+/// `count` rows of A, whose element (i, k) is a[i * row_stride + k * depth_stride]; one of the strides is 1.
+template <class Tile>
+void round_rows(const float* a, Index row_stride, Index depth_stride, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (depth_stride == 1) {
+    for (Index r = 0; r < count; ++r) Tile::round_row(a + r * row_stride, k, depth, y + r * pitch);
+  } else {
+    round_columns(a, depth_stride, count, k, depth, y, pitch);
+  }
+}
+
+/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
 template <class Tile>
 constexpr Index bf16_rows_at_once(Index depth) {
   constexpr Index bytes = 768 * 1024;
@@ -29283,15 +29322,14 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
     float* c = g.c + (row + r) * g.ldc + column;
     const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
     for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
       Vec<float> x = load(sums + i);
-      if (i + l <= columns) {
-        if (g.bias != nullptr) x += load(g.bias + column + i);
-        if (residual != nullptr) x += load(residual + i);
+      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
+      if (residual != nullptr) x += load_first(residual + i, n);
+      if (n >= l) {
         store(c + i, x);
       } else {
-        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
-        if (residual != nullptr) x += load_some(residual + i, columns - i);
-        store_some(c + i, x, columns - i);
+        store_some(c + i, x, n);
       }
     }
     if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
@@ -29308,11 +29346,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   Tile::begin();
   for (Index top = r0; top < r1; top += at_once) {
     const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
-    if (g.a_transposed) {
-      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
-    } else {
-      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
-    }
+    const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
+    round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
@@ -29347,11 +29382,7 @@ struct Bf16Products {
     auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
-      if (depth_stride == 1) {
-        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
-      } else {
-        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
-      }
+      round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
@@ -29466,6 +29497,11 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
 }
+/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
+}
 template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
@@ -29667,7 +29703,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
 #pragma GCC unroll 16
           for (int q = 0; q < lanes<S>; ++q) {
             const S* from = in + (c + q) * stride_n + i;
-            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+            square[q] = load_first(from, c + q < columns ? rows : 0);
           }
           transpose_lanes<S>(square);
           for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -30261,7 +30297,7 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 
 /// A vector of numbers, rounded; zeros from the n-th on.
 MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+  return round_to_bf16(load_first(x, n));
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
@@ -30279,7 +30315,7 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
           if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
-          return at < k ? rounded(a + at * lda + r, n) : Words{};
+          return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
           square[q] = (Vec<float>)row(i + q);
@@ -30386,7 +30422,17 @@ struct WideningTile {
   }
 };
 
-/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+/// `count` rows of A, whose element (i, k) is a[i * row_stride + k * depth_stride]; one of the strides is 1.
+template <class Tile>
+void round_rows(const float* a, Index row_stride, Index depth_stride, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (depth_stride == 1) {
+    for (Index r = 0; r < count; ++r) Tile::round_row(a + r * row_stride, k, depth, y + r * pitch);
+  } else {
+    round_columns(a, depth_stride, count, k, depth, y, pitch);
+  }
+}
+
+/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
 template <class Tile>
 constexpr Index bf16_rows_at_once(Index depth) {
   constexpr Index bytes = 768 * 1024;
@@ -30412,15 +30458,14 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
     float* c = g.c + (row + r) * g.ldc + column;
     const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
     for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
       Vec<float> x = load(sums + i);
-      if (i + l <= columns) {
-        if (g.bias != nullptr) x += load(g.bias + column + i);
-        if (residual != nullptr) x += load(residual + i);
+      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
+      if (residual != nullptr) x += load_first(residual + i, n);
+      if (n >= l) {
         store(c + i, x);
       } else {
-        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
-        if (residual != nullptr) x += load_some(residual + i, columns - i);
-        store_some(c + i, x, columns - i);
+        store_some(c + i, x, n);
       }
     }
     if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
@@ -30437,11 +30482,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   Tile::begin();
   for (Index top = r0; top < r1; top += at_once) {
     const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
-    if (g.a_transposed) {
-      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
-    } else {
-      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
-    }
+    const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
+    round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
@@ -30476,11 +30518,7 @@ struct Bf16Products {
     auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
-      if (depth_stride == 1) {
-        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
-      } else {
-        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
-      }
+      round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
@@ -30561,7 +30599,7 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 inline void convert_row(const float* x, Index n, Index padded, std::uint16_t* y) {
   typedef float HalfVector __attribute__((vector_size(32), aligned(2), may_alias));
   for (Index i = 0; i < padded; i += lanes<float>) {
-    const Vec<float> from = n - i >= lanes<float> ? load(x + i) : n <= i ? Vec<float>{} : load_some(x + i, n - i);
+    const Vec<float> from = load_first(x + i, n - i);
     HalfVector h;
     asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
     *reinterpret_cast<HalfVector*>(y + i) = h;
@@ -31673,9 +31711,6 @@ void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::sp
     }
   }
 }
-
-/// Distance of rows of the gallery where a block of them is copied: of those that are a power of two apart, few fit into a cache.
-inline Index scan_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
 
 /// Sizes of a block of scores: rows of the gallery with panels of queries.
 template <class S>

@@ -347,7 +347,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that are the same for all instruction sets.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
+/// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
   Index row_block;
@@ -362,8 +363,9 @@ struct Bf16Kernels {
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
-inline constexpr Index bf16_columns = 32;                                     // of a panel
-constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
+/// Columns of a panel, and its rows: k, filled up to whole tiles.
+inline constexpr Index bf16_columns = 32;
+constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 
@@ -427,6 +429,11 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
+}
+/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
 }
 template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
@@ -629,7 +636,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
 #pragma GCC unroll 16
           for (int q = 0; q < lanes<S>; ++q) {
             const S* from = in + (c + q) * stride_n + i;
-            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+            square[q] = load_first(from, c + q < columns ? rows : 0);
           }
           transpose_lanes<S>(square);
           for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -1223,7 +1230,7 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 
 /// A vector of numbers, rounded; zeros from the n-th on.
 MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+  return round_to_bf16(load_first(x, n));
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
@@ -1241,7 +1248,7 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
           if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
-          return at < k ? rounded(a + at * lda + r, n) : Words{};
+          return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
           square[q] = (Vec<float>)row(i + q);
@@ -1348,7 +1355,17 @@ struct WideningTile {
   }
 };
 
-/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+/// `count` rows of A, whose element (i, k) is a[i * row_stride + k * depth_stride]; one of the strides is 1.
+template <class Tile>
+void round_rows(const float* a, Index row_stride, Index depth_stride, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (depth_stride == 1) {
+    for (Index r = 0; r < count; ++r) Tile::round_row(a + r * row_stride, k, depth, y + r * pitch);
+  } else {
+    round_columns(a, depth_stride, count, k, depth, y, pitch);
+  }
+}
+
+/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
 template <class Tile>
 constexpr Index bf16_rows_at_once(Index depth) {
   constexpr Index bytes = 768 * 1024;
@@ -1374,15 +1391,14 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
     float* c = g.c + (row + r) * g.ldc + column;
     const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
     for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
       Vec<float> x = load(sums + i);
-      if (i + l <= columns) {
-        if (g.bias != nullptr) x += load(g.bias + column + i);
-        if (residual != nullptr) x += load(residual + i);
+      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
+      if (residual != nullptr) x += load_first(residual + i, n);
+      if (n >= l) {
         store(c + i, x);
       } else {
-        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
-        if (residual != nullptr) x += load_some(residual + i, columns - i);
-        store_some(c + i, x, columns - i);
+        store_some(c + i, x, n);
       }
     }
     if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
@@ -1399,11 +1415,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   Tile::begin();
   for (Index top = r0; top < r1; top += at_once) {
     const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
-    if (g.a_transposed) {
-      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
-    } else {
-      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
-    }
+    const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
+    round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
@@ -1438,11 +1451,7 @@ struct Bf16Products {
     auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
-      if (depth_stride == 1) {
-        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
-      } else {
-        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
-      }
+      round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
@@ -1559,6 +1568,11 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
 }
+/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
+}
 template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
@@ -1760,7 +1774,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
 #pragma GCC unroll 16
           for (int q = 0; q < lanes<S>; ++q) {
             const S* from = in + (c + q) * stride_n + i;
-            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+            square[q] = load_first(from, c + q < columns ? rows : 0);
           }
           transpose_lanes<S>(square);
           for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -2354,7 +2368,7 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 
 /// A vector of numbers, rounded; zeros from the n-th on.
 MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+  return round_to_bf16(load_first(x, n));
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
@@ -2372,7 +2386,7 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
           if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
-          return at < k ? rounded(a + at * lda + r, n) : Words{};
+          return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
           square[q] = (Vec<float>)row(i + q);
@@ -2479,7 +2493,17 @@ struct WideningTile {
   }
 };
 
-/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+/// `count` rows of A, whose element (i, k) is a[i * row_stride + k * depth_stride]; one of the strides is 1.
+template <class Tile>
+void round_rows(const float* a, Index row_stride, Index depth_stride, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (depth_stride == 1) {
+    for (Index r = 0; r < count; ++r) Tile::round_row(a + r * row_stride, k, depth, y + r * pitch);
+  } else {
+    round_columns(a, depth_stride, count, k, depth, y, pitch);
+  }
+}
+
+/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
 template <class Tile>
 constexpr Index bf16_rows_at_once(Index depth) {
   constexpr Index bytes = 768 * 1024;
@@ -2505,15 +2529,14 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
     float* c = g.c + (row + r) * g.ldc + column;
     const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
     for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
       Vec<float> x = load(sums + i);
-      if (i + l <= columns) {
-        if (g.bias != nullptr) x += load(g.bias + column + i);
-        if (residual != nullptr) x += load(residual + i);
+      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
+      if (residual != nullptr) x += load_first(residual + i, n);
+      if (n >= l) {
         store(c + i, x);
       } else {
-        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
-        if (residual != nullptr) x += load_some(residual + i, columns - i);
-        store_some(c + i, x, columns - i);
+        store_some(c + i, x, n);
       }
     }
     if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
@@ -2530,11 +2553,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   Tile::begin();
   for (Index top = r0; top < r1; top += at_once) {
     const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
-    if (g.a_transposed) {
-      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
-    } else {
-      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
-    }
+    const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
+    round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
@@ -2569,11 +2589,7 @@ struct Bf16Products {
     auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
-      if (depth_stride == 1) {
-        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
-      } else {
-        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
-      }
+      round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
@@ -2688,6 +2704,11 @@ MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above 
   for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
   return load(t);
 }
+/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
+}
 template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
@@ -2889,7 +2910,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
 #pragma GCC unroll 16
           for (int q = 0; q < lanes<S>; ++q) {
             const S* from = in + (c + q) * stride_n + i;
-            square[q] = c + q >= columns ? Vec<S>{} : rows == l ? load(from) : load_some(from, rows);
+            square[q] = load_first(from, c + q < columns ? rows : 0);
           }
           transpose_lanes<S>(square);
           for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -3483,7 +3504,7 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 
 /// A vector of numbers, rounded; zeros from the n-th on.
 MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return n <= 0 ? Words{} : round_to_bf16(n >= word_lanes ? load(x) : load_some(x, n));
+  return round_to_bf16(load_first(x, n));
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
@@ -3501,7 +3522,7 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
           if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
-          return at < k ? rounded(a + at * lda + r, n) : Words{};
+          return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
           square[q] = (Vec<float>)row(i + q);
@@ -3608,7 +3629,17 @@ struct WideningTile {
   }
 };
 
-/// Rows of A in scratch at once (half of a second-level cache), and their distance.
+/// `count` rows of A, whose element (i, k) is a[i * row_stride + k * depth_stride]; one of the strides is 1.
+template <class Tile>
+void round_rows(const float* a, Index row_stride, Index depth_stride, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (depth_stride == 1) {
+    for (Index r = 0; r < count; ++r) Tile::round_row(a + r * row_stride, k, depth, y + r * pitch);
+  } else {
+    round_columns(a, depth_stride, count, k, depth, y, pitch);
+  }
+}
+
+/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
 template <class Tile>
 constexpr Index bf16_rows_at_once(Index depth) {
   constexpr Index bytes = 768 * 1024;
@@ -3634,15 +3665,14 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
     float* c = g.c + (row + r) * g.ldc + column;
     const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
     for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
       Vec<float> x = load(sums + i);
-      if (i + l <= columns) {
-        if (g.bias != nullptr) x += load(g.bias + column + i);
-        if (residual != nullptr) x += load(residual + i);
+      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
+      if (residual != nullptr) x += load_first(residual + i, n);
+      if (n >= l) {
         store(c + i, x);
       } else {
-        if (g.bias != nullptr) x += load_some(g.bias + column + i, columns - i);
-        if (residual != nullptr) x += load_some(residual + i, columns - i);
-        store_some(c + i, x, columns - i);
+        store_some(c + i, x, n);
       }
     }
     if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
@@ -3659,11 +3689,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   Tile::begin();
   for (Index top = r0; top < r1; top += at_once) {
     const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
-    if (g.a_transposed) {
-      round_columns(g.a + top, g.lda, rows, g.k, depth, a, pitch);
-    } else {
-      for (Index r = 0; r < rows; ++r) Tile::round_row(g.a + (top + r) * g.lda, g.k, depth, a + r * pitch);
-    }
+    const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
+    round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
@@ -3698,11 +3725,7 @@ struct Bf16Products {
     auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
-      if (depth_stride == 1) {
-        for (Index r = 0; r < height; ++r) Tile::round_row(a + (first + r) * row_stride, k, depth, rounded_rows + r * pitch);
-      } else {
-        round_columns(a + first, depth_stride, height, k, depth, rounded_rows, pitch);
-      }
+      round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
@@ -3783,7 +3806,7 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 inline void convert_row(const float* x, Index n, Index padded, std::uint16_t* y) {
   typedef float HalfVector __attribute__((vector_size(32), aligned(2), may_alias));
   for (Index i = 0; i < padded; i += lanes<float>) {
-    const Vec<float> from = n - i >= lanes<float> ? load(x + i) : n <= i ? Vec<float>{} : load_some(x + i, n - i);
+    const Vec<float> from = load_first(x + i, n - i);
     HalfVector h;
     asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
     *reinterpret_cast<HalfVector*>(y + i) = h;

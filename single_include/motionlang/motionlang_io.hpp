@@ -9937,6 +9937,10 @@ struct DiffusionRun {
   Index text_width() const {
     return system == "stmc" ? mdm_smpl.tx_dim : system == "mdm" ? mdm.text_dim : motiondiffuse.clip_dim;
   }
+  GaussianDiffusion diffusion() const {
+    return schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = steps})
+                                : GaussianDiffusion(CosineSchedule{.steps = steps});
+  }
   FeatureLayout layout() const {
     if (features == "smplrifke") return smplrifke_layout();
     return width() == Guoh3dSlots{21}.size() ? guoh3dfeats_layout(kit_part_of_joint) : guoh3dfeats_layout();
@@ -10211,13 +10215,11 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
   prepare(denoiser);
   release_packed(denoiser);
-  const auto diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
-                                                    : GaussianDiffusion(CosineSchedule{.steps = about.steps});
   return {.denoiser = std::move(denoiser),
           .text_encoder = std::move(encoder),
           .motion_normalizer = std::move(motion),
           .text_normalizer = text ? std::move(*text) : Normalizer<B>::identity(about.text_width()),
-          .diffusion = diffusion,
+          .diffusion = about.diffusion(),
           .layout = about.layout(),
           .guidance = about.system == "motiondiffuse" ? 1.0 : 2.5,
           .sampling = {.noise_scale = stmc ? NoiseScale::posterior_variance : NoiseScale::posterior_std},
@@ -13053,15 +13055,13 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   NoInit zeros;
   MdmActionRun<B> out{
       .model = {.denoiser = MdmDenoiser<B>(c, zeros),
-                .diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
-                                                        : GaussianDiffusion(CosineSchedule{.steps = about.steps}),
+                .diffusion = about.diffusion(),
                 .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
       .features = features,
-      .labels = {}};
+      .labels = action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   prepare(out.model.denoiser);
-  if (r.text("dataset", "") == "humanact12" && c.num_actions == std::ssize(humanact12_actions))
-    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  release_packed(out.model.denoiser);
   return out;
 }
 
@@ -13849,7 +13849,8 @@ inline std::string metadata_real_text(double x) {
   return out;
 }
 inline std::string precision_name() { return product_precision() == Precision::bf16 ? "bf16" : "fp32"; }
-inline std::string record_name(const char* what, std::size_t i) {
+/// "x0/007": names whose order is that of the numbers, below 1000.
+inline std::string numbered_name(const char* what, std::size_t i) {
   const std::string digits = std::to_string(i);
   return concat_text(what, '/', digits.size() < 3 ? std::string(3 - digits.size(), '0') : "", digits);
 }
@@ -13890,7 +13891,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
       metadata.emplace(concat_text("text/", m, '/', rows.size() / 3), i.text);
       for (const auto n : {i.start, i.end, static_cast<Index>(i.parts.bits)}) rows.push_back(static_cast<double>(n));
     }
-    store.add<double>(detail::record_name("timeline", m), {std::ssize(rows) / 3, 3}, rows, DType::F64);
+    store.add<double>(detail::numbered_name("timeline", m), {std::ssize(rows) / 3, 3}, rows, DType::F64);
   }
   for (const auto& [key, value] : about) {
     if (!metadata.emplace(key, value).second)
@@ -13898,7 +13899,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   }
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
-    views.push_back({.name = detail::record_name("x0", k),
+    views.push_back({.name = detail::numbered_name("x0", k),
                      .dtype = sizeof(S) == 4 ? DType::F32 : DType::F64,
                      .shape = record.x0[k].shape(),
                      .bytes = std::as_bytes(record.x0[k].span())});
@@ -13909,7 +13910,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
 namespace detail {
 
 inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Index rows) {
-  const TensorView& view = file.tensor(record_name("timeline", m));
+  const TensorView& view = file.tensor(numbered_name("timeline", m));
   if (view.shape.rank() != 2 || view.shape[1] != 3)
     raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.shape, ", not (texts, 3)");
   const auto numbers = values_of<double>(view);
@@ -13963,7 +13964,7 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   }
   const Shape shape{timelines * out.rows, stmc.layout.size};
   for (Index k = 0; k < out.options.steps; ++k) {
-    const TensorView& view = file.tensor(detail::record_name("x0", static_cast<std::size_t>(k)));
+    const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
     if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
   }
@@ -14274,6 +14275,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
   out.model.statistics = std::move(*statistics);
   prepare(out.model.t2m_model);
   prepare(out.model.tokenizer);
+  release_packed(out.model.t2m_model);
+  release_packed(out.model.tokenizer);
   return out;
 }
 
@@ -14372,8 +14375,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
                         weights.name(), " has ", out.model.config.njoints);
-  if (r.text("dataset", "") == "humanact12" && out.model.config.num_classes == std::ssize(humanact12_actions))
-    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
   prepare(out.model);
   release_packed(out.model);
   return out;

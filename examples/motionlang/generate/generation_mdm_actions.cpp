@@ -24,9 +24,8 @@ class MdmActionGenerator final : public EachAlone {
     if (frames > c.crop_frames)
       ml::raise<ml::timeline_error>(508, "'", wanted.text, "' has ", frames, " frames, the model makes ",
                                     c.crop_frames);
-    const auto sampler = s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
     const auto made = run_.model.generate(std::span(&action, 1), noise,
-                                          {.steps = s.steps, .guidance = s.guidance, .sampler = sampler});
+                                          {.steps = s.steps, .guidance = s.guidance, .sampler = ml::parse_sampler(s.sampler)});
     const auto rows = ml::slice(made.rows, 0, 0, frames);  // made as long as in training, and cut
     return motion_of_camera_rows(rows.span(), run_.features, run_.fps);
   }

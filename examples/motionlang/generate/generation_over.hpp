@@ -20,15 +20,12 @@ class GeneratorOver final : public Generator {
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
-    if (s.sampler != "ddpm" && s.sampler != "ddim")
-      ml::raise<ml::config_error>(103, "sampler '", s.sampler, "' is neither ddpm nor ddim");
     ml::StmcOptions options;
     options.overlap = ml::frame_at(s.overlap, model_.fps);
     options.guidance = s.guidance;
     options.steps = s.steps;
     options.sampling = model_.sampling;
-    options.sampling->sampler =
-        s.sampler == "ddim" ? ml::SamplingOptions::Sampler::ddim : ml::SamplingOptions::Sampler::ddpm;
+    options.sampling->sampler = ml::parse_sampler(s.sampler);
     options.progress = progress;
     if (s.notes != nullptr) *s.notes = {.layout = model_.layout.name};
     const auto features = !s.reuse_file.empty()    ? again(timelines, s, progress)
@@ -84,9 +81,7 @@ class GeneratorOver final : public Generator {
 
   static auto noise_from(const std::string& path) {
     return [file = ml::SafetensorsFile::open(path)](ml::Index draw, const ml::Shape& shape) {
-      std::string digits = std::to_string(draw);
-      digits.insert(0, digits.size() < 3 ? 3 - digits.size() : 0, '0');
-      const auto& view = file.tensor("noise/" + digits);
+      const auto& view = file.tensor(ml::detail::numbered_name("noise", static_cast<std::size_t>(draw)));
       if (view.shape != shape)
         ml::raise<ml::io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", this timeline needs ", shape);
       return ml::Tensor<B, 3>::from(ml::values_of<typename B::scalar>(view), shape);

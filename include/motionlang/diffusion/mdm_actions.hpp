@@ -10,7 +10,6 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/diffusion/guidance.hpp>
 #include <motionlang/diffusion/mdm.hpp>
-#include <motionlang/diffusion/respacing.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -47,10 +46,7 @@ struct MdmActions {
     }
     const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {calls * n, c.num_actions}));
     const Offsets offsets = Offsets::equal(calls * n, frames);
-    const Shape shape{n * frames, c.nfeats};
-    const GaussianDiffusion process =
-        options.steps == 0 ? diffusion
-                           : diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{options.steps}));
+    const GaussianDiffusion process = with_steps(diffusion, options.steps);
 
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(calls * n), process.network_t(t));
@@ -59,13 +55,7 @@ struct MdmActions {
                         : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
     };
     const auto noise = [&](Index draw) {
-      PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-      const auto size = static_cast<std::size_t>(frames * c.nfeats);
-      for (std::size_t m = 0; m < static_cast<std::size_t>(n); ++m) {
-        auto stream = rng.split("noise").split(m).split(static_cast<std::uint64_t>(draw));
-        stream.normal(std::span<S>(values).subspan(m * size, size));
-      }
-      return Tensor<B, 2>::from(std::span<const S>(values), shape);
+      return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
     };
     const auto of_step = [&](Index draw) { return noise(draw + 1); };
     const StepOptions step{.prediction = denoiser.traits().prediction, .noise_scale = NoiseScale::posterior_std};

@@ -7,7 +7,10 @@
 ///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
 #pragma once
 
+#include <string_view>  // names
+
 #include <motionlang/core/progress.hpp>
+#include <motionlang/core/rng.hpp>
 #include <motionlang/diffusion/gaussian.hpp>
 #include <motionlang/tensor/index.hpp>
 
@@ -20,6 +23,26 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
+/// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
+  if (steps == 0 || steps == process.steps()) return process;
+  return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
+}
+
+/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a batch it
+/// sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+template <Backend B>
+Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
+  using S = typename B::scalar;
+  PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+  const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
+  for (Index m = 0; m < shape[0]; ++m) {
+    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
+    stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
+  }
+  return Tensor<B, 3>::from(std::span<const S>(values), shape);
+}
+
 /// How a whole reverse process is run.
 struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
@@ -28,6 +51,12 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
+/// "ddpm" or "ddim". Throws config_error 103.
+inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
+  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
+  if (name == "ddim") return SamplingOptions::Sampler::ddim;
+  raise<config_error>(103, "sampler '", name, "' is neither ddpm nor ddim");
+}
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>

@@ -3,14 +3,23 @@
 /// Source  spec actor.md 8.1
 #pragma once
 
+#include <iterator>     // ssize
+#include <string>       // labels
 #include <string_view>  // names
+#include <vector>       // labels
 
-#include <motionlang/version.hpp>
+#include <motionlang/core/shape.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 inline constexpr std::string_view humanact12_actions[] = {
     "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
     "phone",   "boxing", "throw"};
+
+/// What a data set calls its classes; nothing if they are only numbers, or are not so many.
+inline std::vector<std::string> action_labels(std::string_view dataset, Index classes) {
+  if (dataset != "humanact12" || classes != std::ssize(humanact12_actions)) return {};
+  return {std::begin(humanact12_actions), std::end(humanact12_actions)};
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

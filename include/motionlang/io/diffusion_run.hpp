@@ -39,6 +39,10 @@ struct DiffusionRun {
   Index text_width() const {
     return system == "stmc" ? mdm_smpl.tx_dim : system == "mdm" ? mdm.text_dim : motiondiffuse.clip_dim;
   }
+  GaussianDiffusion diffusion() const {
+    return schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = steps})
+                                : GaussianDiffusion(CosineSchedule{.steps = steps});
+  }
   FeatureLayout layout() const {
     if (features == "smplrifke") return smplrifke_layout();
     return width() == Guoh3dSlots{21}.size() ? guoh3dfeats_layout(kit_part_of_joint) : guoh3dfeats_layout();
@@ -313,13 +317,11 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
   prepare(denoiser);
   release_packed(denoiser);
-  const auto diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
-                                                    : GaussianDiffusion(CosineSchedule{.steps = about.steps});
   return {.denoiser = std::move(denoiser),
           .text_encoder = std::move(encoder),
           .motion_normalizer = std::move(motion),
           .text_normalizer = text ? std::move(*text) : Normalizer<B>::identity(about.text_width()),
-          .diffusion = diffusion,
+          .diffusion = about.diffusion(),
           .layout = about.layout(),
           .guidance = about.system == "motiondiffuse" ? 1.0 : 2.5,
           .sampling = {.noise_scale = stmc ? NoiseScale::posterior_variance : NoiseScale::posterior_std},

@@ -48,15 +48,13 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   NoInit zeros;
   MdmActionRun<B> out{
       .model = {.denoiser = MdmDenoiser<B>(c, zeros),
-                .diffusion = about.schedule == "linear" ? GaussianDiffusion(LinearSchedule{.steps = about.steps})
-                                                        : GaussianDiffusion(CosineSchedule{.steps = about.steps}),
+                .diffusion = about.diffusion(),
                 .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
       .features = features,
-      .labels = {}};
+      .labels = action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   prepare(out.model.denoiser);
-  if (r.text("dataset", "") == "humanact12" && c.num_actions == std::ssize(humanact12_actions))
-    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  release_packed(out.model.denoiser);
   return out;
 }
 

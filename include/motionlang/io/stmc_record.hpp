@@ -30,7 +30,8 @@ inline std::string metadata_real_text(double x) {
   return out;
 }
 inline std::string precision_name() { return product_precision() == Precision::bf16 ? "bf16" : "fp32"; }
-inline std::string record_name(const char* what, std::size_t i) {
+/// "x0/007": names whose order is that of the numbers, below 1000.
+inline std::string numbered_name(const char* what, std::size_t i) {
   const std::string digits = std::to_string(i);
   return concat_text(what, '/', digits.size() < 3 ? std::string(3 - digits.size(), '0') : "", digits);
 }
@@ -71,7 +72,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
       metadata.emplace(concat_text("text/", m, '/', rows.size() / 3), i.text);
       for (const auto n : {i.start, i.end, static_cast<Index>(i.parts.bits)}) rows.push_back(static_cast<double>(n));
     }
-    store.add<double>(detail::record_name("timeline", m), {std::ssize(rows) / 3, 3}, rows, DType::F64);
+    store.add<double>(detail::numbered_name("timeline", m), {std::ssize(rows) / 3, 3}, rows, DType::F64);
   }
   for (const auto& [key, value] : about) {
     if (!metadata.emplace(key, value).second)
@@ -79,7 +80,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   }
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
-    views.push_back({.name = detail::record_name("x0", k),
+    views.push_back({.name = detail::numbered_name("x0", k),
                      .dtype = sizeof(S) == 4 ? DType::F32 : DType::F64,
                      .shape = record.x0[k].shape(),
                      .bytes = std::as_bytes(record.x0[k].span())});
@@ -90,7 +91,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
 namespace detail {
 
 inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Index rows) {
-  const TensorView& view = file.tensor(record_name("timeline", m));
+  const TensorView& view = file.tensor(numbered_name("timeline", m));
   if (view.shape.rank() != 2 || view.shape[1] != 3)
     raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.shape, ", not (texts, 3)");
   const auto numbers = values_of<double>(view);
@@ -144,7 +145,7 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   }
   const Shape shape{timelines * out.rows, stmc.layout.size};
   for (Index k = 0; k < out.options.steps; ++k) {
-    const TensorView& view = file.tensor(detail::record_name("x0", static_cast<std::size_t>(k)));
+    const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
     if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
   }

@@ -166,6 +166,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
   out.model.statistics = std::move(*statistics);
   prepare(out.model.t2m_model);
   prepare(out.model.tokenizer);
+  release_packed(out.model.t2m_model);
+  release_packed(out.model.tokenizer);
   return out;
 }
 

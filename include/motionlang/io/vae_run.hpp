@@ -95,8 +95,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
                         weights.name(), " has ", out.model.config.njoints);
-  if (r.text("dataset", "") == "humanact12" && out.model.config.num_classes == std::ssize(humanact12_actions))
-    out.labels.assign(std::begin(humanact12_actions), std::end(humanact12_actions));
+  out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
   prepare(out.model);
   release_packed(out.model);
   return out;

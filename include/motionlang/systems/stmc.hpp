@@ -89,20 +89,12 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  using S = typename B::scalar;
-  PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-  const auto size = static_cast<std::size_t>(shape[1] * shape[2]);
-  for (Index m = 0; m < shape[0]; ++m) {
-    auto stream = rng.split("noise").split(static_cast<std::uint64_t>(m)).split(static_cast<std::uint64_t>(draw));
-    stream.normal(std::span<S>(values).subspan(static_cast<std::size_t>(m) * size, size));
-  }
-  return Tensor<B, 3>::from(std::span<const S>(values), shape);
+  return sequence_noise<B>(rng, draw, shape);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
-  if (steps == 0 || steps == diffusion.steps()) return diffusion;
-  return diffusion.respaced(respace(diffusion.steps(), std::vector<Index>{steps}));
+  return with_steps(diffusion, steps);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>

@@ -130,7 +130,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that are the same for all instruction sets.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
+/// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
   Index row_block;
@@ -145,8 +146,9 @@ struct Bf16Kernels {
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
-inline constexpr Index bf16_columns = 32;                                     // of a panel
-constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }  // rows of a panel
+/// Columns of a panel, and its rows: k, filled up to whole tiles.
+inline constexpr Index bf16_columns = 32;
+constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 

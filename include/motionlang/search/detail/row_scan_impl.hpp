@@ -62,9 +62,6 @@ void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::sp
   }
 }
 
-/// Distance of rows of the gallery where a block of them is copied: of those that are a power of two apart, few fit into a cache.
-inline Index scan_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
-
 /// Sizes of a block of scores: rows of the gallery with panels of queries.
 template <class S>
 struct ScoreBlock {
