@@ -20,7 +20,7 @@ struct MachineOptions {
     command
         .add_option("--precision", precision,
                     "Of products: fp32, or bf16 (factors rounded to 8 bits, sums in float): up to several times faster where the "
-                    "processor multiplies bfloat16, and half the memory for weights")
+                    "processor multiplies bfloat16; packed weights take half the memory")
         ->check(CLI::IsMember({"fp32", "bf16"}))
         ->capture_default_str();
   }

@@ -26,7 +26,7 @@ struct RunOptions {
 };
 
 inline constexpr const char* about_recompute =
-    "Calculate layers again instead of keeping what is inside them: the same numbers, a third of the memory, a third more time";
+    "Calculate layers again instead of keeping what is inside them: the same numbers from a third to a half of the memory, in about half as much time again";
 
 /// What a validation found.
 struct Measure {
