@@ -226,7 +226,8 @@ std::map<std::string, std::string> StmcTask::settings() const {
   add("seed", config_.seed);
   add("samples", ml::concat_text(config_.samples.shortest, " to ", config_.samples.longest, " frames, no text ",
                                  config_.samples.no_text, ", composed ", config_.samples.compose, ", mirrored ",
-                                 config_.samples.mirror, ", speed ", config_.samples.speed, ", tempo ",
+                                 config_.samples.mirror, ", speed ", config_.samples.speed, ", stretched ",
+                                 config_.samples.stretch, ", tempo ",
                                  config_.samples.tempo, ", reversed ", config_.samples.reverse));
   return out;
 }

@@ -65,6 +65,32 @@ ml::Motion reversed(const ml::Motion& motion) {
   return out;
 }
 
+/// Mean distance of the joints of two frames, with places and headings removed.
+double pose_distance(const ml::Vec3<double>* a, const ml::Vec3<double>* b, Index joints) {
+  double sum = 0;
+  for (Index j = 0; j < joints; ++j) sum += ml::norm(a[j] - b[j]);
+  return sum / static_cast<double>(joints);
+}
+
+/// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close to one of the
+/// cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two times, but any part of
+/// that is not the same action.
+std::optional<ml::Loop> cycle_of(const ml::Motion& motion) {
+  const auto loop = ml::find_loop(motion, 12);
+  if (!loop || 4 * (motion.frames() - loop->last + loop->first) < loop->last - loop->first) return std::nullopt;
+  const auto poses = ml::detail::poses_in_place(motion);
+  const Index joints = motion.skeleton.size();
+  double farthest = 0, range = 0;  // metres: from the cycle, from the first pose
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto* pose = poses.data() + f * joints;
+    double nearest = 1e9;
+    for (Index k = loop->first; k < loop->last; ++k) nearest = std::min(nearest, pose_distance(pose, poses.data() + k * joints, joints));
+    farthest = std::max(farthest, nearest);
+    range = std::max(range, pose_distance(pose, poses.data(), joints));
+  }
+  return farthest < std::min(0.12, std::max(0.05, 0.7 * range)) ? loop : std::nullopt;
+}
+
 ml::BodyParts arms() { return ml::BodyParts{}.with(ml::BodyPart::left_arm).with(ml::BodyPart::right_arm); }
 
 }  // namespace
@@ -105,7 +131,7 @@ TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::files
     }
     const ml::Motion& clip = found->second;
     Segment s{line.clip, segment_of(clip, line, 8), line.parts, line.texts, {}};
-    s.loop = ml::find_loop(s.motion, 12);
+    s.loop = cycle_of(s.motion);
     s.grounded = stays_on_the_ground(s.motion);
     segments_.push_back(std::move(s));
   }
@@ -137,7 +163,10 @@ std::vector<std::string> TrainingSet::all_captions() const {
 
 ml::Motion TrainingSet::variant(const Segment& s, Index frames, bool mirrored, double tempo, ml::Philox& rng,
                                 const SampleOptions& options) const {
-  const double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
+  double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
+  if (!s.loop && s.grounded && tempo == 1) {  // an action takes longer where there is time for it
+    factor *= std::clamp(static_cast<double>(s.motion.frames()) / static_cast<double>(frames), options.stretch, 1.0);
+  }
   const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed
   ml::Motion m = s.motion;
   if (s.loop && m.frames() < wanted) m = ml::go_round(m, *s.loop, wanted);

@@ -22,7 +22,7 @@ struct Segment {
   ml::Motion motion;
   ml::BodyParts parts;  // that the captions are about
   std::vector<std::string> captions;
-  std::optional<ml::Loop> loop;  // for going on longer than the recording
+  std::optional<ml::Loop> loop;  // of a motion that is one cycle again and again: any part of it, for as long as wanted
   bool grounded = true;          // never in the air, so that it may be played slower or faster
 };
 
@@ -41,6 +41,7 @@ struct SampleOptions {
   double compose = 0.35;                   // probability that the arms come from another segment
   double mirror = 0.5;
   double speed = 0.2;    // factors 1 - speed ... 1 + speed
+  double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
   double tempo = 0.15;   // probability of half as fast or nearly twice as fast, and the caption says so
   double reverse = 0.3;  // probability that steady walking ahead is played backwards, and the caption says so
 };
