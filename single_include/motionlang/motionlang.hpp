@@ -4562,23 +4562,29 @@ struct Autodiff {
   };
   static Value value_for(const tensor& other, const tensor& x) { return other.node == nullptr ? Value{} : x.value; }
 
-  template <class F, class... T>
-  static tensor operation(Value value, F vjp, const T&... operands) {
-    auto node = std::make_shared<Operation<F>>(std::move(vjp));
+  /// `value` as the result of the operation `node` on the operands.
+  template <class... T>
+  static tensor result(Value value, std::shared_ptr<Node> node, const T&... operands) {
     node->inputs = {operands.node...};
     return {std::move(value), std::move(node)};
   }
   template <class F, class... T>
+  static tensor operation(Value value, F vjp, const T&... operands) {
+    return result(std::move(value), std::make_shared<Operation<F>>(std::move(vjp)), operands...);
+  }
+  template <class... T>
+  static bool constants(const T&... operands) {
+    return ((operands.node == nullptr) && ...);
+  }
+  template <class F, class... T>
   static tensor record(Value value, F vjp, const T&... operands) {
-    if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
+    if (constants(operands...)) return {std::move(value), nullptr};
     return operation(std::move(value), std::move(vjp), operands...);
   }
   template <class G, class F, class... T>
   static tensor record_cheap(Value value, G forward, F vjp, const T&... operands) {
-    if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
-    auto node = std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward));
-    node->inputs = {operands.node...};
-    return {std::move(value), std::move(node)};
+    if (constants(operands...)) return {std::move(value), nullptr};
+    return result(std::move(value), std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward)), operands...);
   }
   template <class F>
   static tensor record_list(Value value, F vjp, std::span<const tensor> operands) {
@@ -11595,14 +11601,32 @@ struct AdamWConfig {
   double weight_decay = 0.01;
 };
 
+namespace detail {
+
+/// In double, as eight sums side by side: one after the other they would wait for each other.
+template <Scalar S>
+double sum_of_squares(std::span<const S> values) {
+  std::array<double, 8> sums{};
+  std::size_t i = 0;
+  for (; i + sums.size() <= values.size(); i += sums.size()) {
+    for (std::size_t lane = 0; lane < sums.size(); ++lane) {
+      const auto x = static_cast<double>(values[i + lane]);
+      sums[lane] += x * x;
+    }
+  }
+  for (; i < values.size(); ++i) sums[0] += static_cast<double>(values[i]) * static_cast<double>(values[i]);
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+}  // namespace detail
+
 /// Square root of the sum of squares of all gradients, in double and in the order of the fields.
 template <AutodiffBackend A, Module M>
 double gradient_norm(const M& model, const Gradients<A>& gradients) {
   double total = 0;
   visit_tensors(model, [&](const std::string&, const auto& t) {
-    if (const auto* g = gradients.find(t.data())) {
-      for (auto x : A::inner::to_span(*g)) total += static_cast<double>(x) * static_cast<double>(x);
-    }
+    if (const auto* g = gradients.find(t.data()))
+      total += detail::sum_of_squares<typename A::scalar>(A::inner::to_span(*g));
   });
   return std::sqrt(total);
 }

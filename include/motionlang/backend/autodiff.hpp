@@ -536,23 +536,29 @@ struct Autodiff {
   };
   static Value value_for(const tensor& other, const tensor& x) { return other.node == nullptr ? Value{} : x.value; }
 
-  template <class F, class... T>
-  static tensor operation(Value value, F vjp, const T&... operands) {
-    auto node = std::make_shared<Operation<F>>(std::move(vjp));
+  /// `value` as the result of the operation `node` on the operands.
+  template <class... T>
+  static tensor result(Value value, std::shared_ptr<Node> node, const T&... operands) {
     node->inputs = {operands.node...};
     return {std::move(value), std::move(node)};
   }
   template <class F, class... T>
+  static tensor operation(Value value, F vjp, const T&... operands) {
+    return result(std::move(value), std::make_shared<Operation<F>>(std::move(vjp)), operands...);
+  }
+  template <class... T>
+  static bool constants(const T&... operands) {
+    return ((operands.node == nullptr) && ...);
+  }
+  template <class F, class... T>
   static tensor record(Value value, F vjp, const T&... operands) {
-    if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
+    if (constants(operands...)) return {std::move(value), nullptr};
     return operation(std::move(value), std::move(vjp), operands...);
   }
   template <class G, class F, class... T>
   static tensor record_cheap(Value value, G forward, F vjp, const T&... operands) {
-    if (((operands.node == nullptr) && ...)) return {std::move(value), nullptr};
-    auto node = std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward));
-    node->inputs = {operands.node...};
-    return {std::move(value), std::move(node)};
+    if (constants(operands...)) return {std::move(value), nullptr};
+    return result(std::move(value), std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward)), operands...);
   }
   template <class F>
   static tensor record_list(Value value, F vjp, std::span<const tensor> operands) {

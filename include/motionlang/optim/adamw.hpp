@@ -2,8 +2,11 @@
 /// AdamW, and the norm of all gradients.
 #pragma once
 
+#include <array>    // sums side by side
 #include <cmath>    // pow, sqrt
 #include <map>      // state by parameter
+#include <numeric>  // their sum
+#include <span>     // values of a gradient
 #include <utility>  // move
 
 #include <motionlang/tensor/fused.hpp>
@@ -19,14 +22,32 @@ struct AdamWConfig {
   double weight_decay = 0.01;
 };
 
+namespace detail {
+
+/// In double, as eight sums side by side: one after the other they would wait for each other.
+template <Scalar S>
+double sum_of_squares(std::span<const S> values) {
+  std::array<double, 8> sums{};
+  std::size_t i = 0;
+  for (; i + sums.size() <= values.size(); i += sums.size()) {
+    for (std::size_t lane = 0; lane < sums.size(); ++lane) {
+      const auto x = static_cast<double>(values[i + lane]);
+      sums[lane] += x * x;
+    }
+  }
+  for (; i < values.size(); ++i) sums[0] += static_cast<double>(values[i]) * static_cast<double>(values[i]);
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+}  // namespace detail
+
 /// Square root of the sum of squares of all gradients, in double and in the order of the fields.
 template <AutodiffBackend A, Module M>
 double gradient_norm(const M& model, const Gradients<A>& gradients) {
   double total = 0;
   visit_tensors(model, [&](const std::string&, const auto& t) {
-    if (const auto* g = gradients.find(t.data())) {
-      for (auto x : A::inner::to_span(*g)) total += static_cast<double>(x) * static_cast<double>(x);
-    }
+    if (const auto* g = gradients.find(t.data()))
+      total += detail::sum_of_squares<typename A::scalar>(A::inner::to_span(*g));
   });
   return std::sqrt(total);
 }
