@@ -2,13 +2,13 @@
 # The main job: installs what is missing, builds the motionlang program, and makes a motion from a timeline of texts with the
 # weights that come with the repository. Other timelines: sh examples/run.sh FILE [options of 'motionlang generate'].
 set -eu
-cd "$(dirname "$0")/.."
-. .ci/packages.sh
 timeline=examples/timelines/walk_and_raise_arms.txt
 if [ $# -gt 0 ]; then
-  timeline=$1
+  timeline=$(realpath "$1")
   shift
 fi
+cd "$(dirname "$0")/.."
+. .ci/packages.sh
 command -v c++ >/dev/null || need g++
 need cmake ninja-build libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev
 options=-DMOTIONLANG_TRAINING=OFF  # the README tells how to have train-tmr and its like

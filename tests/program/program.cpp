@@ -64,7 +64,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
         "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads", "--preset", "--record",
         "--reuse", "--keep-beyond"}},
-      {"check", {"timeline", "--fps", "--overlap", "--model"}},
+      {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts"}},
       {"info", {"file"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
@@ -105,6 +105,14 @@ TEST_CASE("exit codes") {
     CHECK_MESSAGE(contains(wrong.text, "[motionlang.timeline.502] wrong.txt:2:12: 'x' is not a time"), wrong.text);
   }
   CHECK(w.files("out").empty());
+
+  // as a whole too long for the model, but not where the arms cut it, as 'generate' does
+  ml::write_file(w / "long.txt", "walk # 0 # 60 # legs\nraise both arms # 25 # 35 # left arm # right arm\n");
+  CHECK(w.run({"check", "long.txt", "--model", "model.safetensors"}).code == 0);
+  const auto whole = w.run({"check", "long.txt", "--model", "model.safetensors", "--no-cut-texts"});
+  CHECK(whole.code == 3);
+  CHECK_MESSAGE(contains(whole.text, "[motionlang.timeline.508]"), whole.text);
+  CHECK_MESSAGE(contains(whole.text, "(line 1, column 1)"), whole.text);
 }
 
 TEST_CASE("check and info show what a file holds") {

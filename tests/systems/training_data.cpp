@@ -1,6 +1,8 @@
 // What the motionlang program trains on: captions that follow what is done to a clip, and the loss on feet.
 #include <doctest/doctest.h>
 
+#include <numbers>
+
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
@@ -60,6 +62,34 @@ TEST_CASE("walking is played backwards, slower and faster, and the captions foll
   options.tempo = 1;
   CHECK(mean_of(options, "a person walks forward slowly", way_ahead) == doctest::Approx(0.6 * ahead).epsilon(0.15));
   CHECK(mean_of(options, "a person walks forward quickly", way_ahead) == doctest::Approx(1.6 * ahead).epsilon(0.15));
+}
+
+TEST_CASE("an action that is no cycle is drawn whole, though it ends as it begins, and takes longer where there is time for it") {
+  const TemporaryFolder folder;
+  auto bow = synthetic::walk({.frames = 30});
+  for (ml::Index f = 0; f < 30; ++f) {
+    bow.root[static_cast<std::size_t>(f)] = bow.root_at(0);
+    std::ranges::copy(bow.rotations(0), bow.rotations(f).begin());
+    bow.rotations(f)[3] = synthetic::about_x(1.2 * std::sin(std::numbers::pi * static_cast<double>(f) / 29));
+  }
+  ml::write_bvh(folder / "bow.bvh", bow);
+  ml::write_file(folder / "captions.tsv", std::string_view("bow\t0\t1.5\tspine\ta person bows\n"));
+  const program::TrainingSet set(folder / "captions.tsv", folder.path, {});
+  CHECK(!set.segments().front().loop);
+  auto options = plain();
+  for (ml::Index wanted : {30, 60, 150}) {
+    options.shortest = options.longest = wanted;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const auto s = set.draw(ml::Philox{.seed = seed}, options);
+      const double longer = wanted == 30 ? 1 : 2;  // at most twice as long
+      CHECK(static_cast<double>(s.frames) > (0.9 * 30 - 2) * longer);
+      CHECK(static_cast<double>(s.frames) <= 30 * longer);
+      auto head = [&](ml::Index f) { return s.features[static_cast<std::size_t>(f * ml::smplrifke_size + 133 + 3 * 15 + 2)]; };
+      CHECK(head(0) - head(s.frames / 2) > 0.15);
+      CHECK(head(s.frames - 1) - head(s.frames / 2) > 0.15);
+    }
+  }
+  CHECK(data().segments().front().loop);  // walking is a cycle
 }
 
 TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path that slides") {

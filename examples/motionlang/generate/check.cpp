@@ -11,14 +11,15 @@ namespace program {
 
 namespace {
 
-void run(const std::string& path, double fps, double overlap, const std::string& model) {
+void run(const std::string& path, double fps, double overlap, const std::string& model, bool cut) {
   ml::Index longest = 0;
   if (!model.empty()) {
     const auto config = ml::stmc_config(ml::SafetensorsFile::open(model_file(model)));
     fps = config.fps;
     longest = config.denoiser.longest_crop();
   }
-  const auto timelines = read_timelines(path, fps);
+  auto timelines = read_timelines(path, fps);
+  if (cut) cut_texts(timelines, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {
     const auto plan = ml::plan_timeline(timelines[m], {.overlap = ml::frame_at(overlap, fps), .longest_crop = longest});
     std::printf("timeline %zu: %td frames, %.2f s, %td texts\n", m, plan.frames, static_cast<double>(plan.frames) / fps,
@@ -52,6 +53,7 @@ void add_check(CLI::App& app) {
   struct Options {
     std::string path, model;
     double fps = 20, overlap = 0.5;
+    bool cut = true;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
@@ -60,7 +62,8 @@ void add_check(CLI::App& app) {
   c->add_option("--fps", o->fps, "Frames per second of the model")->capture_default_str();
   c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")->capture_default_str();
   c->add_option("--model", o->model, "Weights: check against their frame rate and longest text as well");
-  c->callback([o] { run(o->path, o->fps, o->overlap, o->model); });
+  c->add_flag("--cut-texts,!--no-cut-texts", o->cut, "Texts are cut where others borrow body parts from them, as 'generate' does");
+  c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut); });
 }
 
 }  // namespace program

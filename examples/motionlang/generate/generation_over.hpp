@@ -1,15 +1,14 @@
 // The Generator over one backend, for models of any denoiser and text encoder.
 #pragma once
 
-#include <motionlang/compose/handovers.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/io/stmc_record.hpp>
-
 #include <motionlang/systems/stmc.hpp>
 
 #include "../files/feature_motion.hpp"
 #include "generation.hpp"
 #include "reuse.hpp"
+#include "timelines.hpp"
 
 namespace program {
 
@@ -46,11 +45,8 @@ class GeneratorOver final : public Generator {
  private:
   using Features = std::vector<ml::Tensor<B, 2>>;
 
-  /// Stretches below half a second would be too short for the denoiser to do what the text says.
-  std::vector<ml::Timeline> cut(std::vector<ml::Timeline> timelines, bool cut_texts) const {
-    if (cut_texts) {
-      for (ml::Timeline& t : timelines) t = ml::cut_at_handovers(t, ml::frame_at(0.5, model_.fps));
-    }
+  std::vector<ml::Timeline> cut(std::vector<ml::Timeline> timelines, bool wanted) const {
+    if (wanted) cut_texts(timelines, model_.fps);
     return timelines;
   }
 

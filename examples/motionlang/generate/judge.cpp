@@ -191,7 +191,9 @@ void add_judge(CLI::App& app) {
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away; on unless switched off");
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Feet that stand do not slide; on unless switched off")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "eigen, xtensor or reference")->capture_default_str();
+  c->add_option("--backend", o->backend, "eigen, xtensor or reference")
+      ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
+      ->capture_default_str();
   c->add_flag("--details", o->details, "Print the measurements of every motion");
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });

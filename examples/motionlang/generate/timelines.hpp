@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/io/file.hpp>
 
@@ -21,6 +22,12 @@ inline std::vector<ml::Timeline> read_timelines(const std::string& path, double 
   for (const auto& t : ml::parse_text_list(text, options))
     out.push_back({{{t.text, 0, t.frames, ml::BodyParts::all()}}});
   return out;
+}
+
+/// Texts cut where others borrow body parts from them, as `generate` does unless told not to. Stretches below half a second would be
+/// too short for the denoiser to do what the text says.
+inline void cut_texts(std::vector<ml::Timeline>& timelines, double fps) {
+  for (ml::Timeline& t : timelines) t = ml::cut_at_handovers(t, ml::frame_at(0.5, fps));
 }
 
 }  // namespace program

@@ -48,7 +48,9 @@ std::vector<ClipLine> read_table(const std::filesystem::path& path, std::size_t 
     if (fields.size() != columns) wrong(line, ml::concat_text("expected ", expected, ", separated by tabs"));
     line.clip = fields[0];
     auto seconds = [&](const std::string& field, double& value) {
-      if (std::from_chars(field.data(), field.data() + field.size(), value).ec != std::errc{})
+      const char* last = field.data() + field.size();
+      const auto [end, status] = std::from_chars(field.data(), last, value);
+      if (status != std::errc{} || end != last || !(std::abs(value) <= static_cast<double>(ml::latest_time)))
         wrong(line, "'" + field + "' is not a time");
     };
     seconds(fields[1], line.start);

@@ -18,7 +18,7 @@ struct Options {
   std::string data, captions;
   StmcTrainingConfig config;
   RunOptions run;
-  std::string license = "MIT", provenance, commit, denoiser;
+  std::string license, provenance, commit, denoiser;
   MachineOptions machine;
 };
 
@@ -49,6 +49,7 @@ void run(const Options& o) {
       trainer.task().learn_texts(bar);
     }
   });
+  if (o.license.empty()) std::printf("no --license: the metadata of the weights will not say who may use them\n");
   const auto weights = o.run.out / "stmc.safetensors", curve = o.run.out / "loss.svg";
   auto about = quality_of(data);
   about.insert({{"license", o.license},
@@ -76,16 +77,22 @@ void add_train(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingFile);
   c->add_option("--out", o->run.out, "Folder for checkpoint, weights and loss curve")->capture_default_str();
-  c->add_option("--steps", o->config.steps, "Optimiser steps")->capture_default_str();
-  c->add_option("--batch", o->config.batch, "Sequences per step")->capture_default_str();
-  c->add_option("--lr", o->config.lr, "Peak learning rate")->capture_default_str();
-  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")->capture_default_str();
+  c->add_option("--steps", o->config.steps, "Optimiser steps")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--batch", o->config.batch, "Sequences per step")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--lr", o->config.lr, "Peak learning rate")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")->check(CLI::PositiveNumber)->capture_default_str();
   c->add_option("--feed-forward", o->config.model.denoiser.ff_size, "Width of its feed-forward layers")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  c->add_option("--layers", o->config.model.denoiser.num_layers, "Layers of the denoiser")->capture_default_str();
-  c->add_option("--vocabulary", o->config.vocabulary, "Word pieces to learn")->capture_default_str();
-  c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")->capture_default_str();
+  c->add_option("--layers", o->config.model.denoiser.num_layers, "Layers of the denoiser")
+      ->check(CLI::Range(ml::Index{1}, ml::Index{256}))
+      ->capture_default_str();
+  c->add_option("--vocabulary", o->config.vocabulary, "Word pieces to learn")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str();
   c->add_option("--velocity-weight", o->config.velocity_weight, "Weight of the loss on frame differences")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   c->add_option("--root-weight", o->config.root_weight, "Weight of the features that move the root")
       ->check(CLI::NonNegativeNumber)
@@ -95,13 +102,15 @@ void add_train(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--text-weight", o->config.text_weight,
                 "Weight of the loss that asks captions for a summary of their motion")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  c->add_option("--text-steps", o->config.text_steps, "Steps of the text encoder alone, at the beginning")
+  c->add_option("--text-steps", o->config.text_steps, "Steps of the text encoder alone, at the beginning; stopped in them, they begin anew")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   c->add_option("--denoiser", o->denoiser, "Begin with the denoiser of this model; only texts are learnt anew")
       ->check(CLI::ExistingFile);
   c->add_option("--seed", o->config.seed, "Same seed, same weights, stopped and resumed or not")->capture_default_str();
-  c->add_option("--license", o->license, "Licence of the weights, for their metadata")->capture_default_str();
+  c->add_option("--license", o->license, "Licence of the weights, for their metadata: as the data allow");
   c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
   c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")->capture_default_str();

@@ -56,9 +56,11 @@ template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
-  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion.
+  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that does not give
+  /// each number to one body part.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
+    layout.validate();
     for (int p = 0; p < body_part_count; ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
@@ -104,10 +106,12 @@ class Stitcher {
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
 /// All windows read the hard-cut motion; where they overlap the later one wins. Source: spec stmc.md 5.
+/// Throws config_error 102 for a layout that does not give each number to one body part.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
   using S = typename B::scalar;
+  layout.validate();
   const auto read = motion.span();
   std::vector<S> out(read.begin(), read.end());
   const auto width = static_cast<std::size_t>(layout.size);

@@ -86,6 +86,11 @@ namespace detail {
 
 inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
 
+/// " (line 3, column 1)", nothing if the interval was not read from a text.
+inline std::string place_of(const Interval& i) {
+  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
+}
+
 inline void check_timeline(const Timeline& timeline) {
   if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
   for (const Interval& i : timeline.intervals) {
@@ -136,7 +141,7 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
       for (const Interval& i : plan.timeline.intervals) {
         if (i.start != cut && i.end != cut) continue;
         raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
-                              ": other texts hide it; give it parts that no text with fewer parts takes");
+                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
       }
     }
   }
@@ -148,7 +153,8 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
   for (const Crop& c : plan.crops) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", longest);
+                          " frames with its overlap; the denoiser accepts ", longest,
+                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]));
   }
 }
 

@@ -14,12 +14,19 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
+struct TextPlace {
+  Index line = 0, column = 0;  // from 1; 0: not from a text
+  constexpr bool operator==(const TextPlace&) const { return true; }
+};
+
 /// A text that acts on some body parts from `start` up to, not including, `end`.
 template <class T>
 struct BasicInterval {
   std::string text;
   T start{}, end{};
   BodyParts parts;
+  TextPlace place{};
   bool operator==(const BasicInterval&) const = default;
 };
 
@@ -67,7 +74,7 @@ void shift_to_zero(BasicTimeline<T>& timeline) {
 inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
   Timeline out;
   for (const auto& i : timeline.intervals) {
-    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts});
+    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
   }
   shift_to_zero(out);
   return out;
@@ -81,7 +88,8 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
     return t;
   };
   TimelineInSeconds out;
-  for (const auto& i : timeline.intervals) out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts});
+  for (const auto& i : timeline.intervals)
+    out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
   return out;
 }
 

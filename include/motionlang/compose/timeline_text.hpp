@@ -10,7 +10,8 @@
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
+///          whole of a timeline is found when it is planned, and named by line and column of an interval
 #pragma once
 
 #include <charconv>     // numbers
@@ -21,6 +22,7 @@
 
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -57,10 +59,19 @@ class TimelineLine {
   /// Throws timeline_error at the beginning of a field (past the last one: at the end of the line).
   template <class... T>
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
-    const char* place = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
+    raise<timeline_error>(id, name_, ":", number_, ":", place(field).column, ": ", what...);
+  }
+  /// Of the beginning of a field.
+  TextPlace place(std::size_t field) const {
+    const char* begin = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
     Index column = 1;
-    for (const char* c = line_.data(); c < place; ++c) column += (static_cast<unsigned char>(*c) & 0xC0u) != 0x80u;
-    raise<timeline_error>(id, name_, ":", number_, ":", column, ": ", what...);
+    for (const char* c = line_.data(); c < begin; ++c) column += (static_cast<unsigned char>(*c) & 0xC0u) != 0x80u;
+    return {number_, column};
+  }
+
+  std::string text() const {
+    if (!is_utf8(fields_[0])) fail(501, 0, "the text is not UTF-8");
+    return std::string(fields_[0]);
   }
 
   /// A time in seconds. Python's spelling: a plus sign is allowed, infinity is not.
@@ -105,7 +116,7 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
       return line.seconds(i);
     }
   };
-  BasicInterval<T> out{std::string(line.field(0)), time(1), time(2), line.parts(3)};
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
   if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
   if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
@@ -129,8 +140,9 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
   for (auto& timeline : out) {
     shift_to_zero(timeline);
-    if (timeline.end() > static_cast<T>(latest_time)) {
-      raise<timeline_error>(502, options.name, ": a timeline that lasts ", timeline.end(), " is too long");
+    for (const auto& i : timeline.intervals) {
+      if (i.end <= static_cast<T>(latest_time)) continue;
+      raise<timeline_error>(502, options.name, ":", i.place.line, ":", i.place.column, ": a timeline that lasts ", i.end, " is too long");
     }
   }
   return out;
@@ -166,7 +178,10 @@ inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_vie
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1) raise<timeline_error>(509, options.name, ": ", all.size(), " timelines where one is expected");
+  if (all.size() > 1) {
+    const TextPlace second = all[1].intervals.front().place;
+    raise<timeline_error>(509, options.name, ":", second.line, ":", second.column, ": ", all.size(), " timelines where one is expected");
+  }
   return std::move(all.front());
 }
 
@@ -193,7 +208,7 @@ inline std::vector<TimedText> parse_text_list(std::string_view text, const Timel
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
     if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
-    out.push_back({std::string(line.field(0)), frames});
+    out.push_back({line.text(), frames});
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
   return out;

@@ -14,7 +14,7 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
   const S d = dot(a, other), sign = where_less(d, S(0), S(-1), S(1));
   const Quaternion<S> b = sign * other;
   const Quaternion<S> chord = b + (S(-1)) * a, sum = b + a;
-  const S half = atan2(sqrt(dot(chord, chord)), sqrt(dot(sum, sum)));  // exact for small and large angles
+  const S half = atan2(norm_or_zero(chord), norm_or_zero(sum));  // exact for small and large angles
   const S h = S(2) * half, limit = S(1e-3), safe = where_less(h, limit, S(1), h);
   const S wa = where_less(h, limit, S(1) - t, sin((S(1) - t) * safe) / sin(safe));
   const S wb = where_less(h, limit, t, sin(t * safe) / sin(safe));

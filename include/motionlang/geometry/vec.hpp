@@ -32,6 +32,14 @@ template <class S>
 S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
+/// |a| of a vector or quaternion, with slope 0 where a is 0 (shorter than 1e-15) and |a| has none.
+template <class V>
+auto norm_or_zero(const V& a) {
+  const auto squared = dot(a, a);
+  using S = std::remove_const_t<decltype(squared)>;
+  const S least = S(1e-30);
+  return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
+}
 
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.

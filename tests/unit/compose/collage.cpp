@@ -120,6 +120,18 @@ TEST_CASE("texts that begin and end together share their unconditional crop, equ
   CHECK(crops_of({"one", "one", "three"}) == std::pair(Offsets{20, 20, 14, 14, 4}, 3.0));
 }
 
+TEST_CASE("a layout that does not give each number to one body part is refused") {
+  const Known says{.says_text = true};
+  auto of = [&](const ml::FeatureLayout& wrong) {
+    return ml::Collage<B, Known>(says, ml::plan_timelines(std::span(&timeline, 1)), wrong, texts({1, 2, 3}), texts({0}), 1);
+  };
+  auto wrong = layout;
+  wrong.size = 4;
+  CHECK_ERROR(of(wrong), "[motionlang.config.102] FeatureLayout 'five': range 4:5");
+  wrong.size = 6;
+  CHECK_ERROR(of(wrong), "[motionlang.config.102] FeatureLayout 'five': number 5 belongs to 0 body parts");
+}
+
 TEST_CASE("what a collage answers does not depend on the order of its texts") {
   const Known says{.says_text = true};
   auto turned = timeline;

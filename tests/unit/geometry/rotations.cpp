@@ -9,6 +9,7 @@
 #include <motionlang/core/lane.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
+#include <motionlang/geometry/slerp.hpp>
 #include <motionlang/geometry/so3.hpp>
 
 #include "../../support/rotation_samples.hpp"
@@ -86,6 +87,30 @@ TEST_CASE("the shortest rotation between directions, also opposite ones") {
       CHECK(2 * std::acos(std::min(1.0, std::abs(q.w))) == doctest::Approx(std::acos(ml::dot(a, b))).epsilon(1e-6));
     }
   }
+}
+
+TEST_CASE("almost opposite directions: the rotation is exact to what is near the turning point") {
+  const ml::Vec3<double> a{0.36, 0.48, 0.8}, sideways{-0.8, 0.6, 0};
+  for (double angle : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0}) {
+    const auto b = ml::normalized(-1.0 * a + std::tan(angle) * sideways);
+    CHECK_MESSAGE(length(ml::rotate(ml::rotation_between(a, b), a) - b) < 1.5e-6, angle);
+    if (angle > 2e-6) CHECK_MESSAGE(length(ml::rotate(ml::rotation_between(a, b), a) - b) < 1e-9, angle);
+  }
+}
+
+TEST_CASE("distance and slerp have finite derivatives at equal rotations") {
+  using D = ml::Dual<double>;
+  const auto q = ml::from_axis_angle(ml::Vec3{0.6, 0.0, 0.8}, 0.7);
+  const ml::Quaternion<D> moving{D(q.w, 0.1), D(q.x, -0.2), D(q.y, 0.3), D(q.z, 0.4)}, still{D(q.w), D(q.x), D(q.y), D(q.z)};
+  CHECK(ml::distance(moving, still).value == 0);
+  CHECK(ml::distance(moving, still).derivative == 0);
+  const auto between = ml::slerp(still, still, D(0.3, 1.0));
+  CHECK(between.w.value == doctest::Approx(q.w));
+  for (const D& x : {between.w, between.x, between.y, between.z}) CHECK(x.derivative == doctest::Approx(0.0));
+  const auto half = ml::slerp(moving, still, D(0.5));  // half of what moves, without what would change its length
+  const double along = 0.1 * q.w - 0.2 * q.x + 0.3 * q.y + 0.4 * q.z;
+  CHECK(half.w.derivative == doctest::Approx(0.5 * (0.1 - along * q.w)));
+  CHECK(half.z.derivative == doctest::Approx(0.5 * (0.4 - along * q.z)));
 }
 
 TEST_CASE("derivatives stay right through the small-angle branches") {

@@ -6,6 +6,7 @@
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/loops.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
@@ -157,6 +158,31 @@ TEST_CASE("a loop of any clip: the step from its last to its first frame is like
   CHECK_ERROR(ml::make_loop(clip, 23), "[motionlang.config.101]");
   CHECK_ERROR(ml::make_loop(clip, 0), "[motionlang.config.101]");
   CHECK_ERROR(ml::make_loop(clip, std::numeric_limits<ml::Index>::max()), "[motionlang.config.101]");
+}
+
+TEST_CASE("the cycle of a periodic walk is found, and going round it walks on") {
+  for (const double turn : {0.0, 0.7}) {
+    const auto walk = periodic_walk(90, turn);
+    const auto clip = ml::crop(walk, 0, 45);
+    const auto loop = ml::find_loop(clip, 12);
+    REQUIRE(loop);
+    CHECK((loop->last - loop->first) % 20 == 0);
+    CHECK(loop->cost < 1e-9);
+    CHECK(synthetic::largest_distance(ml::go_round(clip, *loop, 90), walk) < 1e-6);
+    CHECK(ml::go_round(clip, *loop, 30).frames() == 30);
+    CHECK_ERROR(ml::go_round(clip, ml::Loop{5, 45}, 90), "[motionlang.config.101] go_round: loop 5 ... 45 in 45 frames");
+  }
+}
+
+TEST_CASE("a clip whose poses never come back has no cycle; one that comes close is joined without a jump") {
+  CHECK(!ml::find_loop(ml::crop(periodic_walk(60), 0, 15), 12));
+  const auto clip = ml::crop(periodic_walk(60), 0, 40);
+  const ml::Loop rough{2, 24};  // two frames more than a period
+  const auto on = ml::go_round(clip, rough, 60);
+  double usual = 0;
+  for (ml::Index f = 4; f < 22; ++f) usual = std::max(usual, roughness(clip, f));
+  CHECK(roughness(on, 24) < 2 * usual);
+  CHECK(roughness(ml::go_round(clip, rough, 60, 1), 24) > 2.5 * usual);  // without blending
 }
 
 TEST_CASE("smoothing leaves even and evenly accelerated movement as it is, at the ends too") {
