@@ -149,6 +149,14 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
   CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
                        doctest::Contains("another training.lr ("), ml::config_error);
 
+  const captioned::Clips clips;
+  std::string captions = ml::read_file(clips.captions);
+  captions.replace(captions.find("a person walks forward | someone walks"), 38, "someone walks | a person walks forward");
+  ml::write_file(clips.captions, captions);
+  const program::TrainingSet edited(clips.captions, clips.folder.path, {});
+  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(config(), edited)).resume(run.checkpoint),
+                       doctest::Contains("another training.data ("), ml::config_error);
+
   // a save that fails: the folder has become a file
   program::Trainer trainer(program::StmcTask(config(), data()));
   CHECK_THROWS_AS(trainer.save(run.checkpoint / "below"), ml::io_error);

@@ -209,6 +209,7 @@ std::map<std::string, std::string> StmcTask::settings() const {
   auto out = ml::stmc_metadata(config_.model, learner_.average.text_encoder.tokenizer);
   out["model"] = "stmc training";
   auto add = [&](const std::string& name, auto value) { out["training." + name] = ml::concat_text(value); };
+  add("data", data_->fingerprint());
   add("batch", config_.batch);
   add("lr", config_.lr);
   add("warmup", config_.warmup);

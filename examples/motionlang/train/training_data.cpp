@@ -4,6 +4,7 @@
 #include <map>
 
 #include <motionlang/features/smplrifke.hpp>
+#include <motionlang/io/detail/content_hash.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 
@@ -147,6 +148,18 @@ double TrainingSet::seconds() const {
   double total = 0;
   for (const Segment& s : segments_) total += s.motion.seconds();
   return total;
+}
+
+std::string TrainingSet::fingerprint() const {
+  std::uint64_t hash = 0;
+  auto add = [&](const auto& list) { hash = ml::detail::content_hash(std::as_bytes(std::span(list)), hash); };
+  for (const Segment& s : segments_) {
+    add(s.motion.root);
+    add(s.motion.local);
+    add(std::span(&s.parts, 1));
+    for (const std::string& c : s.captions) add(c);
+  }
+  return ml::detail::hexadecimal(hash);
 }
 
 std::vector<std::string> TrainingSet::all_captions() const {

@@ -54,6 +54,8 @@ class TrainingSet {
 
   const std::vector<Segment>& segments() const { return segments_; }
   double seconds() const;
+  /// 16 digits that change with any clip or caption.
+  std::string fingerprint() const;
   /// All captions and their mirror images: what a tokenizer learns from.
   std::vector<std::string> all_captions() const;
 
