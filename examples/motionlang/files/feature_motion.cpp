@@ -6,7 +6,6 @@
 #include <motionlang/io/motion_npy.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
-#include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 namespace program {
@@ -39,26 +38,6 @@ ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<cons
   const std::vector<double> values(rows.begin(), rows.end());
   if (features.to_motion != nullptr) return features.to_motion(values, features.fps);
   return ml::motion_from_joints(ml::smpl24_skeleton(), features.joints_of(values), features.joints, features.fps);
-}
-
-ml::Motion motion_of_camera_rows(std::span<const float> rows, const ml::ActorFeatureOptions& features, double fps) {
-  const auto form = features.rotations;
-  const auto numbers = static_cast<std::size_t>(ml::size(form));
-  const std::size_t given = features.global ? 24 : 23, width = (given + (features.translation ? 1 : 0)) * numbers;
-  const auto upright = ml::from_axis_angle(ml::Vec3<double>{1, 0, 0}, std::numbers::pi);
-  ml::Motion out{ml::smpl24_skeleton(), fps, {}, {}, {}};
-  for (std::size_t at = 0; at < rows.size(); at += width) {
-    if (!features.global) out.local.push_back(ml::Quaternion<double>::identity());
-    for (std::size_t j = 0; j < given; ++j) {
-      const auto own = rows.subspan(at + j * numbers, numbers);
-      const auto q = ml::to_quaternion(ml::matrix_cast<double>(ml::rotation_from(form, own)));
-      out.local.push_back(features.global && j == 0 ? upright * q : q);
-    }
-    const float* way = rows.data() + at + given * numbers;
-    out.root.push_back(features.translation ? ml::Vec3<double>{way[0], -way[1], -way[2]} : ml::Vec3<double>{});
-  }
-  ml::place_on_floor(out);
-  return out;
 }
 
 std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,

@@ -6,7 +6,6 @@
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/features/pose_representation.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 #include "../generate/generation.hpp"
@@ -22,9 +21,6 @@ ml::Motion motion_of_features(const std::string& layout, const std::vector<doubl
 
 /// Rows of features that the library names, as a clip on SMPL's 24 joints.
 ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows);
-/// Frames of rotations and the way of the root as ACTOR and MDM have them of videos, on the floor. In the camera's world the figure stands
-/// on its head: it is turned by 180 degrees about x.
-ml::Motion motion_of_camera_rows(std::span<const float> rows, const ml::ActorFeatureOptions& features, double fps);
 
 /// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.
 class EachAlone : public Generator {

@@ -17,6 +17,7 @@
 #include <motionlang/features/rifke.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
+#include <motionlang/kinematics/retarget.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -46,6 +47,21 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
     out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
     if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
   }
+  return out;
+}
+
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor. In the world of
+/// the camera the figure stands on its head: it is turned by 180 degrees about x.
+template <Scalar S>
+Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
+  const auto upright = axis_rotation(0, std::numbers::pi);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.root) out.root.push_back(upright * vec_cast<double>(p));
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 24 == 0 ? upright * r : r));
+  }
+  place_on_floor(out);
   return out;
 }
 
