@@ -12,14 +12,12 @@
 
 namespace program {
 
-/// rows      (frames, features), not normalised, of one of these layouts:
-///           smplrifke (205): rotations of SMPL, facing as published; guoh3dfeats of 22 joints (263): SMPL's skeleton with the
-///           lengths and the directions of the predicted positions; of 21 joints (251): KIT's skeleton, in metres;
-///           rifke (64): the same skeleton; smplvelp (135): rotations of SMPL
+/// rows      (frames, features), not normalised
+/// layout    a model's: smplrifke, facing as published; guoh3dfeats, of HumanML3D or KIT; or features that the library names
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
 
-/// Rows of features that the library names, as a clip on SMPL's 24 joints.
+/// Rows of features that the library names, at their rate.
 ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows);
 
 /// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.

@@ -40,7 +40,7 @@ class TemosGenerator final : public EachAlone {
     const auto x = ml::text_to_motion(run_.model, tokens, ml::Offsets{wanted.end - wanted.start}, noise);
     const auto rows = run_.normalizer.denormalize(x.front().rows);
     const std::vector<double> numbers(rows.span().begin(), rows.span().end());
-    return motion_of_features(run_.width() == 64 ? "rifke" : "smplvelp", numbers, run_.width(), run_.fps);
+    return motion_of_features(run_.width() == 64 ? "rifke64" : "smplvelp", numbers, run_.width(), run_.fps);
   }
 
   ml::TemosRun<B> run_;
