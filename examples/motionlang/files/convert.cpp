@@ -144,7 +144,8 @@ void add_convert(CLI::App& app) {
   add_body(*c, *o);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
   c->add_option("--features", o->features,
-                "Writes features to .npy: guoh3d (HumanML3D), rifke (TMR), smplvelp (TEMOS) or smplrifke (STMC)");
+                "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, with the "
+                "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor");
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
   c->add_flag("--smooth", o->smooth, "Without trembling");

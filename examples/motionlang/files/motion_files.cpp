@@ -108,7 +108,8 @@ void write_features(const std::filesystem::path& path, const ml::Motion& motion,
   if (kind_of(path) != ".npy")
     ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
-  const std::vector<double> rows = f.from_motion(ml::resample(on_smpl(motion), f.fps));
+  const std::vector<double> rows =
+      f.from_motion(ml::resample(motion.skeleton.names == f.skeleton().names ? motion : on_smpl(motion), f.fps));
   const std::vector<float> narrow(rows.begin(), rows.end());
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {std::ssize(rows) / f.width, f.width}));
 }

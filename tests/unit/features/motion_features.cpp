@@ -1,6 +1,8 @@
 // The named feature vectors: sizes, and joints and clips that come back.
 #include <doctest/doctest.h>
 
+#include <set>
+
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -58,6 +60,37 @@ TEST_CASE("every feature vector gives the poses back") {
     CHECK(left(truth) > 0);
     CHECK(left(joints) > 0);  // not reflected
     CHECK(ml::motion_of_rows(f, rows).skeleton.names == f.skeleton().names);
+  }
+}
+
+TEST_CASE("every feature vector has a layout, and a raised arm changes no other part's positions and rotations") {
+  for (const ml::MotionFeatures& f : ml::all_motion_features) {
+    CAPTURE(f.name);
+    const auto layout = f.layout();
+    CHECK(layout.size == f.width);
+    layout.validate();
+    auto motion = synthetic::walk({.frames = 8, .fps = f.fps});
+    const auto before = f.from_motion(motion);
+    const auto elbow = static_cast<std::size_t>(motion.skeleton["left_elbow"]);
+    for (ml::Index t = 0; t < motion.frames(); ++t) {
+      auto& bent = motion.rotations(t)[elbow];
+      bent = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, -0.5) * bent;
+    }
+    const auto after = f.from_motion(motion);
+    REQUIRE(after.size() == before.size());
+    std::set<ml::BodyPart> changed;
+    for (const ml::BodyPart part : {ml::BodyPart::left_arm, ml::BodyPart::right_arm, ml::BodyPart::legs, ml::BodyPart::head, ml::BodyPart::spine}) {
+      for (const ml::Index i : layout.indices(part)) {
+        for (std::size_t at = static_cast<std::size_t>(i); at < after.size(); at += static_cast<std::size_t>(f.width)) {
+          if (std::abs(after[at] - before[at]) > 1e-6) changed.insert(part);
+        }
+      }
+    }
+    // the heading of rifke64 is that of knees and elbows: all parts turn
+    if (f.name == "rifke64")
+      CHECK(changed.contains(ml::BodyPart::left_arm));
+    else
+      CHECK(changed == std::set{ml::BodyPart::left_arm});
   }
 }
 
