@@ -7,6 +7,10 @@
 /// translations of other joints, are dropped.
 #pragma once
 
+#include <algorithm>  // max
+#include <cmath>      // floor
+#include <limits>     // precision of a float
+
 #include <motionlang/io/detail/gltf_skeleton.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -39,7 +43,8 @@ class GlbFile {
     }
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
     const detail::GltfAnimation& a = animations_[static_cast<std::size_t>(animation)];
-    const double frames = std::floor(a.duration() * fps + 1e-4) + 1;
+    const double last = a.duration() * fps;  // the time of the last key is a float
+    const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
     if (frames * skeleton().size() > max_rotations) {
       raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
     }
