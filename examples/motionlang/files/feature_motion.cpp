@@ -34,8 +34,8 @@ std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timeline
 
 ml::Motion finished(ml::Motion motion, const GenerationSettings& settings) {
   if (settings.smooth) motion = ml::smooth_motion(motion);
-  const bool on_smpl = motion.skeleton.names == ml::smpl24_skeleton().names;
-  if (settings.fix_feet && on_smpl) motion = ml::fix_feet(motion);  // last: feet that stand are to be still
+  const auto legs = ml::known_legs(motion.skeleton);
+  if (settings.fix_feet && !legs.empty()) motion = ml::fix_feet(motion, legs);  // last: feet that stand are to be still
   return motion;
 }
 

@@ -30,7 +30,7 @@ class EachAlone : public Generator {
   virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const = 0;
 };
 
-/// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's skeleton.
+/// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's or KIT's joints.
 ml::Motion finished(ml::Motion motion, const GenerationSettings& settings);
 
 }  // namespace program
