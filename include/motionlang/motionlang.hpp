@@ -142,6 +142,7 @@
 
 #include <motionlang/features/action_names.hpp>
 #include <motionlang/features/actor_points.hpp>
+#include <motionlang/features/amass_releases.hpp>
 #include <motionlang/features/amass_resample.hpp>
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>

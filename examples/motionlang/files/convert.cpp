@@ -82,7 +82,7 @@ void run(const Options& o) {
 void add_input(CLI::App& c, Options& o) {
   c.add_option(
        "input", o.in,
-       "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features) or .glb (every animation); for convert also "
+       "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); for convert also "
        "weights")
       ->required()
       ->check(CLI::ExistingPath);
@@ -139,12 +139,13 @@ void add_convert(CLI::App& app) {
   c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the result is this file with the motion added")
+  c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin): the result is this file with the motion added")
       ->check(CLI::ExistingFile);
   add_body(*c, *o);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
   c->add_option("--features", o->features,
-                "Writes features to .npy: guoh3d (HumanML3D), rifke (TMR), smplvelp (TEMOS) or smplrifke (STMC)");
+                "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, with the "
+                "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor");
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
   c->add_flag("--smooth", o->smooth, "Without trembling");

@@ -3,62 +3,21 @@
 #include <numbers>
 #include <span>
 
-#include <motionlang/io/motion_npy.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
-#include <motionlang/kinematics/motion_from_joints.hpp>
-#include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 namespace program {
 
-namespace {
-
-/// TEMOS's 64 numbers: the 21 joints of MMM, Y up.
-ml::Motion mmm_motion(std::span<const double> rows, double fps) {
-  const auto joints = ml::rifke_joints(ml::temos_rifke(), rows);
-  std::vector<double> numbers;
-  for (const auto& p : joints) numbers.insert(numbers.end(), {p.x, p.y, p.z});
-  const auto frames = static_cast<ml::Index>(joints.size()) / 21;
-  return ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {frames, 21, 3}),
-                               {.fps = fps, .up = ml::UpAxis::y});
-}
-
-}  // namespace
-
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps) {
   if (layout == "smplrifke") return ml::smplrifke_to_motion<double>(rows, {.first_angle = std::numbers::pi}, fps);
-  if (layout == "smplvelp") return ml::motion_features(layout).to_motion(rows, fps);
-  if (layout == "rifke") return mmm_motion(rows, fps);
-  if (layout != "guoh3dfeats")
-    ml::raise<ml::config_error>(103, "features '", layout, "' are none of smplrifke, guoh3dfeats, rifke, smplvelp");
-  const auto frames = static_cast<ml::Index>(rows.size()) / width;
-  return ml::motion_from_array(ml::NpyArray::of(std::span<const double>(rows), {frames, width}), {.fps = fps});
+  if (layout != "guoh3dfeats") return ml::motion_of_rows(ml::motion_features(layout), rows, fps);
+  const ml::MotionFeatures& kit = ml::motion_features("kit");
+  return ml::motion_of_rows(width == kit.width ? kit : ml::motion_features("guoh3d"), rows, fps);
 }
 
 ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows) {
   const std::vector<double> values(rows.begin(), rows.end());
-  if (features.to_motion != nullptr) return features.to_motion(values, features.fps);
-  return ml::motion_from_joints(ml::smpl24_skeleton(), features.joints_of(values), features.joints, features.fps);
-}
-
-ml::Motion motion_of_camera_rows(std::span<const float> rows, const ml::ActorFeatureOptions& features, double fps) {
-  const auto form = features.rotations;
-  const auto numbers = static_cast<std::size_t>(ml::size(form));
-  const std::size_t given = features.global ? 24 : 23, width = (given + (features.translation ? 1 : 0)) * numbers;
-  const auto upright = ml::from_axis_angle(ml::Vec3<double>{1, 0, 0}, std::numbers::pi);
-  ml::Motion out{ml::smpl24_skeleton(), fps, {}, {}, {}};
-  for (std::size_t at = 0; at < rows.size(); at += width) {
-    if (!features.global) out.local.push_back(ml::Quaternion<double>::identity());
-    for (std::size_t j = 0; j < given; ++j) {
-      const auto own = rows.subspan(at + j * numbers, numbers);
-      const auto q = ml::to_quaternion(ml::matrix_cast<double>(ml::rotation_from(form, own)));
-      out.local.push_back(features.global && j == 0 ? upright * q : q);
-    }
-    const float* way = rows.data() + at + given * numbers;
-    out.root.push_back(features.translation ? ml::Vec3<double>{way[0], -way[1], -way[2]} : ml::Vec3<double>{});
-  }
-  ml::place_on_floor(out);
-  return out;
+  return ml::motion_of_rows(features, values);
 }
 
 std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
@@ -75,8 +34,8 @@ std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timeline
 
 ml::Motion finished(ml::Motion motion, const GenerationSettings& settings) {
   if (settings.smooth) motion = ml::smooth_motion(motion);
-  const bool on_smpl = motion.skeleton.names == ml::smpl24_skeleton().names;
-  if (settings.fix_feet && on_smpl) motion = ml::fix_feet(motion);  // last: feet that stand are to be still
+  const auto legs = ml::known_legs(motion.skeleton);
+  if (settings.fix_feet && !legs.empty()) motion = ml::fix_feet(motion, legs);  // last: feet that stand are to be still
   return motion;
 }
 

@@ -6,25 +6,19 @@
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/features/pose_representation.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 #include "../generate/generation.hpp"
 
 namespace program {
 
-/// rows      (frames, features), not normalised, of one of these layouts:
-///           smplrifke (205): rotations of SMPL, facing as published; guoh3dfeats of 22 joints (263): SMPL's skeleton with the
-///           lengths and the directions of the predicted positions; of 21 joints (251): KIT's skeleton, in metres;
-///           rifke (64): the same skeleton; smplvelp (135): rotations of SMPL
+/// rows      (frames, features), not normalised
+/// layout    a model's: smplrifke, facing as published; guoh3dfeats, of HumanML3D or KIT; or features that the library names
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
 
-/// Rows of features that the library names, as a clip on SMPL's 24 joints.
+/// Rows of features that the library names, at their rate.
 ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows);
-/// Frames of rotations and the way of the root as ACTOR and MDM have them of videos, on the floor. In the camera's world the figure stands
-/// on its head: it is turned by 180 degrees about x.
-ml::Motion motion_of_camera_rows(std::span<const float> rows, const ml::ActorFeatureOptions& features, double fps);
 
 /// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.
 class EachAlone : public Generator {
@@ -36,7 +30,7 @@ class EachAlone : public Generator {
   virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const = 0;
 };
 
-/// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's skeleton.
+/// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's or KIT's joints.
 ml::Motion finished(ml::Motion motion, const GenerationSettings& settings);
 
 }  // namespace program

@@ -23,7 +23,7 @@ std::string kind_of(const std::filesystem::path& path) {
 
 bool is_motion_file(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
-  return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb";
+  return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb" || kind == ".vrma";
 }
 
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
@@ -72,10 +72,10 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
     motions.push_back(ml::read_motion_npy(path, {options.npy_fps, options.up == "y"   ? ml::UpAxis::y
                                                                   : options.up == "z" ? ml::UpAxis::z
                                                                                       : ml::UpAxis::found}));
-  else if (kind == ".glb")
+  else if (kind == ".glb" || kind == ".vrm" || kind == ".vrma")
     motions = every_animation(path, options.fps);
   else
-    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy and .glb, not '",
+    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy, .glb, .vrm and .vrma, not '",
                                 kind, "'");
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
@@ -108,7 +108,8 @@ void write_features(const std::filesystem::path& path, const ml::Motion& motion,
   if (kind_of(path) != ".npy")
     ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
-  const std::vector<double> rows = f.from_motion(ml::resample(on_smpl(motion), f.fps));
+  const std::vector<double> rows =
+      f.from_motion(ml::resample(motion.skeleton.names == f.skeleton().names ? motion : on_smpl(motion), f.fps));
   const std::vector<float> narrow(rows.begin(), rows.end());
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {std::ssize(rows) / f.width, f.width}));
 }

@@ -41,7 +41,7 @@ inline std::filesystem::path asf_beside(const std::filesystem::path& amc) {
   return amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
 }
 
-/// The motions of a file: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb (every animation). Each has a name.
+/// The motions of a file: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm, .vrma (every animation). Each has a name.
 /// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
 

@@ -27,7 +27,7 @@ class MdmActionGenerator final : public EachAlone {
     const auto made = run_.model.generate(std::span(&action, 1), noise,
                                           {.steps = s.steps, .guidance = s.guidance, .sampler = ml::parse_sampler(s.sampler)});
     const auto rows = ml::slice(made.rows, 0, 0, frames);  // made as long as in training, and cut
-    return motion_of_camera_rows(rows.span(), run_.features, run_.fps);
+    return ml::motion_of_actor(ml::actor_inverse(rows.span(), 24, run_.features), run_.fps);
   }
 
   ml::MdmActionRun<B> run_;

@@ -21,7 +21,7 @@ class ActorGenerator final : public EachAlone {
     const ml::Interval& wanted = only_text(timeline);
     const ml::Index action = action_of(wanted.text, run_.labels, run_.model.config.num_classes), frames = wanted.end - wanted.start;
     const auto rows = ml::generate(run_.model, std::span(&action, 1), std::span(&frames, 1), noise).rows;
-    return motion_of_camera_rows(rows.span(), run_.features, fps());
+    return ml::motion_of_actor(ml::actor_inverse(rows.span(), 24, run_.features), fps());
   }
 
   ml::ActorRun<B> run_;
@@ -40,7 +40,7 @@ class TemosGenerator final : public EachAlone {
     const auto x = ml::text_to_motion(run_.model, tokens, ml::Offsets{wanted.end - wanted.start}, noise);
     const auto rows = run_.normalizer.denormalize(x.front().rows);
     const std::vector<double> numbers(rows.span().begin(), rows.span().end());
-    return motion_of_features(run_.width() == 64 ? "rifke" : "smplvelp", numbers, run_.width(), run_.fps);
+    return motion_of_features(run_.width() == 64 ? "rifke64" : "smplvelp", numbers, run_.width(), run_.fps);
   }
 
   ml::TemosRun<B> run_;

@@ -28,6 +28,10 @@ ml::Motion turned_ahead(ml::Motion motion) {
   return motion;
 }
 
+ml::ActorFeatureOptions options_of(const ActorClipsConfig& c) {
+  return {.rotations = ml::parse_pose_representation(c.pose), .translation = c.translation};
+}
+
 std::vector<double> rows_of(const ml::Motion& given, const ActorClipsConfig& c) {
   const ml::Motion motion = c.turned_ahead ? turned_ahead(given) : given;
   std::vector<double> out;
@@ -38,15 +42,10 @@ std::vector<double> rows_of(const ml::Motion& given, const ActorClipsConfig& c) 
     }
     return out;
   }
-  const auto form = ml::parse_pose_representation(c.pose);
-  for (Index f = 0; f < motion.frames(); ++f) {
-    for (const auto& q : motion.rotations(f)) ml::append_rotation(out, form, ml::to_matrix(q));
-    if (!c.translation) continue;
-    const auto way = motion.root_at(f) - motion.root_at(0);
-    out.insert(out.end(), {way.x, way.y, way.z});
-    out.insert(out.end(), static_cast<std::size_t>(c.numbers() - 3), 0.0);
-  }
-  return out;
+  std::vector<ml::Matrix3<double>> rotations;
+  for (const auto& q : motion.local) rotations.push_back(ml::to_matrix(q));
+  return ml::actor_frame_features(std::span<const ml::Matrix3<double>>(rotations), std::span<const ml::Vec3<double>>(motion.root),
+                                  motion.skeleton.size(), options_of(c));
 }
 
 }  // namespace
@@ -82,24 +81,16 @@ std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsC
 
 ml::Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& c) {
   const auto& skeleton = ml::smpl24_skeleton();
-  const auto vector = [&](std::size_t at) {
-    return ml::vec_cast<double>(ml::Vec3<float>{rows[at], rows[at + 1], rows[at + 2]});
-  };
   if (c.is_xyz()) {
     std::vector<ml::Vec3<double>> joints;
-    for (std::size_t at = 0; at + 2 < rows.size(); at += 3) joints.push_back(vector(at));
+    for (std::size_t at = 0; at + 2 < rows.size(); at += 3)
+      joints.push_back(ml::vec_cast<double>(ml::Vec3<float>{rows[at], rows[at + 1], rows[at + 2]}));
     return ml::motion_from_joints(skeleton, joints, c.fps);
   }
-  const auto form = ml::parse_pose_representation(c.pose);
-  const auto numbers = static_cast<std::size_t>(c.numbers());
+  const auto motion = ml::actor_inverse(rows, 24, options_of(c));
   ml::Motion out{skeleton, c.fps, {}, {}, {}};
-  for (std::size_t at = 0; at < rows.size(); at += static_cast<std::size_t>(c.width())) {
-    for (std::size_t j = 0; j < 24; ++j) {
-      const auto own = rows.subspan(at + j * numbers, numbers);
-      out.local.push_back(ml::to_quaternion(ml::matrix_cast<double>(ml::rotation_from(form, own))));
-    }
-    out.root.push_back(c.translation ? vector(at + 24 * numbers) : ml::Vec3<double>{});
-  }
+  for (const auto& r : motion.rotations) out.local.push_back(ml::to_quaternion(ml::matrix_cast<double>(r)));
+  for (const auto& p : motion.root) out.root.push_back(ml::vec_cast<double>(p));
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/features/amass_releases.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
 #include <motionlang/io/bvh.hpp>
@@ -85,9 +86,12 @@ std::vector<ClipLine> read_labels(const std::filesystem::path& path) {
 }
 
 ml::Motion read_clip(const std::filesystem::path& data, const ClipLine& line) {
-  const auto bvh = data / (line.clip + ".bvh"), amc = data / (line.clip + ".amc"), npz = data / (line.clip + ".npz");
+  const auto bvh = data / (line.clip + ".bvh"), amc = data / (line.clip + ".amc");
   if (std::filesystem::exists(bvh)) return ml::retarget(ml::read_bvh_motion(bvh));
-  if (std::filesystem::exists(npz)) return on_smpl(ml::read_amass(npz).motion);
+  for (const std::string& clip : ml::amass_paths(line.clip)) {
+    const auto npz = data / (clip + ".npz");
+    if (std::filesystem::exists(npz)) return on_smpl(ml::read_amass(npz).motion);
+  }
   if (std::filesystem::exists(amc)) {
     auto asf = asf_beside(amc);
     if (!std::filesystem::exists(asf))

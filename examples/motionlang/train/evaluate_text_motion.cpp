@@ -155,6 +155,9 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   const Measured m(o, file);
   const auto model = load_text_motion<ml::Temos, B>(o.model, file);
   const auto& features = ml::motion_features(file.config.features);
+  if (features.joints != 22)
+    ml::raise<ml::config_error>(103, o.model.string(), ": errors are those of SMPL's 22 joints; '", features.name, "' has ",
+                                features.joints, " of MMM");
   using Metric = ml::ApeAveMetric<double>;
   const auto n = static_cast<std::size_t>(o.samples);
   std::vector<Metric> of_sample(n, Metric(joints_of_people()));

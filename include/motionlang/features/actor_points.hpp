@@ -6,8 +6,6 @@
 /// Source  ACTOR, src/models/rotation2xyz.py and smpl.py; spec actor.md 4.3, 5.1, 5.3
 #pragma once
 
-#include <numbers>  // pi
-
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/tensor/sequences.hpp>
@@ -53,7 +51,7 @@ inline std::span<const Index> actor_point_numbers(ActorPoints points) {
 struct ActorPointOptions {
   ActorFeatureOptions features{};  // what the motions are made of
   bool translate = true;           // "vertstrans": moved by the way since the first frame, if the features have one
-  Vec3<double> global_rotation{std::numbers::pi, 0, 0};  // of joint 0 where the features have none: a rotation vector
+  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 where the features have none: a rotation vector
   double second_beta = 0;                                // the second coefficient of the shape; the others are 0
 };
 
@@ -75,7 +73,7 @@ Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_re
 
 }  // namespace detail
 
-/// x: frames of `actor_features`, (frames, rows numbers), row by row -> (frames, 3 points). All points but vertices are relative to the
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are relative to the
 /// root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl. Differentiable.
 /// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the body lacks
 template <Backend B>

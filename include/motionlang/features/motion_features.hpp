@@ -4,12 +4,19 @@
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
+///     const Motion back = motion_of_rows(f, rows);
 ///
-///     guoh3d      263   20    HumanML3D's, of TMR           a row less than the clip has frames; no rotations to go back from
-///     rifke        67   12.5  TMR's canonical view, 22 joints, of TEMOS where SMPL-H's heels are not to be had; positions alone
-///     smplvelp    135   12.5  TEMOS on SMPL                 with the exact heading, so that it is there and back
-///     smplrifke   205   20    STMC
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp
+///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
+///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the clip's; else as guoh3d
+///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit, with "LMrot" and "RMrot" where KIT has them; positions alone
+///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see SmplVelpOptions
+///     smplrifke           205   20    STMC
+///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a camera
+/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs humanml3d-features.md
+///         1.2 and 10, temos.md 4.1 and 4.3
 #pragma once
 
 #include <motionlang/features/guoh3d.hpp>
@@ -17,6 +24,8 @@
 #include <motionlang/features/rifke.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
+#include <motionlang/kinematics/retarget.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -24,13 +33,15 @@ struct MotionFeatures {
   std::string_view name;
   Index width = 0;
   double fps = 0;    // that the published systems use
-  Index joints = 0;  // of `joints_of`: the first ones of SMPL
-  /// The rows of a clip on SMPL's 24 joints that has the rate already. Throws config_error 103 if the joints are others,
-  /// shape_error 205 if it is too short.
+  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  const Skeleton& (*skeleton)();
+  FeatureLayout (*layout)();  // which numbers belong to which body part
+  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws config_error 103 if the
+  /// joints are others, shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
   /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
-  /// A clip on SMPL's 24 joints; null where the rows have no rotations.
+  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
   Motion (*to_motion)(std::span<const double> rows, double fps);
 };
 
@@ -46,6 +57,21 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
     out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
     if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
   }
+  return out;
+}
+
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor. In the world of
+/// the camera the figure stands on its head: it is turned by 180 degrees about x.
+template <Scalar S>
+Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
+  const auto upright = axis_rotation(0, std::numbers::pi);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.root) out.root.push_back(upright * vec_cast<double>(p));
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 24 == 0 ? upright * r : r));
+  }
+  place_on_floor(out);
   return out;
 }
 
@@ -87,7 +113,54 @@ inline std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows) {
   return turned_up(rifke_joints(tmr_rifke(22), rows), false);
 }
 
-inline std::vector<double> smplvelp_rows_of(const Motion& motion) {
+inline constexpr Index mmm_joints = 21;
+inline constexpr double mmm_units_per_metre = 640;
+
+/// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
+inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
+  const bool own = motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
+  if (!own) require_smpl24(motion);
+  auto joints = (own ? motion : retarget(motion, kit21_skeleton())).positions();
+  for (Vec3<double>& p : joints) p = mmm_units_per_metre * Vec3<double>{-p.x, p.y, p.z};
+  return joints;
+}
+/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+inline Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
+  const bool mmm = count == mmm_joints;
+  const std::size_t head = mmm ? 4 : 15, left = mmm ? 13 : 7, right = mmm ? 18 : 8;
+  Vec3<double> sum{};
+  for (std::size_t at = 0; at < joints.size(); at += count) {
+    sum = sum + joints[at + head] - 0.5 * (joints[at + left] + joints[at + right]);
+  }
+  return joints.empty() ? sum : (static_cast<double>(count) / static_cast<double>(joints.size())) * sum;
+}
+/// The way back. The joints are in metres or, if they are large, in KIT's units.
+inline std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints) {
+  const double unit = norm(mean_height(joints, mmm_joints)) > 20 ? 1 / mmm_units_per_metre : 1;
+  for (Vec3<double>& p : joints) p = unit * Vec3<double>{-p.x, p.y, p.z};
+  return joints;
+}
+
+inline std::vector<double> kit_rows_of(const Motion& motion) {
+  const auto joints = mmm_joints_of(motion);
+  const std::span<const Vec3<double>> all(joints);
+  const auto lengths = joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
+  return guoh3d_features(kit_chains(), all, std::span<const double>(lengths));
+}
+inline std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
+  return mmm_in_metres(guoh3d_joints(rows, mmm_joints));
+}
+
+inline std::vector<double> rifke64_rows_of(const Motion& motion) {
+  const auto joints = mmm_joints_of(motion);
+  return rifke_features(temos_rifke(), std::span<const Vec3<double>>(joints)).features;
+}
+inline std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows) {
+  return mmm_in_metres(rifke_joints(temos_rifke(), rows));
+}
+
+template <bool exact_yaw>
+std::vector<double> smplvelp_rows_of(const Motion& motion) {
   require_smpl24(motion);
   const auto z_up = axis_rotation(0, std::numbers::pi / 2);
   std::vector<Matrix3<double>> rotations;
@@ -98,7 +171,7 @@ inline std::vector<double> smplvelp_rows_of(const Motion& motion) {
     }
   }
   return smplvelp_features(std::span<const Matrix3<double>>(rotations),
-                           std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = true});
+                           std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = exact_yaw});
 }
 inline Motion smplvelp_motion(std::span<const double> rows, double fps) {
   return motion_of_smplvelp(smplvelp_inverse(rows), fps);
@@ -112,15 +185,56 @@ inline std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> row
   return first_joints(smplrifke_motion(rows, 20), 22);
 }
 
+inline std::vector<double> actor_rows_of(const Motion& motion) {
+  require_smpl24(motion);
+  const auto upside_down = axis_rotation(0, std::numbers::pi);
+  std::vector<Matrix3<double>> rotations;
+  for (std::size_t i = 0; i < motion.local.size(); ++i) {
+    const auto r = to_matrix(motion.local[i]);
+    rotations.push_back(i % 24 == 0 ? upside_down * r : r);
+  }
+  std::vector<Vec3<double>> root;
+  for (const Vec3<double>& p : motion.root) root.push_back(upside_down * p);
+  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24);
+}
+inline Motion actor_motion(std::span<const double> rows, double fps) { return motion_of_actor(actor_inverse(rows), fps); }
+inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
+  return first_joints(actor_motion(rows, 20), 22);
+}
+
+inline FeatureLayout layout_of_guoh3d() { return guoh3dfeats_layout(); }
+inline FeatureLayout layout_of_kit() { return guoh3dfeats_layout(kit_part_of_joint); }
+inline FeatureLayout layout_of_rifke() { return rifke_layout(); }
+inline FeatureLayout layout_of_rifke64() { return rifke_layout(kit_part_of_joint); }
+inline FeatureLayout layout_of_smplvelp() { return smplvelp_layout(); }
+inline FeatureLayout layout_of_smplrifke() { return smplrifke_layout(); }
+inline FeatureLayout layout_of_actor() { return actor_layout(); }
+
 }  // namespace detail
 
-inline constexpr std::array<MotionFeatures, 4> all_motion_features{{
-    {"guoh3d", 263, 20, 22, &detail::guoh3d_rows_of, &detail::joints_of_guoh3d, nullptr},
-    {"rifke", 67, 12.5, 22, &detail::rifke_rows_of, &detail::joints_of_rifke, nullptr},
-    {"smplvelp", 135, 12.5, 22, &detail::smplvelp_rows_of, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplrifke", smplrifke_size, 20, 22, &smplrifke_from_motion, &detail::joints_of_smplrifke,
-     &detail::smplrifke_motion},
+inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
+    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, &detail::guoh3d_rows_of, &detail::joints_of_guoh3d, nullptr},
+    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, &detail::kit_rows_of, &detail::joints_of_kit, nullptr},
+    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, &detail::rifke_rows_of, &detail::joints_of_rifke, nullptr},
+    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, &detail::rifke64_rows_of, &detail::joints_of_rifke64, nullptr},
+    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<true>,
+     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<false>,
+     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, &smplrifke_from_motion,
+     &detail::joints_of_smplrifke, &detail::smplrifke_motion},
+    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, &detail::actor_rows_of, &detail::joints_of_actor,
+     &detail::actor_motion},
 }};
+
+/// The clip of rows, on the joints of the features.
+/// fps     0: as the published systems have it
+/// Throws  shape_error 205, numeric_error 301 for values that are not finite
+inline Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0) {
+  const double rate = fps > 0 ? fps : features.fps;
+  if (features.to_motion != nullptr) return features.to_motion(rows, rate);
+  return motion_from_joints(features.skeleton(), features.joints_of(rows), features.joints, rate);
+}
 
 /// Throws config_error 103.
 inline const MotionFeatures& motion_features(std::string_view name) {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>        // names
+#include <numbers>      // pi
 #include <span>         // numbers
 #include <string_view>  // names
 #include <vector>       // numbers
@@ -91,31 +92,74 @@ struct ActorFeatureOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
   bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
   bool global = true;       // false: without joint 0
-};
 
-/// What ACTOR's networks read.
-/// poses    (frames, joints)
+  /// Rows of a frame of so many joints.
+  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
+};
+/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// What ACTOR's networks read, frame by frame.
+/// poses    (frames, joints): rotation vectors or matrices
 /// root     (frames), the pelvis; read if `translation` is on
-/// result   (rows, numbers, frames): a row for each joint, then the root's
+/// result   (frames, rows numbers): a row for each joint, then the root's
 /// Throws   shape_error 205 if the sizes do not fit
-template <Scalar S>
-std::vector<S> actor_features(std::span<const AxisAngle<S>> poses, std::span<const Vec3<S>> root, Index joints,
-                              const ActorFeatureOptions& options = {}) {
-  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0, numbers = size(options.rotations);
+template <class R, Scalar S>
+std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                                    const ActorFeatureOptions& options = {}) {
+  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
   if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
-    raise<shape_error>(205, "actor_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
+    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
                        " root positions");
   }
-  const Index first = options.global ? 0 : 1, rows = joints - first + (options.translation ? 1 : 0);
-  std::vector<S> out(static_cast<std::size_t>(rows * numbers * frames)), row;
+  std::vector<S> out;
   for (Index t = 0; t < frames; ++t) {
-    row.clear();
-    for (Index j = first; j < joints; ++j) {
-      append_rotation(row, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
+    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
+      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
     }
-    if (options.translation) detail::append_vector(row, root[static_cast<std::size_t>(t)] - root[0]);
-    for (std::size_t i = 0; i < row.size(); ++i)
-      out[i * static_cast<std::size_t>(frames) + static_cast<std::size_t>(t)] = row[i];
+    if (!options.translation) continue;
+    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
+    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
+  }
+  return out;
+}
+/// The same with time last, as its repository has it: (rows, numbers, frames).
+template <class R, Scalar S>
+std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                              const ActorFeatureOptions& options = {}) {
+  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
+  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
+  std::vector<S> out(by_frame.size());
+  if (width == 0) return out;
+  const std::size_t frames = out.size() / width;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
+  return out;
+}
+
+template <Scalar S>
+struct ActorMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints)
+  std::vector<Vec3<S>> root;          // (frames), since frame 0
+};
+
+/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
+/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
+template <Scalar S>
+ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
+  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
+  const auto numbers = static_cast<std::size_t>(size(options.rotations));
+  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
+  if (width == 0 || features.size() % width != 0)
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+  ActorMotion<S> out;
+  for (std::size_t at = 0; at < features.size(); at += width) {
+    std::size_t from = at;
+    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
+    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
+      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
+    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
+                                           : Vec3<S>{});
   }
   return out;
 }

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out.
+/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out. The bones of a VRM avatar
+/// (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
 /// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales, and
 /// translations of other joints, are dropped.
 #pragma once
+
+#include <algorithm>  // max
+#include <cmath>      // floor
+#include <limits>     // precision of a float
 
 #include <motionlang/io/detail/gltf_skeleton.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -39,7 +44,8 @@ class GlbFile {
     }
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
     const detail::GltfAnimation& a = animations_[static_cast<std::size_t>(animation)];
-    const double frames = std::floor(a.duration() * fps + 1e-4) + 1;
+    const double last = a.duration() * fps;  // the time of the last key is a float
+    const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
     if (frames * skeleton().size() > max_rotations) {
       raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
     }

@@ -3,7 +3,7 @@
 ///
 ///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 numbers in a row: HumanML3D
 ///
-///     (frames, 263) HumanML3D, (frames, 251) KIT, (frames, 205, 135, 67) as motion_features.hpp names them: not normalised
+///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
 ///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
 /// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
@@ -12,7 +12,6 @@
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/npy.hpp>
-#include <motionlang/kinematics/motion_from_joints.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -25,27 +24,6 @@ struct MotionArrayOptions {
 
 namespace detail {
 
-inline constexpr Index mmm_joints = 21;
-inline constexpr double mmm_units_per_metre = 640;
-
-/// The vector from between the ankles to the head, mean over the frames.
-inline Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
-  const bool mmm = count == mmm_joints;
-  const std::size_t head = mmm ? 4 : 15, left = mmm ? 13 : 7, right = mmm ? 18 : 8;
-  Vec3<double> sum{};
-  for (std::size_t at = 0; at < joints.size(); at += count) {
-    sum = sum + joints[at + head] - 0.5 * (joints[at + left] + joints[at + right]);
-  }
-  return joints.empty() ? sum : (static_cast<double>(count) / static_cast<double>(joints.size())) * sum;
-}
-
-/// MMM's joints, Y up and reflected, to a clip in metres.
-inline Motion motion_from_mmm(std::vector<Vec3<double>> joints, double fps) {
-  const double unit = norm(mean_height(joints, mmm_joints)) > 20 ? 1 / mmm_units_per_metre : 1;
-  for (Vec3<double>& p : joints) p = unit * Vec3<double>{-p.x, p.y, p.z};
-  return motion_from_joints(kit21_skeleton(), joints, fps);
-}
-
 inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
   const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
   const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
@@ -55,17 +33,12 @@ inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index coun
   if (z_up) {  // these were not reflected
     for (Vec3<double>& p : joints) p.x = -p.x;
   }
-  return motion_from_mmm(std::move(joints), options.fps > 0 ? options.fps : 12.5);
+  return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);
 }
 
 inline Motion motion_from_rows(std::span<const double> rows, Index width, double fps, std::string_view name) {
-  if (width == Guoh3dSlots{mmm_joints}.size())
-    return motion_from_mmm(guoh3d_joints(rows, mmm_joints), fps > 0 ? fps : kit_chains().fps);
   for (const MotionFeatures& f : all_motion_features) {
-    if (f.width != width) continue;
-    const double rate = fps > 0 ? fps : f.fps;
-    if (f.to_motion != nullptr) return f.to_motion(rows, rate);
-    return motion_from_joints(smpl24_skeleton(), f.joints_of(rows), f.joints, rate);
+    if (f.width == width) return motion_of_rows(f, rows, fps);
   }
   raise<io_error>(407, name, ": rows of ", width, " numbers are no features of motion that are known");
 }

@@ -16,6 +16,7 @@
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
+#include <motionlang/kinematics/standard.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -25,6 +26,15 @@ struct Leg {
   int toe = 0;
 };
 inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
+inline constexpr Leg kit_legs[] = {{{11, 12, 13}, 15}, {{16, 17, 18}, 20}};
+
+/// Those of a skeleton with the joints of SMPL, with or without its hands, or of KIT; none of another one.
+inline std::span<const Leg> known_legs(const Skeleton& skeleton) {
+  auto is = [&](const Skeleton& s) { return skeleton.names == s.names && skeleton.parents == s.parents; };
+  if (is(smpl24_skeleton()) || is(humanml3d22_skeleton())) return smpl_legs;
+  if (is(kit21_skeleton())) return kit_legs;
+  return {};
+}
 
 struct FootFixOptions {
   double floor = 0;

@@ -177,7 +177,7 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
         {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
         {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
        true, true},
-      // The humanoid bones of VRM; the joints of a file have names of their own, VRoid's are below.
+      // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
       {"VRM",
        {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
         {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},

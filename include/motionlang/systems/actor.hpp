@@ -83,7 +83,7 @@ struct Actor {
       autoregressive_decoder.emplace(features, classes, t, c.max_len, c.concatenate_time, rng);
   }
 
-  /// x: frames of `actor_features`, row by row; one action per motion. Throws shape_error 203 for an action that is no class.
+  /// x: frames of `actor_frame_features`; one action per motion. Throws shape_error 203 for an action that is no class.
   LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {}) const {
     if (average_encoder) return (*average_encoder)(x, context);
     if (gru_encoder) return (*gru_encoder)(x, actions);

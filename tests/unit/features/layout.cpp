@@ -38,6 +38,35 @@ TEST_CASE("guoh3dfeats, also of another skeleton") {
   CHECK(other.indices(legs).size() == 8);
 }
 
+TEST_CASE("rifke, smplvelp and ACTOR's frames") {
+  const auto rifke = ml::rifke_layout();
+  CHECK(rifke.size == 67);
+  CHECK(rifke.ranges(spine) == Ranges{{7, 10}, {16, 19}, {25, 28}});                           // spine1, 2, 3
+  CHECK(rifke.ranges(legs) == Ranges{{0, 7}, {10, 16}, {19, 25}, {28, 34}, {64, 67}});         // height; turn and velocity
+  CHECK(ml::rifke_layout(ml::smpl_part_of_joint).size == 73);
+  const auto mmm = ml::rifke_layout(ml::kit_part_of_joint);
+  CHECK(mmm.size == 64);
+  CHECK(mmm.ranges(left_arm) == Ranges{{13, 22}});
+  CHECK(mmm.ranges(legs) == Ranges{{0, 1}, {31, 64}});
+  const auto velp = ml::smplvelp_layout();
+  CHECK(velp.size == 135);
+  CHECK(velp.ranges(legs).front() == ml::IndexRange{0, 21});  // the root's height and velocity, pelvis, hips
+  CHECK(velp.ranges(head) == Ranges{{75, 81}, {93, 99}});
+  const auto quaternions = ml::smplvelp_layout(std::span(ml::smpl_part_of_joint).first<22>(), ml::PoseRepresentation::rotquat);
+  CHECK(quaternions.size == 3 + 4 * 22);
+  const auto actor = ml::actor_layout();
+  CHECK(actor.size == 150);
+  CHECK(actor.ranges(legs).back() == ml::IndexRange{144, 150});
+  CHECK(actor.ranges(left_arm) == Ranges{{78, 84}, {96, 102}, {108, 114}, {120, 126}, {132, 138}});
+  const auto local = ml::actor_layout(ml::smpl_part_of_joint, {.translation = false, .global = false});
+  CHECK(local.size == 138);
+  CHECK(local.ranges(legs).front() == ml::IndexRange{0, 12});
+  for (const auto& layout : {rifke, mmm, velp, quaternions, actor, local}) layout.validate();
+  CHECK_THROWS_AS(ml::rifke_layout({}), ml::config_error);
+  CHECK_THROWS_AS(ml::smplvelp_layout({}), ml::config_error);
+  CHECK_THROWS_AS(ml::actor_layout({}), ml::config_error);
+}
+
 TEST_CASE("own layouts") {
   const auto own = ml::FeatureLayout::from_owner("own", 10, [](ml::Index i) { return i % 2 == 0 ? legs : spine; });
   own.validate();

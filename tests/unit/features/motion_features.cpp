@@ -1,15 +1,20 @@
 // The named feature vectors: sizes, and joints and clips that come back.
 #include <doctest/doctest.h>
 
+#include <set>
+
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/lists.hpp"
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
 
 namespace {
+
+bool is_guo(const ml::MotionFeatures& f) { return f.name == "guoh3d" || f.name == "kit"; }
 
 /// Distances between joints of one frame, which no turn or shift of the world changes.
 std::vector<double> spans(std::span<const ml::Vec3<double>> joints, std::size_t frame, std::size_t count) {
@@ -27,13 +32,14 @@ TEST_CASE("every feature vector gives the poses back") {
     const auto rows = f.from_motion(motion);
     REQUIRE(std::ssize(rows) % f.width == 0);
     const auto frames = std::ssize(rows) / f.width;
-    CHECK(frames == (f.name == "guoh3d" ? 39 : 40));
+    CHECK(frames == (is_guo(f) ? 39 : 40));
     const auto joints = f.joints_of(rows);
     REQUIRE(std::ssize(joints) == frames * f.joints);
-    const auto truth = ml::detail::first_joints(motion, 22);
+    const auto n = static_cast<std::size_t>(f.joints);
+    const auto truth = n == 21 ? ml::retarget(motion, ml::kit21_skeleton()).positions() : ml::detail::first_joints(motion, n);
     for (const std::size_t frame : {std::size_t{0}, std::size_t{20}, std::size_t{37}}) {
-      const auto a = spans(joints, frame, 22), b = spans(truth, frame, 22);
-      for (std::size_t j = 0; j < 22; ++j) {
+      const auto a = spans(joints, frame, n), b = spans(truth, frame, n);
+      for (std::size_t j = 0; j < n; ++j) {
         if (f.name != "guoh3d")  // its bones are those of another body
           CHECK(a[j] == doctest::Approx(b[j]).epsilon(1e-6));
         else
@@ -41,17 +47,84 @@ TEST_CASE("every feature vector gives the poses back") {
       }
     }
     // the way over the ground, whatever the units of the body
-    auto way = [](std::span<const ml::Vec3<double>> p) {
-      const auto d = p[37 * 22] - p[0];
+    auto way = [n](std::span<const ml::Vec3<double>> p) {
+      const auto d = p[37 * n] - p[0];
       return std::hypot(d.x, d.z);
     };
     CHECK(way(joints) == doctest::Approx(way(truth)).epsilon(f.name == "guoh3d" ? 0.2 : 1e-6));
     CHECK(joints[0].y == doctest::Approx(truth[0].y).epsilon(0.2));  // upright
+    const auto left = [n](std::span<const ml::Vec3<double>> p) {  // of the right hip, seen from behind
+      const auto across = p[n == 21 ? 11 : 1] - p[n == 21 ? 16 : 2], up = p[n == 21 ? 4 : 15] - p[0], ahead = p[37 * n] - p[0];
+      return ml::dot(ml::cross(up, ahead), across);
+    };
+    CHECK(left(truth) > 0);
+    CHECK(left(joints) > 0);  // not reflected
+    CHECK(ml::motion_of_rows(f, rows).skeleton.names == f.skeleton().names);
   }
 }
 
+TEST_CASE("every feature vector has a layout, and a raised arm changes no other part's positions and rotations") {
+  for (const ml::MotionFeatures& f : ml::all_motion_features) {
+    CAPTURE(f.name);
+    const auto layout = f.layout();
+    CHECK(layout.size == f.width);
+    layout.validate();
+    auto motion = synthetic::walk({.frames = 8, .fps = f.fps});
+    const auto before = f.from_motion(motion);
+    const auto elbow = static_cast<std::size_t>(motion.skeleton["left_elbow"]);
+    for (ml::Index t = 0; t < motion.frames(); ++t) {
+      auto& bent = motion.rotations(t)[elbow];
+      bent = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, -0.5) * bent;
+    }
+    const auto after = f.from_motion(motion);
+    REQUIRE(after.size() == before.size());
+    std::set<ml::BodyPart> changed;
+    for (const ml::BodyPart part : {ml::BodyPart::left_arm, ml::BodyPart::right_arm, ml::BodyPart::legs, ml::BodyPart::head, ml::BodyPart::spine}) {
+      for (const ml::Index i : layout.indices(part)) {
+        for (std::size_t at = static_cast<std::size_t>(i); at < after.size(); at += static_cast<std::size_t>(f.width)) {
+          if (std::abs(after[at] - before[at]) > 1e-6) changed.insert(part);
+        }
+      }
+    }
+    // the heading of rifke64 is that of knees and elbows: all parts turn
+    if (f.name == "rifke64")
+      CHECK(changed.contains(ml::BodyPart::left_arm));
+    else
+      CHECK(changed == std::set{ml::BodyPart::left_arm});
+  }
+}
+
+TEST_CASE("MMM's joints are in KIT's units, from a clip on KIT's joints as well") {
+  const auto motion = synthetic::walk({.frames = 20, .fps = 12.5});
+  for (const char* name : {"kit", "rifke64"}) {
+    CAPTURE(name);
+    const auto& f = ml::motion_features(name);
+    const auto rows = f.from_motion(motion);
+    const double height = rows[f.name == "kit" ? 3 : 0] / 640;  // of the root above the floor
+    CHECK(height > 0.8);
+    CHECK(height < 1);
+    CHECK(lists::largest_difference(rows, f.from_motion(ml::retarget(motion, ml::kit21_skeleton()))) < 1e-9);
+    CHECK_ERROR(f.from_motion(synthetic::walk({.frames = 20}, ml::humanml3d22_skeleton())), "[motionlang.config.103]");
+  }
+}
+
+TEST_CASE("smplvelp as published turns by what is no heading") {
+  auto motion = synthetic::walk({.frames = 10, .fps = 12.5});
+  const auto tilt = ml::from_axis_angle(ml::normalized(ml::Vec3<double>{1, 1, 0}), 1.0);
+  for (ml::Index f = 0; f < motion.frames(); ++f) motion.rotations(f)[0] = tilt * motion.rotations(f)[0];
+  auto turned = motion;
+  const auto turn = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, 0.7);
+  for (ml::Index f = 0; f < motion.frames(); ++f) {
+    turned.rotations(f)[0] = turn * turned.rotations(f)[0];
+    turned.root[static_cast<std::size_t>(f)] = ml::rotate(turn, turned.root[static_cast<std::size_t>(f)]);
+  }
+  const auto &exact = ml::motion_features("smplvelp"), &published = ml::motion_features("smplvelp-published");
+  CHECK(lists::largest_difference(exact.from_motion(motion), exact.from_motion(turned)) < 1e-9);
+  CHECK(lists::largest_difference(published.from_motion(motion), published.from_motion(turned)) > 0.01);
+}
+
 TEST_CASE("clips come back where the rows have rotations") {
-  for (const char* name : {"smplvelp", "smplrifke"}) {
+  for (const char* name : {"smplvelp", "smplrifke", "actor"}) {
     CAPTURE(name);
     const auto& f = ml::motion_features(name);
     const auto motion = synthetic::walk({.frames = 30, .fps = f.fps});
@@ -68,7 +141,7 @@ TEST_CASE("clips come back where the rows have rotations") {
 }
 
 TEST_CASE("unknown names and other skeletons are refused") {
-  CHECK_ERROR(ml::motion_features("guo"), "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, rifke");
+  CHECK_ERROR(ml::motion_features("guo"), "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, kit, rifke");
   ml::Motion none;
   CHECK_ERROR(ml::motion_features("guoh3d").from_motion(none), "[motionlang.config.103]");
 }

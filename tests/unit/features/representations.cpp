@@ -69,9 +69,45 @@ TEST_CASE("actor: rows of joints over time") {
   for (std::size_t i = 2 * 6 * 2 + 3 * 2; i < six.size(); ++i) CHECK(six[i] == 0);
   CHECK(ml::actor_joint_features(view(root), 1) == std::vector<double>{0, 1, 0, 2, 0, 0});
   CHECK_ERROR(ml::actor_features(view(poses), view(root), 3),
-              "actor_features: 4 rotations of 3 joints, 2 root positions");
+              "actor_frame_features: 4 rotations of 3 joints, 2 root positions");
   CHECK_ERROR(ml::actor_features(view(poses), view(root).first(1), 2), "[motionlang.shape.205]");
   CHECK_ERROR(ml::actor_joint_features(view(root), 3), "[motionlang.shape.205] actor_joint_features: 2 positions");
+}
+
+TEST_CASE("actor: there and back") {
+  const auto motion = synthetic::walk({.frames = 6, .turn = 0.8});
+  std::vector<ml::AxisAngle<double>> vectors;
+  std::vector<ml::Matrix3<double>> matrices;
+  for (const auto& q : motion.local) matrices.push_back(to_matrix(q)), vectors.push_back(to_axis_angle(q));
+  const auto upside_down = to_matrix(ml::AxisAngle<double>{ml::actor_global_rotation});
+  for (const auto name : ml::pose_representation_names) {
+    for (const bool translation : {true, false}) {
+      for (const bool global : {true, false}) {
+        CAPTURE(name);
+        CAPTURE(translation);
+        CAPTURE(global);
+        const ml::ActorFeatureOptions options{ml::parse_pose_representation(name), translation, global};
+        const auto rows = ml::actor_frame_features(view(vectors), view(motion.root), 24, options);
+        CHECK(std::ssize(rows) == 6 * ml::size(options.rotations) * (23 + (global ? 1 : 0) + (translation ? 1 : 0)));
+        CHECK(largest_difference(rows, ml::actor_frame_features(view(matrices), view(motion.root), 24, options)) < 1e-7);
+        const auto back = ml::actor_inverse(view(rows), 24, options);
+        REQUIRE(back.rotations.size() == matrices.size());
+        REQUIRE(back.root.size() == 6);
+        for (std::size_t i = 0; i < matrices.size(); ++i) {
+          const auto& wanted = i % 24 == 0 && !global ? upside_down : matrices[i];
+          CHECK(ml::distance(back.rotations[i], wanted) < 1e-6);
+        }
+        for (std::size_t t = 0; t < 6; ++t) {
+          const auto way = translation ? motion.root[t] - motion.root[0] : ml::Vec3<double>{};
+          CHECK(norm(back.root[t] - way) < 1e-12);
+        }
+      }
+    }
+  }
+  const std::vector<double> odd(151);
+  CHECK_ERROR(ml::actor_inverse(view(odd)), "[motionlang.shape.205] actor_inverse: 151 values are no frames of 150");
+  CHECK_ERROR(ml::actor_inverse(view(odd), 0), "[motionlang.config.101] actor_inverse: 0 joints");
+  CHECK_ERROR(ml::actor_inverse(view(odd), 1, {.translation = false, .global = false}), "no frames of 0");
 }
 
 TEST_CASE("smplvelp: there and back") {

@@ -76,6 +76,20 @@ Builder two_joints() {
 
 }  // namespace
 
+TEST_CASE("long motions come back with their last frame, although times are single precision") {
+  const auto skeleton = ml::Skeleton::from_joints({{"a", "", {0, 0, 0}}, {"b", "a", {0, 1, 0}}});
+  for (const int frames : {2000, 4000, 6000, 8000}) {
+    for (const double fps : {30.0, 100.0, 119.9}) {
+      CAPTURE(frames);
+      CAPTURE(fps);
+      ml::Motion motion{skeleton, fps, {}, {}, "long"};
+      motion.root.resize(static_cast<std::size_t>(frames));
+      motion.local.assign(2 * static_cast<std::size_t>(frames), ml::Quaternion<double>::identity());
+      CHECK(ml::GlbFile(ml::glb_bytes(std::span(&motion, 1)), "long.glb").motion(0, fps).frames() == frames);
+    }
+  }
+}
+
 TEST_CASE("a motion comes back") {
   const TemporaryFolder folder;
   for (const int frames : {1, 50}) {

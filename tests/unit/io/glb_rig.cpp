@@ -81,6 +81,36 @@ TEST_CASE("all that was in the file stays") {
   CHECK(ml::GlbFile(no_walk, "third").animation_names() == std::vector<std::string>{"walk", "walk_2", "walk_3"});
 }
 
+TEST_CASE("the bones of a VRM avatar are those that the file names, not its nodes") {
+  const auto skeleton = rigs::skeleton_of(ml::skeleton_table("VRM"));
+  auto odd = skeleton;
+  for (std::size_t j = 0; j < odd.names.size(); ++j) odd.names[j] = ml::concat_text("Bone.", j);
+  odd.names.back() = "head";  // the thumb
+  const auto bytes = rigs::glb_of(odd);
+  const auto binary = ml::detail::parse_glb_chunks(bytes, "odd").binary;
+  CHECK_ERROR(rig_of(bytes), "[motionlang.config.103]");
+  auto one = document_of(bytes), zero = one;
+  for (std::size_t j = 1; j + 1 < odd.names.size(); ++j) {  // not the root on the floor; node 0 is the armature
+    one["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"][skeleton.names[j]]["node"] = j + 1;
+    zero["extensions"]["VRM"]["humanoid"]["humanBones"].push_back({{"bone", skeleton.names[j]}, {"node", j + 1}});
+  }
+  zero["extensions"]["VRM"]["humanoid"]["humanBones"].push_back({{"bone", "jaw"}, {"node", -1}});
+  const auto walk = synthetic::walk({.frames = 11});
+  const auto plain = ml::GlbFile(rig_of(rigs::glb_of(skeleton)).with(std::span(&walk, 1)), "plain").motion("walk", walk.fps);
+  for (const auto& document : {one, zero}) {
+    const auto rig = rig_of(ml::detail::glb_file(document.dump(), {binary.begin(), binary.end()}));
+    CHECK(rig.table().name == "VRM");
+    CHECK(rig.skeleton().names.front() == "hips");
+    CHECK(rig.skeleton().find("head (no bone)") >= 0);
+    const auto made = rig.with(std::span(&walk, 1));
+    CHECK(document_of(made)["nodes"] == document["nodes"]);  // names in the file stay
+    const auto moved = ml::GlbFile(made, "made").motion("walk", walk.fps);
+    CHECK(synthetic::largest_distance(moved, plain) < 1e-9);
+  }
+  one["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"]["hips"]["node"] = 999;
+  CHECK_ERROR(rig_of(ml::detail::glb_file(one.dump(), {binary.begin(), binary.end()})), "humanBones.hips.node: node 999 of ");
+}
+
 TEST_CASE("several skins: the one with a body is taken") {
   const auto bytes = rigs::glb_of(mixamo());
   const auto chunks = ml::detail::parse_glb_chunks(bytes, "rig");

@@ -1,5 +1,6 @@
-// What was written is read again, on real motions: BVH, AMASS and joint positions of every .bvh and .amc file below the
-// folder that the environment variable MOTIONLANG_MOTIONS names. The motions are not part of the repository.
+// What was written is read again, on real motions: BVH, GLB, AMASS and joint positions of every .bvh and .amc file and of every
+// animation of every .glb file below the folder that the environment variable MOTIONLANG_MOTIONS names. The motions are not part of the
+// repository.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -7,11 +8,11 @@
 #include <filesystem>
 #include <numbers>
 #include <numeric>
-#include <optional>
 
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
 #include <motionlang/io/bvh.hpp>
+#include <motionlang/io/glb.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
 #include "../../support/lists.hpp"
@@ -63,14 +64,47 @@ double table_difference(const fs::path& path) {
   return again.nodes.size() == file.nodes.size() ? worst : std::numeric_limits<double>::infinity();
 }
 
-/// The motion of a file, nothing of other files and of .amc without the .asf of their subject.
-std::optional<ml::Motion> read(const fs::path& path) {
-  if (path.extension() == ".bvh") return ml::read_bvh_motion(path);
+/// The motions of a file: none of other files, of .amc without the .asf of their subject and of a character without animations.
+std::vector<ml::Motion> read(const fs::path& path) {
+  std::vector<ml::Motion> motions;
   const std::string stem = path.stem().string();
   const auto asf = path.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
-  if (path.extension() != ".amc" || !fs::exists(asf)) return std::nullopt;
-  return ml::read_amc(path, ml::read_asf(asf));
+  if (path.extension() == ".bvh") motions.push_back(ml::read_bvh_motion(path));
+  if (path.extension() == ".amc" && fs::exists(asf)) motions.push_back(ml::read_amc(path, ml::read_asf(asf)));
+  if (path.extension() == ".glb") {
+    const auto file = ml::GlbFile::open(path);
+    for (ml::Index i = 0; i < std::ssize(file.animation_names()); ++i) motions.push_back(file.motion(i));
+  }
+  return motions;
 }
+
+/// Everything that was written and read.
+struct RoundTrips {
+  int files = 0, motions = 0;
+  double table = 0, joints = 0;
+  Difference bvh, glb, amass;
+
+  void add(const ml::Motion& motion, const TemporaryFolder& temporary) {
+    ++motions;
+    ml::write_bvh(temporary / "m.bvh", motion);
+    const ml::Motion from_bvh = ml::read_bvh_motion(temporary / "m.bvh");
+    CHECK(from_bvh.fps == doctest::Approx(motion.fps).epsilon(1e-6));
+    bvh.add(difference(motion, from_bvh, ml::detail::depth_first_order(motion.skeleton)));
+
+    ml::write_glb(temporary / "m.glb", motion);
+    const ml::Motion from_glb = ml::read_glb(temporary / "m.glb", {.fps = motion.fps});
+    std::vector<int> order;
+    for (const std::string& name : from_glb.skeleton.names) order.push_back(motion.skeleton[name]);
+    glb.add(difference(motion, from_glb, order));
+
+    const ml::Motion body = ml::retarget(motion);
+    ml::write_amass(temporary / "m.npz", body);
+    amass.add(difference(body, ml::read_amass(temporary / "m.npz").motion, body_joints()));
+
+    ml::write_joints_npy(temporary / "m.npy", motion);
+    joints = std::max(joints, lists::largest_distance(motion.positions(), ml::read_joints_npy(temporary / "m.npy").positions));
+  }
+};
 
 }  // namespace
 
@@ -81,36 +115,27 @@ TEST_CASE("round trips: every motion of a folder") {
     return;
   }
   const TemporaryFolder temporary;
-  int files = 0;
-  double table = 0, joints = 0;
-  Difference bvh, amass;
+  RoundTrips r;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     CAPTURE(entry.path().string());
-    const auto motion = read(entry.path());
-    if (!motion) continue;
-    ++files;
-    if (entry.path().extension() == ".bvh") table = std::max(table, table_difference(entry.path()));
-
-    ml::write_bvh(temporary / "m.bvh", *motion);
-    const ml::Motion from_bvh = ml::read_bvh_motion(temporary / "m.bvh");
-    CHECK(from_bvh.fps == doctest::Approx(motion->fps).epsilon(1e-6));
-    bvh.add(difference(*motion, from_bvh, ml::detail::depth_first_order(motion->skeleton)));
-
-    const ml::Motion body = ml::retarget(*motion);
-    ml::write_amass(temporary / "m.npz", body);
-    amass.add(difference(body, ml::read_amass(temporary / "m.npz").motion, body_joints()));
-
-    ml::write_joints_npy(temporary / "m.npy", *motion);
-    joints = std::max(joints,
-                      lists::largest_distance(motion->positions(), ml::read_joints_npy(temporary / "m.npy").positions));
+    const auto motions = read(entry.path());
+    r.files += motions.empty() ? 0 : 1;
+    for (const ml::Motion& motion : motions) {
+      CAPTURE(motion.name);
+      r.add(motion, temporary);
+    }
+    if (entry.path().extension() == ".bvh") r.table = std::max(r.table, table_difference(entry.path()));
   }
-  MESSAGE(files, " files; BVH tables: ", table, " units or degrees; BVH motions: ", bvh.degrees, " degrees, ",
-          100 * bvh.metres, " units; AMASS: ", amass.degrees, " degrees, ", amass.metres, " m; joints: ", joints, " m");
-  CHECK(files > 0);
-  CHECK(table <= 1e-6);  // six decimals
-  CHECK(bvh.degrees < 1e-4);
-  CHECK(100 * bvh.metres < 1e-4);  // centimetres
-  CHECK(amass.degrees < 1e-6);
-  CHECK(amass.metres < 1e-9);
-  CHECK(joints < 1e-5);  // float32
+  MESSAGE(r.motions, " motions of ", r.files, " files; BVH tables: ", r.table, " units or degrees; BVH motions: ", r.bvh.degrees,
+          " degrees, ", 100 * r.bvh.metres, " units; GLB: ", r.glb.degrees, " degrees, ", r.glb.metres, " m; AMASS: ", r.amass.degrees,
+          " degrees, ", r.amass.metres, " m; joints: ", r.joints, " m");
+  CHECK(r.files > 0);
+  CHECK(r.table <= 1e-6);  // six decimals
+  CHECK(r.bvh.degrees < 1e-4);
+  CHECK(100 * r.bvh.metres < 1e-4);  // centimetres
+  CHECK(r.glb.degrees < 0.05);  // times of keys are float32: after half a minute a microsecond of what turns fast
+  CHECK(r.glb.metres < 1e-4);
+  CHECK(r.amass.degrees < 1e-6);
+  CHECK(r.amass.metres < 1e-9);
+  CHECK(r.joints < 1e-5);  // float32
 }

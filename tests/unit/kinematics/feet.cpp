@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/standard.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
@@ -154,6 +155,23 @@ TEST_CASE("a walk that slides slides no more, and goes where it went") {
   CHECK(std::abs(fixed.root_at(79).z - walk.root_at(79).z) < 0.2);
   CHECK(ml::bone_length_deviation({fixed.positions(), 24, 20}, fixed.skeleton.parents) < 1e-9);
   for (ml::Index f = 0; f < 80; ++f) CHECK(fixed.root_at(f).y == walk.root_at(f).y);
+}
+
+TEST_CASE("KIT's joints have legs, too") {
+  CHECK(ml::known_legs(ml::smpl24_skeleton()).data() == ml::smpl_legs);
+  CHECK(ml::known_legs(ml::humanml3d22_skeleton()).data() == ml::smpl_legs);
+  auto other = ml::kit21_skeleton();
+  other.names[5] = "arm";
+  CHECK(ml::known_legs(other).empty());
+  const auto walk = ml::retarget(synthetic::walk({.frames = 80}), ml::kit21_skeleton());
+  const auto sliding = drifting(walk, 0.3), fixed = ml::fix_feet(sliding, ml::known_legs(walk.skeleton));
+  const std::vector<ml::ContactJoint> feet{
+      {13, ml::smpl_ankle_contact}, {18, ml::smpl_ankle_contact}, {15, ml::smpl_toe_contact}, {20, ml::smpl_toe_contact}};
+  const double before = ml::motion_quality(sliding, feet).feet.speed;
+  CHECK(before > 0.3);
+  CHECK(ml::motion_quality(fixed, feet).feet.speed < 0.5 * before);
+  CHECK(std::abs(fixed.root_at(79).x - walk.root_at(79).x) < 0.1);
+  CHECK(ml::bone_length_deviation({fixed.positions(), 21, 20}, fixed.skeleton.parents) < 1e-9);
 }
 
 TEST_CASE("a clip whose feet do not slide hardly changes; one in the air and one of a frame stay as they are") {

@@ -4,9 +4,10 @@
 #pragma once
 
 #include <algorithm>  // max
-#include <map>        // accessors by number
+#include <map>        // accessors by number, bones
 #include <memory>     // shared accessors
 #include <numeric>    // accumulate
+#include <set>        // names of bones
 
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/io/detail/glb_container.hpp>
@@ -23,7 +24,7 @@ struct GltfTransform {
 };
 
 struct GltfNode {
-  std::string name;
+  std::string name;  // of a bone of VRM's humanoid that of the bone: "leftUpperLeg"
   int parent = -1;
   std::vector<int> children{};
   GltfTransform rest;
@@ -35,6 +36,7 @@ class GltfDocument {
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     read_nodes();
+    name_humanoid();
   }
 
   const std::string& file() const { return file_; }
@@ -201,6 +203,32 @@ class GltfDocument {
       open.insert(open.end(), c.rbegin(), c.rend());
     }
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
+  }
+
+  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a node.
+  /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
+  void name_humanoid() {
+    if (!root().contains("extensions")) return;
+    const JsonView extensions = root()["extensions"];
+    std::map<int, std::string> bones;
+    auto add = [&](const std::string& bone, const JsonView& node) {
+      if (node.as<std::int64_t>() != -1) bones[node_number(node)] = bone;
+    };
+    for (const char* name : {"VRMC_vrm", "VRMC_vrm_animation"}) {
+      if (!extensions.contains(name)) continue;
+      const JsonView all = extensions[name]["humanoid"]["humanBones"];
+      for (const std::string& bone : all.keys()) add(bone, all[bone]["node"]);
+    }
+    if (extensions.contains("VRM")) {
+      const JsonView all = extensions["VRM"]["humanoid"]["humanBones"];
+      for (Index i = 0; i < all.size(); ++i) add(all[i]["bone"].as<std::string>(), all[i]["node"]);
+    }
+    std::set<std::string> names;
+    for (const auto& [node, bone] : bones) names.insert(bone);
+    for (GltfNode& node : nodes_) {
+      if (names.contains(node.name)) node.name += " (no bone)";
+    }
+    for (const auto& [node, bone] : bones) nodes_[static_cast<std::size_t>(node)].name = bone;
   }
 
   std::string file_;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+/// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
+///
+///     sequence.fps = corrected_amass_fps(path, sequence.fps);
+///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever release
+///
+/// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
+/// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
+#pragma once
+
+#include <algorithm>    // min
+#include <array>        // tables
+#include <string>       // paths
+#include <string_view>  // names
+#include <vector>       // paths
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Frames per second of a sequence as it was released, whatever its file says.
+struct AmassRate {
+  std::string_view path;  // a part of it
+  double fps = 0;
+};
+inline constexpr std::array<AmassRate, 3> amass_rates{
+    {{"BMLhandball", 240}, {"20160930_50032", 59}, {"20161014_50033", 59}}};
+
+/// fps: what the file says; the result where it is right.
+inline double corrected_amass_fps(std::string_view path, double fps) {
+  for (const AmassRate& known : amass_rates) {
+    if (path.find(known.path) != path.npos) return known.fps;
+  }
+  return fps;
+}
+
+/// Folders of data sets: as annotations of HumanML3D, BABEL and their like have them, and as they are released today.
+struct AmassRename {
+  std::string_view before, today;
+};
+inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje", "BMLrub"},
+                                                           {"DFaust_67", "DFaust"},
+                                                           {"MPI_HDM05", "HDM05"},
+                                                           {"MPI_Limits", "PosePrior"},
+                                                           {"MPI_mosh", "MoSh"},
+                                                           {"SSM_synced", "SSM"},
+                                                           {"TCD_handMocap", "TCDHands"},
+                                                           {"Transitions_mocap", "Transitions"}}};
+
+/// The path of a sequence, then those with the names before and today where they differ from it.
+inline std::vector<std::string> amass_paths(std::string_view path) {
+  auto renamed = [&](std::string_view AmassRename::* from, std::string_view AmassRename::* to) {
+    std::string out;
+    for (std::size_t at = 0; at <= path.size();) {
+      const std::size_t end = std::min(path.find('/', at), path.size());
+      std::string_view folder = path.substr(at, end - at);
+      for (const AmassRename& r : amass_renames) {
+        if (folder == r.*from) {
+          folder = r.*to;
+          break;
+        }
+      }
+      out += folder;
+      if (end < path.size()) out += '/';
+      at = end + 1;
+    }
+    return out;
+  };
+  std::vector<std::string> out{std::string(path)};
+  for (std::string other : {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
+    if (other != path) out.push_back(std::move(other));
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
