@@ -8,9 +8,10 @@
 ///
 /// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
 /// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
-/// Texts      are found by their exact characters; "" is a text like any other
+/// Texts      UTF-8, found by their exact characters; "" is a text like any other
 /// Memory     rows are read where they lie in the file
-/// Atomicity  every file is replaced as a whole, the index last; a reader that meets files of two caches finds that they do not fit
+/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two caches (a reader came
+///            in between, or the disk is full) are refused where their numbers of rows or texts differ, and only there
 /// Source     spec text-encoders.md, section 11
 #pragma once
 
@@ -19,6 +20,7 @@
 #include <unordered_map>  // numbers of texts
 #include <utility>        // exchange
 
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/npy.hpp>
 #include <motionlang/text/text_encoder.hpp>
@@ -109,14 +111,15 @@ class EmbeddingCache {
         raise<io_error>(403, base, ": text ", i, " has ", end - begin, " rows; without slices every text has one");
       bounds.insert(bounds.end(), {begin, end});
     }
-    nlohmann::json index = nlohmann::json::object();
-    for (const auto& [text, number] : number_) index[text] = number;
+    nlohmann::json numbers = nlohmann::json::object();
+    for (const auto& [text, number] : number_) numbers[text] = number;
+    const std::string index = numbers.dump();
     write_npy(base + ".npy", NpyArray::of(rows(), {row_count(), width_}));
     if (with_slices)
       write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
     else
       std::remove((base + "_slice.npy").c_str());  // of a cache that stood here before
-    write_file(base + "_index.json", std::string_view(index.dump()));
+    write_file(base + "_index.json", std::string_view(index));
   }
 
   /// Texts, and numbers of a row.
@@ -131,11 +134,12 @@ class EmbeddingCache {
     return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
   }
   /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows, config_error 102 for a
-  /// text that is here already.
+  /// text that is here already, io_error 403 for one that is not UTF-8: the index could not be written.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
     if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
+    check_utf8(text);
     if (is_view_) {  // from here on in memory
       own_.assign(mapped_.begin(), mapped_.end());
       is_view_ = false;
@@ -146,13 +150,16 @@ class EmbeddingCache {
     number_.emplace(text, slices_.size());
     slices_.push_back({begin, row_count()});
   }
-  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width.
+  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width, io_error 403 for a
+  /// text that is not UTF-8, before anything is encoded.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
     std::unordered_map<std::string, bool> seen;
     for (const std::string& t : texts) {
-      if (!contains(t) && seen.emplace(t, true).second) missing.push_back(t);
+      if (contains(t) || !seen.emplace(t, true).second) continue;
+      check_utf8(t);
+      missing.push_back(t);
     }
     if (missing.empty()) return;
     const TextFeatures<B> features = encoder.template encode<B>(std::span<const std::string>(missing));
@@ -175,6 +182,9 @@ class EmbeddingCache {
     Index begin, end;
   };
 
+  static void check_utf8(const std::string& text) {
+    if (!is_utf8(text)) raise<io_error>(403, "embedding cache: the text '", text, "' is not UTF-8");
+  }
   std::span<const float> rows() const { return is_view_ ? mapped_ : std::span<const float>(own_); }
   Index row_count() const { return width_ == 0 ? 0 : static_cast<Index>(rows().size()) / width_; }
 
@@ -204,7 +214,7 @@ class EmbeddingCache {
   std::shared_ptr<const void> owner_;
 };
 
-/// Takes texts from a cache and has the others encoded.
+/// Takes texts from a cache and has the others encoded. Throws io_error 403 for a text that is not UTF-8.
 template <class E>
 struct CachedEncoder {
   EmbeddingCache cache;

@@ -103,7 +103,7 @@ class PickleValue {
   /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
-    raise<io_error>(id, machine_->file(), ": ", what..., " at byte ", at());
+    raise<io_error>(id, machine_->file(), ": ", what..., machine_->place(at()));
   }
 
  private:

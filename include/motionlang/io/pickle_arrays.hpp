@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's compressed matrices, chumpy's
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices, chumpy's
 /// nodes (which SMPL's first files hold).
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
@@ -77,37 +77,46 @@ inline NpyArray numpy_array(const PickleValue& v) {
   return stored_array(a.type, a.fortran_order, std::move(a.shape), a.raw, a.where);
 }
 
-inline bool is_compressed_matrix(const PickleValue& v) {
-  const std::string name = v.name();
-  return name.starts_with("scipy.sparse.") && (name.ends_with(".csc_matrix") || name.ends_with(".csr_matrix"));
-}
-
-/// A compressed matrix in full: entries indptr[c] ... indptr[c + 1] - 1 lie in column (csr: row) c at row (column) indices[k].
+/// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in column (row) c at
+/// row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call coords.
 inline NpyArray dense_matrix(const PickleValue& v) {
+  const std::string name = v.name();
+  const std::string_view kind = std::string_view(name).substr(name.rfind('.') + 1);
+  const bool by_column = kind == "csc_matrix" || kind == "csc_array", by_row = kind == "csr_matrix" || kind == "csr_array";
+  if (!by_column && !by_row && kind != "coo_matrix" && kind != "coo_array") v.fail(404, "a sparse matrix of class ", name);
   const PickleValue state = v.state();
   const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
-  const auto numbers = [&](const char* name) { return numpy_array(state[name]); };
-  const auto data = numbers("data").to<double>();
-  const auto indices = numbers("indices").to<std::int64_t>(), starts = numbers("indptr").to<std::int64_t>();
   constexpr Index most = 2'000'000;
   if (shape.size() != 2) v.fail(403, "a sparse matrix with ", shape.size(), " sizes");
   const Index rows = shape[0], columns = shape[1];
   if (rows > most || columns > most || rows * columns > most) {
     v.fail(405, "a sparse matrix of ", rows, " x ", columns, " is too large");
   }
-  const bool by_column = v.name().ends_with("csc_matrix");
-  const Index major = by_column ? columns : rows, minor = by_column ? rows : columns;
-  if (std::ssize(starts) != major + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
-      indices.size() != data.size() || !std::is_sorted(starts.begin(), starts.end())) {
-    v.fail(403, "a sparse matrix whose arrays do not fit together");
-  }
-  std::vector<double> dense(static_cast<std::size_t>(rows * columns), 0.0);
-  for (Index c = 0; c < major; ++c) {
-    for (auto k = static_cast<std::size_t>(starts[static_cast<std::size_t>(c)]);
-         k < static_cast<std::size_t>(starts[static_cast<std::size_t>(c) + 1]); ++k) {
-      if (indices[k] < 0 || indices[k] >= minor) v.fail(403, "index ", indices[k], " in a sparse matrix of ", minor);
-      dense[static_cast<std::size_t>(by_column ? indices[k] * columns + c : c * columns + indices[k])] += data[k];
+  const auto data = numpy_array(state["data"]).to<double>();
+  const auto places = [](const PickleValue& array) { return numpy_array(array).to<std::int64_t>(); };
+  std::vector<std::int64_t> row, column;
+  if (by_column || by_row) {
+    const auto starts = places(state["indptr"]);
+    if (std::ssize(starts) != (by_column ? columns : rows) + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
+        !std::is_sorted(starts.begin(), starts.end())) {
+      v.fail(403, "a sparse matrix whose arrays do not fit together");
     }
+    (by_column ? row : column) = places(state["indices"]);
+    std::vector<std::int64_t>& outer = by_column ? column : row;
+    for (std::size_t c = 0; c + 1 < starts.size(); ++c)
+      outer.resize(static_cast<std::size_t>(starts[c + 1]), static_cast<std::int64_t>(c));
+  } else {
+    const auto both = state.find("coords");
+    row = places(both ? (*both)[0] : state["row"]);
+    column = places(both ? (*both)[1] : state["col"]);
+  }
+  if (row.size() != data.size() || column.size() != data.size())
+    v.fail(403, "a sparse matrix whose arrays do not fit together");
+  std::vector<double> dense(static_cast<std::size_t>(rows * columns), 0.0);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (row[k] < 0 || row[k] >= rows || column[k] < 0 || column[k] >= columns)
+      v.fail(403, "entry ", row[k], ", ", column[k], " in a sparse matrix of ", rows, " x ", columns);
+    dense[static_cast<std::size_t>(row[k] * columns + column[k])] += data[k];
   }
   return NpyArray::of(std::span<const double>(dense), {rows, columns});
 }
@@ -147,8 +156,8 @@ inline NpyArray to_array(const PickleValue& v, int depth) {
   if (v.is(PickleKind::integer) || v.is(PickleKind::boolean)) return NpyArray::scalar(v.integer());
   if (v.is(PickleKind::real)) return NpyArray::scalar(v.real());
   if (is_numpy_array(v) || is_numpy_scalar(v)) return numpy_array(v);
-  if (is_compressed_matrix(v)) return dense_matrix(v);
   const std::string name = v.name();
+  if (name.starts_with("scipy.sparse.")) return dense_matrix(v);
   if (name == "chumpy.reordering.Select") return selected_array(v, depth + 1);
   if (name.starts_with("chumpy.")) return node_array(v, depth + 1);
   v.fail(407, "an array expected, found ", name.empty() ? to_string(v.kind()) : name);
@@ -172,8 +181,8 @@ inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const
   return {position, detail::checked_size(described.shape, described.item_size, object.file())};
 }
 
-/// The array that a value of a pickle means: of NumPy or joblib, a single number, a compressed matrix of SciPy in full (as real numbers),
-/// or the value of a chumpy node.
+/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full (csc, csr, coo; as
+/// real numbers), or the value of a chumpy node.
 /// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
 ///         the value is no array
 inline NpyArray to_array(const PickleValue& value) { return detail::to_array(value, 0); }

@@ -286,26 +286,30 @@ inline BertConfig distilbert_config(const TensorSet& file) {
   return c;
 }
 
-/// The sizes in the config.json of a CLIP model, or of its text tower alone.
+/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with whatever is
+/// usual, is as in ViT-B/32.
 inline ClipTextConfig clip_text_config(const JsonView& config) {
   using detail::config_size;
   const JsonView text =
       config.contains("text_config") && config["text_config"].is_object() ? config["text_config"] : config;
   const bool older = config.contains("text_config_dict") && config["text_config_dict"].is_object();
   const auto at = [&](const std::string& key) {  // where older files say it twice, the dictionary wins
+    if (key == "projection_dim" && config.contains(key)) return config;
     return older && config["text_config_dict"].contains(key) ? config["text_config_dict"] : text;
   };
   ClipTextConfig c;
-  c.vocabulary = config_size(at("vocab_size"), "vocab_size", detail::largest_vocabulary);
-  c.width = config_size(at("hidden_size"), "hidden_size", detail::largest_width);
-  c.heads = config_size(at("num_attention_heads"), "num_attention_heads", detail::largest_width);
-  c.layers = config_size(at("num_hidden_layers"), "num_hidden_layers", detail::largest_depth);
-  c.d_ff = config_size(at("intermediate_size"), "intermediate_size", 8 * detail::largest_width);
-  c.context = config_size(at("max_position_embeddings"), "max_position_embeddings", detail::largest_vocabulary);
-  c.out = config_size(config.contains("projection_dim") ? config : at("projection_dim"), "projection_dim",
-                      detail::largest_width);
-  c.activation = detail::config_activation(at("hidden_act"), "hidden_act");
-  c.eps = at("layer_norm_eps").value_or("layer_norm_eps", 1e-5);
+  const auto read = [&](Index& size, const std::string& key, Index largest) {
+    if (at(key).contains(key)) size = config_size(at(key), key, largest);
+  };
+  read(c.vocabulary, "vocab_size", detail::largest_vocabulary);
+  read(c.width, "hidden_size", detail::largest_width);
+  read(c.heads, "num_attention_heads", detail::largest_width);
+  read(c.layers, "num_hidden_layers", detail::largest_depth);
+  read(c.d_ff, "intermediate_size", 8 * detail::largest_width);
+  read(c.context, "max_position_embeddings", detail::largest_vocabulary);
+  read(c.out, "projection_dim", detail::largest_width);
+  if (at("hidden_act").contains("hidden_act")) c.activation = detail::config_activation(at("hidden_act"), "hidden_act");
+  c.eps = at("layer_norm_eps").value_or("layer_norm_eps", c.eps);
   check_heads(c.width, c.heads);
   return c;
 }

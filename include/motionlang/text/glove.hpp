@@ -102,26 +102,37 @@ class GloVe {
     return out;
   }
 
-  /// "word/tag word/tag"; a text without a slash is a caption. Throws config_error 107 for a word with no tag or several.
+  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any other
+  /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of the table.
   std::vector<TaggedWord> tokens(std::string_view text) const {
-    if (text.find('/') == text.npos) return caption_tokens(text);
     std::vector<TaggedWord> out;
+    std::string_view wrong;
+    bool tagged = false;
     for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
       const std::size_t end = std::min(text.find(' ', at), text.size());
       const std::string_view token = text.substr(at, end - at);
-      const std::size_t slash = token.find('/');
-      if (slash == token.npos || token.find('/', slash + 1) != token.npos)
-        raise<config_error>(107, "GloVe: '", token, "' is not word/tag");
-      out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
       at = end;
+      const std::size_t slash = token.find('/');
+      if (slash == token.npos || token.find('/', slash + 1) != token.npos) {
+        if (wrong.empty()) wrong = token;
+        continue;
+      }
+      out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
+      tagged = tagged || speech_tag(out.back().tag) != SpeechTag::other;
     }
-    return out;
+    if (wrong.empty()) return out;
+    if (tagged) raise<config_error>(107, "GloVe: '", wrong, "' is not word/tag");
+    return caption_tokens(text);
   }
-  /// An approximation to what was done with spaCy: lower-case words, of which -s, -es, -ed and -ing are taken away where the word is
-  /// unknown and the rest is known. Tags come from the lists of `motion_tag` only.
+  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed over; -s, -es,
+  /// -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const {
+    std::string joined(text);
+    std::erase(joined, '-');
     std::vector<TaggedWord> out;
-    for (const std::string& word : WordPiece::words(text)) out.push_back({known_form(word), "OTHER"});
+    for (const std::string& word : WordPiece::words(joined)) {
+      if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word), "OTHER"});
+    }
     return out;
   }
 

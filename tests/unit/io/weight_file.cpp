@@ -94,6 +94,13 @@ TEST_CASE("checkpoints: the tensors are found, other entries are told, classes t
   CHECK_ERROR(open("checkpoint.ckpt", {.path = "", .strict = true}), "an object of class nobody.Config at 'config'");
 }
 
+TEST_CASE("a sparse matrix of another kind is skipped") {
+  const std::string_view bytes = "\x80\x02(dS'm'\ncscipy.sparse._lil\nlil_matrix\n)\x81sS'x'\n(lI1\naI2\nas.";
+  const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span(bytes)), "x.pkl");
+  CHECK(file.names() == std::vector<std::string>{"x"});
+  CHECK(file.skipped() == std::set<std::string>{"scipy.sparse._lil.lil_matrix"});
+}
+
 TEST_CASE("Lightning with omegaconf, pathlib, functools, a NumPy scalar and a class as a key") {
   const auto file = open("spec_lightning.ckpt");
   CHECK(floats(file, "weight") == std::vector<float>{0.5F, -0.25F});

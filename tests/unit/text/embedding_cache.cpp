@@ -85,6 +85,20 @@ TEST_CASE("a cache that was read grows and replaces its files") {
   for (const std::string& t : texts) CHECK(same(again, cache_of(texts), t));
 }
 
+TEST_CASE("a text that is not UTF-8 is refused before it is encoded; what is written already stays") {
+  const TemporaryFolder folder;
+  auto cache = cache_of(texts);
+  cache.write(folder.path.string(), "m");
+  const std::vector<std::string> latin1{"run", "caf\xe9"};
+  CHECK_ERROR(cache.add(latin1[1], std::vector<float>{1, 2}), "[motionlang.io.403]");
+  Index asked = 0;
+  CHECK_ERROR(cache.add<B>(CountingEncoder{&asked}, latin1), "[motionlang.io.403]");
+  CHECK(asked == 0);
+  CHECK(cache.count() == 4);
+  const auto read = ml::EmbeddingCache::read(folder.path.string(), "m");
+  for (const std::string& t : texts) CHECK(same(read, cache, t));
+}
+
 TEST_CASE("one vector for each text needs no slices; other types of numbers are converted") {
   const TemporaryFolder folder;
   ml::EmbeddingCache cache(3);

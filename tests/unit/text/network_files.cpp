@@ -199,4 +199,13 @@ TEST_CASE("config.json") {
   CHECK(c.out == 512);
   CHECK(c.context == 77);
   CHECK(c.activation == ml::Activation::quick_gelu);
+
+  const auto partial = ml::parse_json(R"({"model_type": "clip", "projection_dim": 768, "text_config": {"hidden_size": 768,
+    "intermediate_size": 3072, "num_attention_heads": 12, "hidden_act": "gelu"}})");
+  const auto l14 = ml::clip_text_config(ml::JsonView(partial, "config.json"));
+  CHECK((l14.width == 768 && l14.d_ff == 3072 && l14.heads == 12 && l14.out == 768));
+  CHECK((l14.vocabulary == 49408 && l14.layers == 12 && l14.context == 77 && l14.eps == 1e-5));
+  CHECK(l14.activation == ml::Activation::gelu);
+  const auto wrong = ml::parse_json(R"({"model_type": "clip", "text_config": {"vocab_size": 0}})");
+  CHECK_ERROR(ml::clip_text_config(ml::JsonView(wrong, "config.json")), "[motionlang.config.101]");
 }

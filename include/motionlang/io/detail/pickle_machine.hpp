@@ -9,6 +9,7 @@
 #include <string>         // messages
 #include <string_view>    // texts in the file
 #include <unordered_map>  // memo
+#include <utility>        // opcodes and their names
 #include <vector>         // stack
 
 #include <motionlang/core/utf8.hpp>
@@ -59,6 +60,28 @@ struct PickleOptions {
 
 namespace detail {
 
+// clang-format off
+/// Of an opcode, as pickletools calls it; empty if there is none.
+inline std::string_view opcode_name(unsigned char opcode) {
+  constexpr std::pair<unsigned char, std::string_view> names[] = {
+      {'(', "MARK"}, {')', "EMPTY_TUPLE"}, {'.', "STOP"}, {'0', "POP"}, {'1', "POP_MARK"}, {'2', "DUP"}, {'B', "BINBYTES"},
+      {'C', "SHORT_BINBYTES"}, {'F', "FLOAT"}, {'G', "BINFLOAT"}, {'I', "INT"}, {'J', "BININT"}, {'K', "BININT1"}, {'L', "LONG"},
+      {'M', "BININT2"}, {'N', "NONE"}, {'P', "PERSID"}, {'Q', "BINPERSID"}, {'R', "REDUCE"}, {'S', "STRING"}, {'T', "BINSTRING"},
+      {'U', "SHORT_BINSTRING"}, {'V', "UNICODE"}, {'X', "BINUNICODE"}, {']', "EMPTY_LIST"}, {'a', "APPEND"}, {'b', "BUILD"},
+      {'c', "GLOBAL"}, {'d', "DICT"}, {'e', "APPENDS"}, {'g', "GET"}, {'h', "BINGET"}, {'i', "INST"}, {'j', "LONG_BINGET"},
+      {'l', "LIST"}, {'o', "OBJ"}, {'p', "PUT"}, {'q', "BINPUT"}, {'r', "LONG_BINPUT"}, {'s', "SETITEM"}, {'t', "TUPLE"},
+      {'u', "SETITEMS"}, {'}', "EMPTY_DICT"}, {0x80, "PROTO"}, {0x81, "NEWOBJ"}, {0x82, "EXT1"}, {0x83, "EXT2"}, {0x84, "EXT4"},
+      {0x85, "TUPLE1"}, {0x86, "TUPLE2"}, {0x87, "TUPLE3"}, {0x88, "NEWTRUE"}, {0x89, "NEWFALSE"}, {0x8A, "LONG1"}, {0x8B, "LONG4"},
+      {0x8C, "SHORT_BINUNICODE"}, {0x8D, "BINUNICODE8"}, {0x8E, "BINBYTES8"}, {0x8F, "EMPTY_SET"}, {0x90, "ADDITEMS"},
+      {0x91, "FROZENSET"}, {0x92, "NEWOBJ_EX"}, {0x93, "STACK_GLOBAL"}, {0x94, "MEMOIZE"}, {0x95, "FRAME"}, {0x96, "BYTEARRAY8"},
+      {0x97, "NEXT_BUFFER"}, {0x98, "READONLY_BUFFER"}};
+  for (const auto& [code, name] : names) {
+    if (code == opcode) return name;
+  }
+  return "";
+}
+// clang-format on
+
 using PickleRef = std::uint32_t;
 inline constexpr PickleRef no_pickle_value = UINT32_MAX;
 
@@ -87,6 +110,11 @@ class PickleMachine {
   std::uint64_t memory_left() const { return memory_; }
   /// Values that stand for something outside of the pickle, in the order of the file.
   const std::vector<PickleRef>& persistent() const { return persistent_; }
+  /// For messages: " at byte 7 (BINGET)".
+  std::string place(std::uint64_t at) const {
+    const auto name = at < bytes_.size() ? opcode_name(std::to_integer<unsigned char>(bytes_[static_cast<std::size_t>(at)])) : "";
+    return name.empty() ? concat_text(" at byte ", at) : concat_text(" at byte ", at, " (", name, ")");
+  }
 
   /// Reads from `start` to STOP and gives the value that is left.
   PickleRef run(std::uint64_t start) {
@@ -104,18 +132,21 @@ class PickleMachine {
 
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
-    raise<io_error>(id, file_, ": pickle: ", what..., " at byte ", opcode_at_);
+    raise<io_error>(id, file_, ": pickle: ", what..., place(opcode_at_));
   }
 
   // The file.
 
+  std::uint64_t left() const { return bytes_.size() - std::min<std::uint64_t>(position_, bytes_.size()); }
   template <class T>
   T number(std::string_view what) {
+    if (left() < sizeof(T)) fail(402, "ends inside ", what);
     const T value = load<T>(bytes_, position_, file_, what);
     position_ += sizeof(T);
     return value;
   }
   std::string_view take(std::uint64_t size, std::string_view what) {
+    if (left() < size) fail(402, what, " of ", size, " bytes where ", left(), " are left");
     const auto part = slice(bytes_, position_, size, file_, what);
     position_ += size;
     return as_text(part);
@@ -541,9 +572,7 @@ class PickleMachine {
   // clang-format on
 
   void frame(std::uint64_t size) {
-    if (size > bytes_.size() - position_) {
-      raise<io_error>(402, file_, ": pickle: a frame of ", size, " bytes at byte ", opcode_at_, " of ", bytes_.size());
-    }
+    if (left() < size) fail(402, "a frame of ", size, " bytes where ", left(), " are left");
   }
   std::uint64_t length() {
     const auto n = number<std::int32_t>("length");
@@ -551,6 +580,8 @@ class PickleMachine {
     return static_cast<std::uint64_t>(n);
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
+    const PickleKind kind = nodes_[callee].kind;
+    if (kind != PickleKind::name && kind != PickleKind::object) fail(403, "a call of ", name_of(kind));
     if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
     call(callee, arguments);
   }
