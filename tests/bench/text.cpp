@@ -1,5 +1,5 @@
 // Text networks at their published sizes, with random weights: DistilBERT on 32 tokens, CLIP's ViT-B/32 tower on 77, MPNet on 32, and the
-// memory that they take.
+// memory that they, the tower of ViT-L/14 and MiniLM take.
 //
 // usage: bench_text [THREADS] [--bf16] [distilbert clip_text mpnet memory ...]
 #include <motionlang/backend/eigen.hpp>
@@ -62,9 +62,13 @@ void each_network(F f) {
   };
   const auto mpnet = [](const auto& file) { return ml::load_text_network<ml::Mpnet<B>>(ml::mpnet_base, file); };
   const auto clip = [](const auto& file) { return ml::load_clip_text<B>(ml::clip_vit_b32, file); };
+  const auto large = [](const auto& file) { return ml::load_clip_text<B>(ml::clip_vit_l14, file); };
+  const auto minilm = [](const auto& file) { return ml::load_text_network<ml::Bert<B>>(ml::minilm_l6, file); };
   f("DistilBERT", ml::distilbert_base, Index{32}, Index{768}, bert);
   f("CLIP ViT-B/32", ml::clip_vit_b32, Index{77}, Index{512}, clip);
+  f("CLIP ViT-L/14", ml::clip_vit_l14, Index{77}, Index{768}, large);
   f("MPNet", ml::mpnet_base, Index{32}, Index{768}, mpnet);
+  f("MiniLM", ml::minilm_l6, Index{32}, Index{384}, minilm);
 }
 
 /// One program writes a file of random weights; another one loads it, encodes a text and looks at what that takes.

@@ -1,7 +1,9 @@
-// Files of tokenizers and the texts that they meet: what stands before the first NUL is a file (vocab.txt, merges.txt, JSON, gzip),
-// what follows is a text. Any file is read or refused with an error of the library; any text gets ids of the vocabulary.
+// Files of tokenizers, config.json of text networks, and the texts that they meet: what stands before the first NUL is a file
+// (vocab.txt, merges.txt, JSON, gzip), what follows is a text. Any file is read or refused with an error of the library; any text gets
+// ids of the vocabulary.
 #include <cstdint>
 
+#include <motionlang/io/text_network_file.hpp>
 #include <motionlang/io/tokenizer_json.hpp>
 
 #include "check.hpp"
@@ -49,6 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const ml::JsonView view(document);
       refusing([&] { ml::tokenizer_config_from_json(view); });
       refusing([&] { ml::detail::pieces_by_id(view); });
+      for (const char* type : {"distilbert", "bert", "mpnet"}) refusing([&] { ml::bert_config(view, type); });
+      refusing([&] { ml::clip_text_config(view); });
       const auto tokenizer = ml::tokenizer_from_json(view, {.stored = true});
       if (tokenizer.bert() != nullptr) check_text(*tokenizer.bert(), text);
       if (tokenizer.clip() != nullptr) check_text(*tokenizer.clip(), text);

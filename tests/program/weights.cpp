@@ -40,6 +40,12 @@ TEST_CASE("info: tensors, values and skipped classes of files in every format") 
   const Outcome refused = run({"info", golden("malformed/pt_os_system.pt.bad")}, folder.path);
   CHECK(refused.code == 1);
   check_contains(refused.text, {"names posix.system: the file tries to execute code at byte 169 (GLOBAL)"});
+  for (const char* name : {"page.ckpt", "page.pth.tar", "page.bin"}) {  // what a download gives where one has to log in
+    ml::write_file(folder / name, std::string_view("<!DOCTYPE html><html></html>"));
+    const Outcome page = run({"info", name}, folder.path);
+    CHECK(page.code == 1);
+    check_contains(page.text, {"[motionlang.io.404]", "not a file of weights"});
+  }
 }
 
 TEST_CASE("convert: weights of any format become safetensors") {

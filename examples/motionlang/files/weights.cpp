@@ -35,8 +35,8 @@ std::string printable(std::string text) {
 }
 
 bool is_weights(const std::filesystem::path& path) {
-  const std::string kind = kind_of(path);
-  return kind == ".safetensors" || kind == ".pkl" || ml::may_be_weights(path);
+  constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
+  return std::find(std::begin(kinds), std::end(kinds), kind_of(path)) != std::end(kinds) || ml::may_be_weights(path);
 }
 bool holds_motion(const std::filesystem::path& npz) { return ml::NpzArchive::open(npz).has("poses"); }
 bool holds_joints(const std::filesystem::path& npy) {

@@ -6,7 +6,7 @@
 
 namespace program {
 
-/// Whether a file, or a folder, is to be read as weights.
+/// Whether a file, or a folder, is to be read as weights: by its kind, of others by how it begins.
 bool is_weights(const std::filesystem::path& path);
 /// Of NumPy's files: whether they are motions or joint positions rather than weights.
 bool holds_motion(const std::filesystem::path& npz);

@@ -85,6 +85,10 @@ class MappedFile {
                          end = (address(part) + part.size()) / page * page;
     if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
+  /// The same of bytes that lie in a mapped file or elsewhere.
+  static void forget_if_mapped(std::span<const std::byte> part) {
+    if (const MappedFile* file = that_holds(part)) file->forget(part);
+  }
 
  private:
   explicit MappedFile(const FilePath& path) {

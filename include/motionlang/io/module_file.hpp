@@ -37,6 +37,7 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
     const std::vector<S> values = values_of<S>(view);
+    MappedFile::forget_if_mapped(view.bytes);
     return C::from_span(std::span<const S>(values), view.shape);
   };
   if constexpr (AutodiffBackend<B>) {
@@ -174,9 +175,7 @@ struct ReleasePacked {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if constexpr (requires { t.data().attached(); }) {
-      const auto bytes = std::as_bytes(t.span());
-      if (t.data().attached() == nullptr) return;
-      if (const MappedFile* file = MappedFile::that_holds(bytes)) file->forget(bytes);
+      if (t.data().attached() != nullptr) MappedFile::forget_if_mapped(std::as_bytes(t.span()));
     }
   }
 };

@@ -5,6 +5,7 @@
 #include <algorithm>  // lower_bound
 #include <memory>     // owner of the bytes
 
+#include <motionlang/io/key_report.hpp>
 #include <motionlang/io/tensor_view.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -29,11 +30,13 @@ class TensorSet {
                                     [](const TensorView& a, std::string_view b) { return a.name < b; });
     return t != tensors_.end() && t->name == tensor ? &*t : nullptr;
   }
-  /// Throws io_error 406 if there is none of that name.
+  /// Throws io_error 406 if there is none of that name, with the most similar one.
   const TensorView& tensor(std::string_view tensor) const {
     const TensorView* t = find(tensor);
-    if (t == nullptr) raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size());
-    return *t;
+    if (t != nullptr) return *t;
+    const std::string like = nearest_name(tensor, names());
+    raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
+                    like.empty() ? "" : concat_text("; the file has '", like, "'"));
   }
 
  protected:

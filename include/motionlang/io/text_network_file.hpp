@@ -12,10 +12,10 @@
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
 ///          value are stacked and whose text_projection is transposed
 /// Memory   tensors of 32-bit numbers are views of the file. Weights of layers among them are packed for the kernels (prepare) and their
-///          memory in the file is given back, so that no weight is there twice; weights that had to be converted or put together are
-///          packed whenever they are used
-/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes; io_error 406,
-///          407 if names or shapes do not match
+///          memory in the file is given back, so that no weight is there twice. Weights that had to be converted or put together give
+///          theirs back, too, and are packed whenever they are used
+/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes, 102 for sizes far
+///          above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
 #pragma once
 
@@ -105,6 +105,7 @@ inline void add_stacked(RenamedTensors& out, const std::array<const TensorView*,
       raise<io_error>(407, where, ": '", p->name, "' is ", p->dtype, " ", p->shape, ", '", parts[0]->name, "' ",
                       whole.dtype, " ", parts[0]->shape);
     bytes.insert(bytes.end(), p->bytes.begin(), p->bytes.end());
+    MappedFile::forget_if_mapped(p->bytes);
   }
   whole.shape[0] = 3 * parts[0]->shape[0];
   out.add(std::move(whole), std::move(name), std::move(bytes));
@@ -120,6 +121,7 @@ inline void add_transposed(RenamedTensors& out, TensorView view, std::string nam
       std::memcpy(bytes.data() + (c * rows + r) * size, view.bytes.data() + (r * columns + c) * size, size);
   }
   std::swap(view.shape[0], view.shape[1]);
+  MappedFile::forget_if_mapped(view.bytes);
   out.add(std::move(view), std::move(name), std::move(bytes));
 }
 
@@ -206,6 +208,17 @@ void prepare_mapped(std::vector<Layer>& layers) {
   for (Layer& layer : layers) visit_tensors(layer, PrepareMapped{});
 }
 
+/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
+/// Throws config_error 102.
+inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
+  const Index wanted = width * (rows + layers * (4 * width + 2 * d_ff));
+  Index found = 0;
+  for (const TensorView& t : weights.tensors()) found += t.shape.count();
+  if (wanted > 2 * found + (Index{16} << 20))
+    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ", d_ff, " and ",
+                        layers, " layers has ", wanted);
+}
+
 /// A size in a configuration file, 1 ... largest.
 inline Index config_size(const JsonView& config, const std::string& key, Index largest) {
   const Index n = config[key].as<Index>();
@@ -253,6 +266,7 @@ inline BertConfig bert_config(const JsonView& config, std::string_view model_typ
 /// Fills a network of the BERT family.
 template <class Network>
 Network load_text_network(const BertConfig& config, const TensorSet& weights) {
+  detail::check_room(weights, config.vocabulary + config.positions + config.token_types, config.width, config.d_ff, config.layers);
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
@@ -337,6 +351,7 @@ inline ClipTextConfig clip_text_config(const TensorSet& file) {
 
 template <Backend B>
 ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weights) {
+  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff, config.layers);
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));

@@ -277,6 +277,8 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   std::map<std::string, std::uint64_t, std::less<>> element_size;
   for (const PickleValue& v : object.persistent()) {
     const PickleValue id = v.arguments();
+    if (id.size() > 0 && id[0].text() == "module")
+      v.fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (id.size() < 5) v.fail(403, "not the id of a storage");
     const auto dtype = storage_dtype(id[1].name());
     memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
@@ -336,8 +338,8 @@ class TorchFile {
     Pickle object = detail::read_torch_legacy(bytes, name, tensors, memory);
     return TorchFile(std::move(object), std::move(tensors), memory, "torch legacy");
   }
-  /// An archive that is open already.
-  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory) {
+  /// An archive that is open already. `checksums`: those of stored storages are compared, too, which reads all of them.
+  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory, bool checksums = false) {
     const std::string folder = root_folder(zip);
     if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
     detail::TorchTensors tensors(memory);
@@ -347,8 +349,9 @@ class TorchFile {
       script = script || e.name == folder + "constants.pkl" || e.name.starts_with(folder + "code/");
       if (!e.name.starts_with(data)) continue;
       if (e.deflated) memory->spend(e.size);
-      tensors.add_storage(e.name.substr(data.size()),
-                          e.deflated ? std::span<const std::byte>(memory->keep(zip.read(e))) : zip.stored(e));
+      tensors.add_storage(e.name.substr(data.size()), e.deflated   ? std::span<const std::byte>(memory->keep(zip.read(e)))
+                                                      : checksums ? zip.checked(e)
+                                                                  : zip.stored(e));
     }
     if (const ZipEntry* order = zip.find(folder + "byteorder")) {
       const std::string_view text = detail::as_text(zip.checked(*order));

@@ -29,7 +29,8 @@ struct WeightOptions {
   /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless given: the
   /// root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
-  bool strict = false;  // refuse what is skipped otherwise
+  bool strict = false;     // refuse what is skipped otherwise
+  bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
 };
 
 class WeightFile;
@@ -470,7 +471,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
     if (!TorchFile::root_folder(zip).empty()) {
-      read_torch(TorchFile::from_archive(zip, memory));
+      read_torch(TorchFile::from_archive(zip, memory, options.checksums));
     } else {
       const NpzArchive npz(zip);
       if (npz.names().empty())

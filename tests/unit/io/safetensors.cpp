@@ -64,6 +64,10 @@ TEST_CASE("the example of the specification") {  // weights.md 10.1
   CHECK(file.tensor("b").shape == Shape{3});
   CHECK(file.find("c") == nullptr);
   CHECK_THROWS_WITH_AS(file.tensor("c"), doctest::Contains("[motionlang.io.406]"), ml::io_error);
+  const auto named = read(file_of(R"({"layers.0.weight":{"dtype":"U8","shape":[1],"data_offsets":[0,1]}})", "x"));
+  CHECK_THROWS_WITH_AS(named.tensor("layers.0.wieght"),
+                       "[motionlang.io.406] test: no tensor 'layers.0.wieght' among 1; the file has 'layers.0.weight'", ml::io_error);
+  CHECK_THROWS_WITH_AS(named.tensor("bias"), "[motionlang.io.406] test: no tensor 'bias' among 1", ml::io_error);
 
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   check_refused(text.substr(0, text.size() - 1), "402] test: byte");
@@ -251,6 +255,27 @@ TEST_CASE("what is written is read back, aligned and without a copy") {
   std::uint64_t header = 0;
   std::memcpy(&header, ml::safetensors_bytes(tensors).data(), 8);
   CHECK(header % 8 == 0);
+}
+
+TEST_CASE("every element type is written and read back") {
+  std::vector<std::byte> numbers(64);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::byte>(i * 37 + 1);
+  std::vector<TensorView> tensors;
+  for (std::size_t i = 0; i < ml::dtype_table.size(); ++i)  // 8 elements of b bits are b bytes
+    tensors.push_back({.name = std::string(ml::dtype_table[i].name),
+                       .dtype = static_cast<DType>(i),
+                       .shape = {2, 4},
+                       .bytes = std::span(numbers).first(static_cast<std::size_t>(ml::dtype_table[i].bits))});
+  const auto bytes = ml::safetensors_bytes(tensors);
+  const auto file = SafetensorsFile::from_bytes(bytes);
+  CHECK(file.tensors().size() == 22);
+  for (const TensorView& t : tensors) {
+    CAPTURE(t.name);
+    const TensorView& found = file.tensor(t.name);
+    CHECK(found.dtype == t.dtype);
+    CHECK(found.shape == t.shape);
+    CHECK(std::equal(found.bytes.begin(), found.bytes.end(), t.bytes.begin(), t.bytes.end()));
+  }
 }
 
 TEST_CASE("what could not be read is not written") {

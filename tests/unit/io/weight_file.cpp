@@ -62,6 +62,24 @@ TEST_CASE("PyTorch: tensors that lie in order in the file are views of it") {
   CHECK(!inside("wt"));
 }
 
+TEST_CASE("PyTorch: checksums of storages are compared where that is asked for; modules with source code") {
+  std::string bytes = ml::read_file(sample("spec_zip.pt"));
+  const auto open_bytes = [&](bool checksums) {
+    return ml::WeightFile::from_bytes(std::as_bytes(std::span(bytes)), "x.pt", {}, {.checksums = checksums});
+  };
+  CHECK(floats(open_bytes(true), "h") == std::vector<float>{1, -2.5F});
+  const auto* const at = reinterpret_cast<const char*>(open_bytes(false).tensor("h").bytes.data());
+  bytes[static_cast<std::size_t>(at - bytes.data())] ^= 1;
+  CHECK(floats(open_bytes(false), "h").at(1) == -2.5F);
+  CHECK_ERROR(open_bytes(true), "checksum");
+
+  std::string module = ml::read_file(sample("spec_legacy.pt"));
+  const std::string_view storage("X\x07\0\0\0storage", 12);
+  REQUIRE(module.find(storage) != std::string::npos);
+  module.replace(module.find(storage), storage.size(), std::string_view("X\x06\0\0\0module", 11));
+  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(module)), "x.pt"), "save its state_dict()");
+}
+
 TEST_CASE("PyTorch: big-endian, packed, older and newer ways to rebuild tensors") {
   CHECK(floats(open("big_endian.pt"), "w") == six);
   CHECK(floats(open("big_endian.pt"), "t") == transposed);

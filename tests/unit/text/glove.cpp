@@ -23,6 +23,7 @@ std::vector<float> numbers() {
   for (int i = 0; i < 18; ++i) out.push_back(static_cast<float>(i));
   return out;
 }
+static_assert(ml::TextEncoder<ml::GloVe, B>);
 ml::GloVe small() { return ml::GloVe(words, numbers(), 2); }
 
 }  // namespace

@@ -139,6 +139,18 @@ TEST_CASE("what does not match is named") {
   CHECK_ERROR(clip_vector(n), "[motionlang.io.406]");
 }
 
+TEST_CASE("no memory for sizes that the file does not justify") {
+  ml::BertConfig huge = tiny_bert;
+  huge.vocabulary = 10'000'000, huge.width = 16'384;
+  CHECK_ERROR(ml::load_text_network<ml::DistilBert<B>>(huge, file_of(distil)), "[motionlang.config.102]");
+  huge = tiny_bert;
+  huge.layers = 1024, huge.d_ff = 131'072;
+  CHECK_ERROR(ml::load_text_network<ml::Bert<B>>(huge, file_of(bert)), "[motionlang.config.102]");
+  ml::ClipTextConfig clip = tiny_clip;
+  clip.context = 10'000'000;
+  CHECK_ERROR(ml::load_clip_text<B>(clip, file_of(openai)), "[motionlang.config.102]");
+}
+
 TEST_CASE("sizes of CLIP from the shapes of its tensors") {
   for (const Numbers& n : {openai, hugging_face(openai)}) {
     const auto c = ml::clip_text_config(file_of(n));
