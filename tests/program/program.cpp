@@ -255,6 +255,11 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
     CHECK(w.run({"convert", "rows.npy", "again.bvh"}).code == 0);
     CHECK(ml::read_bvh_motion(w / "again.bvh").frames() > 3);
   }
+  CHECK(contains(w.run({"convert", "walk.bvh", "rows.npy", "--features", "smplvelp"}).text,
+                 "rows.npy: 25 rows of 135 numbers at 12.5 per second, 2.00 s"));
+  CHECK(contains(w.run({"convert", "walk.bvh", "rows.npy", "--features", "smplvelp", "--fps", "30"}).text,
+                 "rows.npy: 59 rows of 135 numbers at 30 per second, 1.97 s"));
+  CHECK(ml::read_npy(w / "rows.npy").shape == std::vector<ml::Index>{59, 135});
   const auto unknown_features = w.run({"convert", "walk.bvh", "rows.npy", "--features", "poses"});
   CHECK_MESSAGE(contains(unknown_features.text, "'poses' is none of guoh3d"), unknown_features.text);
   CHECK(contains(ml::read_file(w / "page.html"), "<html"));
@@ -267,6 +272,67 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   CHECK(empty.code == 1);
   CHECK_MESSAGE(contains(empty.text, "nothing of the 2 s is between 5 and"), empty.text);
   CHECK(!std::filesystem::exists(w / "none.bvh"));
+}
+
+TEST_CASE("convert: feet that are fixed stand on the floor, whatever height the file gives its root at rest") {
+  const Workplace w;
+  auto sunk = synthetic::walk({.frames = 40});
+  for (auto& r : sunk.root) r.y -= 0.3;
+  ml::write_bvh(w / "sunk.bvh", sunk);
+  REQUIRE(ml::read_bvh_motion(w / "sunk.bvh").skeleton.offset(0) == ml::Vec3<double>{});
+  const auto out = w.run({"convert", "sunk.bvh", "fixed.npz", "--fix-feet"});
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  double lowest = 9;
+  for (const auto& p : ml::read_amass(w / "fixed.npz").motion.positions()) lowest = std::min(lowest, p.y);
+  CHECK(std::abs(lowest) < 0.02);
+}
+
+TEST_CASE("convert: several motions of a file, of which one that fails stops no other") {
+  const Workplace w;
+  std::vector<ml::Motion> several{synthetic::walk({.frames = 40, .fps = 30}), synthetic::walk({.frames = 1, .fps = 30}),
+                                  synthetic::walk({.frames = 20, .fps = 30})};
+  several[1].name = "pose", several[2].name = "short walk";
+  ml::write_glb(w / "three.glb", several);
+  const auto looped = w.run({"convert", "three.glb", "loop.bvh", "--loop", "0.2"});
+  CHECK(looped.code == 1);
+  CHECK_MESSAGE(contains(looped.text, "pose: [motionlang.config.101] make_loop: 1 frames to blend in a clip of 1"), looped.text);
+  CHECK_MESSAGE(contains(looped.text, "1 of the 3 motions of three.glb could not be made"), looped.text);
+  CHECK(std::filesystem::exists(w / "loop_short walk.bvh"));
+  CHECK(!std::filesystem::exists(w / "loop_pose.bvh"));
+
+  CHECK_MESSAGE(contains(w.run({"convert", "three.glb", "again.glb", "--mirror"}).text, "again.glb: 3 motions, 24 joints"),
+                "all go to one file");
+  CHECK(ml::GlbFile::open(w / "again.glb").animation_names() == std::vector<std::string>{"walk", "pose", "short walk"});
+  CHECK(w.run({"view", "three.glb"}).code == 0);
+  const auto page = ml::read_file(w / "three.html");
+  for (const char* name : {"\"walk\"", "\"pose\"", "\"short walk\""}) CHECK(contains(page, name));
+}
+
+TEST_CASE("convert: options that would be left out are refused; it is said how joints follow") {
+  const Workplace w;
+  ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
+      {{"--rig", "rig.glb", "--features", "guoh3d"}, "--rig excludes --features"},
+      {{"--rig", "rig.glb", "--body", "free"}, "--rig excludes --body"},
+      {{"--body", "free", "--features", "guoh3d"}, "--body excludes --features"},
+      {{"--betas", "1"}, "--betas requires --body"},
+      {{"--drop-animations"}, "--drop-animations requires --rig"}};
+  for (auto [options, message] : refused) {
+    options.insert(options.begin(), {"convert", "walk.bvh", "out.glb"});
+    const auto out = w.run(options);
+    CHECK(out.code == 2);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  }
+  const auto endless = w.run({"convert", "walk.bvh", "out.bvh", "--fps", "1e300"});
+  CHECK(endless.code == 1);
+  CHECK_MESSAGE(contains(endless.text, "[motionlang.config.101] resample: 'walk' of 2 s at 1e+300"), endless.text);
+
+  REQUIRE(w.run({"convert", "walk.bvh", "mixamo.glb", "--rig", "rig.glb", "--drop-animations"}).code == 0);
+  CHECK(contains(w.run({"convert", "mixamo.glb", "smpl.bvh", "--smpl"}).text, "Mixamo -> SMPL: "));
+  CHECK(contains(w.run({"convert", "mixamo.glb", "smpl.npz"}).text, "Mixamo -> SMPL: "));
+  CHECK(contains(w.run({"convert", "mixamo.glb", "rows.npy", "--features", "rifke"}).text, "Mixamo -> SMPL: "));
+  CHECK(!contains(w.run({"convert", "walk.bvh", "smpl.npz"}).text, "SMPL -> SMPL"));
 }
 
 TEST_CASE("convert and generate put motions on a character") {
@@ -325,12 +391,47 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   CHECK(w.run({"doctor", "named", "--clean", "kept"}).code == 0);
   for (const char* copy : {"kept/a.glb .._walk.bvh", "kept/a.glb .._walk_2.bvh"})
     CHECK_MESSAGE(std::filesystem::exists(w / copy), copy);
+  // A copy of a.npz and the file a.npz.bvh, too.
+  std::filesystem::create_directories(w / "alike");
+  ml::write_amass(w / "alike/a.npz", walk);
+  ml::write_bvh(w / "alike/a.npz.bvh", walk);
+  CHECK(w.run({"doctor", "alike", "--clean", "both"}).code == 0);
+  for (const char* copy : {"both/a.npz.bvh", "both/a.npz_2.bvh"}) CHECK_MESSAGE(std::filesystem::exists(w / copy), copy);
   const auto over = w.run({"doctor", "data", "--clean", "data/deep/.."});
   CHECK(over.code == 1);
   CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);
   CHECK(w.run({"doctor", "nowhere"}).code == 2);
   std::filesystem::create_directories(w / "empty");
-  CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz or .glb file below 'empty'"));
+  CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz, .npy or .glb file below 'empty'"));
+}
+
+TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC files with a skeleton from elsewhere") {
+  const Workplace w;
+  for (const char* folder : {"set", "one", "two"}) std::filesystem::create_directories(w / folder);
+  auto walk = synthetic::walk({.frames = 60});
+  ml::write_joints_npy(w / "set/joints.npy", walk);
+  CHECK(w.run({"convert", "set/joints.npy", "set/rows.npy", "--features", "guoh3d"}).code == 0);
+  const std::vector<float> numbers(263, 1), unknown(40);
+  ml::write_npy(w / "set/Mean.npy", ml::NpyArray::of(std::span<const float>(numbers), {263}));
+  ml::write_npy(w / "set/odd.npy", ml::NpyArray::of(std::span<const float>(unknown), {2, 20}));
+  const auto set = w.run({"doctor", "set", "--all"});
+  for (const char* text : {"joints.npy: good", "rows.npy: good", "odd.npy: unreadable: [motionlang.io.407]", "3 motions, 2 without"})
+    CHECK_MESSAGE(contains(set.text, text), text, " in ", set.text);
+
+  const std::string asf =
+      ":version 1.10\n:name n\n:units\nmass 1.0\nlength 0.45\nangle deg\n:root\naxis XYZ\norder TX TY TZ RZ RY RX\n"
+      "position 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\nname thigh\ndirection 1 0 0\nlength 2\naxis 0 0 0 XYZ\n"
+      "dof rx\nlimits (-180 180)\nend\n:hierarchy\nbegin\nroot thigh\nend\n";
+  const std::string amc = ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 0 0 0 0\nthigh 10\n2\nroot 0 1 0 0 0 0\nthigh 20\n";
+  ml::write_file(w / "one/13_30.amc", amc);
+  ml::write_file(w / "body.asf", asf);
+  CHECK(contains(w.run({"doctor", "one"}).text, "13_30.amc: unreadable: [motionlang.io.401] cannot open one/13.asf"));
+  const auto given = w.run({"doctor", "one", "--asf", "body.asf", "--all"});
+  CHECK_MESSAGE((contains(given.text, "1 motions, ") && !contains(given.text, "unreadable")), given.text);
+  ml::write_file(w / "two/13_30.amc", amc);
+  ml::write_file(w / "two/body.asf", asf);  // the only one there
+  const auto made = w.run({"convert", "two/13_30.amc", "leg.bvh", "--rate", "60"});
+  CHECK_MESSAGE(contains(made.text, "leg.bvh: 2 frames at 60 per second, 0.03 s, 2 joints"), made.text);
 }
 
 TEST_CASE("Ctrl-C while generating: 130, and no file") {

@@ -27,7 +27,14 @@ struct Options {
   bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
 };
 
-ml::Motion edited(ml::Motion m, const Options& o) {
+/// Features, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed there.
+bool wants_smpl(const Options& o) {
+  const bool on_smpl_body = !o.body.file.empty() && o.body.file != "free";
+  return o.smpl || o.fix_feet || on_smpl_body || !o.features.empty() || kind_of(o.out) == ".npz";
+}
+
+/// `report` is set if the joints were others than SMPL's and had to become these.
+ml::Motion edited(ml::Motion m, const Options& o, ml::RetargetReport& report) {
   if (o.from > 0 || o.to > 0) {
     const auto frame = [&](double seconds) {
       return static_cast<ml::Index>(std::min(static_cast<double>(m.frames()), seconds * m.fps + 0.5));
@@ -41,7 +48,7 @@ ml::Motion edited(ml::Motion m, const Options& o) {
   }
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
   if (o.fps > 0) m = ml::resample(m, o.fps);
-  if (o.smpl || o.fix_feet) m = on_smpl(m);
+  if (wants_smpl(o)) m = on_smpl(m, &report);
   if (o.mirror) m = ml::mirror(m);
   if (o.smooth) m = ml::smooth_motion(m);
   if (o.fix_feet) {
@@ -58,25 +65,67 @@ ml::Motion edited(ml::Motion m, const Options& o) {
 
 /// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk".
 std::filesystem::path name_of(const std::filesystem::path& out, const std::string& name, std::set<std::string>& taken) {
-  return out.parent_path() / (out.stem().string() + "_" + unique_file_name(name, taken) + out.extension().string());
+  return out.parent_path() / (out.stem().string() + "_" + unique(file_name(name), taken) + out.extension().string());
 }
+
+class Conversion {
+ public:
+  explicit Conversion(const Options& o) : o_(o), motions_(read_motions(o.in, o.read)) {}
+
+  void run() {
+    ml::RetargetReport report;
+    for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, report)); });
+    if (!report.table.empty()) std::printf("%s\n", to_string(report).c_str());
+    if (!made_.empty()) write();
+    if (failures_ > 0)
+      ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", motions_.size(), " motions of ", o_.in,
+                                  " could not be made");
+  }
+
+ private:
+  /// Of several motions one that fails is named and stops no other.
+  template <class Work>
+  void attempt(const std::string& name, Work work) {
+    try {
+      work();
+    } catch (const ml::error& e) {
+      if (motions_.size() == 1) throw;
+      std::fprintf(stderr, "%s: %s\n", name.c_str(), e.what());
+      ++failures_;
+    }
+  }
+
+  void write() {
+    if (!o_.rig.file.empty()) return rig_writer(o_.rig)(o_.out, made_);
+    if (!o_.body.file.empty()) return write_on_body(o_.out, made_, o_.body);
+    if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
+      write_motions(o_.out, made_);
+      std::printf("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
+      return;
+    }
+    std::set<std::string> taken;
+    for (const ml::Motion& m : made_) {
+      const auto path = motions_.size() == 1 ? std::filesystem::path(o_.out) : name_of(o_.out, m.name, taken);
+      attempt(m.name, [&] { write_one(path, m); });
+    }
+  }
+
+  void write_one(const std::filesystem::path& path, const ml::Motion& m) const {
+    if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
+    write_motion(path, m, o_.scale);
+    std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
+                m.skeleton.size());
+  }
+
+  const Options& o_;
+  const std::vector<ml::Motion> motions_;
+  std::vector<ml::Motion> made_;
+  std::size_t failures_ = 0;
+};
 
 void run(const Options& o) {
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors);
-  const auto motions = read_motions(o.in, o.read);
-  if (!o.rig.file.empty() || !o.body.file.empty()) {  // one file with all of them
-    std::vector<ml::Motion> made;
-    for (const ml::Motion& m : motions) made.push_back(edited(m, o));
-    return o.rig.file.empty() ? write_on_body(o.out, made, o.body) : rig_writer(o.rig)(o.out, made);
-  }
-  std::set<std::string> taken;
-  for (const ml::Motion& m : motions) {
-    const ml::Motion made = edited(m, o);
-    const auto path = motions.size() == 1 ? std::filesystem::path(o.out) : name_of(o.out, made.name, taken);
-    o.features.empty() ? write_motion(path, made, o.scale) : write_features(path, made, o.features);
-    std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), made.frames(), made.fps,
-                made.seconds(), made.skeleton.size());
-  }
+  Conversion(o).run();
 }
 
 void add_input(CLI::App& c, Options& o) {
@@ -89,20 +138,23 @@ void add_input(CLI::App& c, Options& o) {
   c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  c.add_option("--rate", o.read.npy_fps, "Frames per second of an .npy file; as published unless given")
+  c.add_option("--rate", o.read.rate, "Frames per second of an .npy or .amc file; as published unless given, .amc 120")
       ->check(CLI::PositiveNumber);
   c.add_option("--up", o.read.up, "Axis that points up in an .npy file with joints; found unless given")
       ->check(CLI::IsMember({"y", "z"}));
-  c.add_option("--asf", o.read.asf, "Skeleton of an AMC file; the file of its subject beside it unless given")
+  c.add_option("--asf", o.read.asf, "Skeleton of an AMC file; the one of its subject beside it, or the only one there, unless given")
       ->check(CLI::ExistingFile);
 }
 
-void add_body(CLI::App& c, Options& o) {
-  c.add_option("--body", o.body.file,
-               "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; \"free\" for capsules")
-      ->check(CLI::ExistingFile | CLI::IsMember({"free"}));
+CLI::Option* add_body(CLI::App& c, Options& o) {
+  CLI::Option* body =
+      c.add_option("--body", o.body.file,
+                   "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; \"free\" for capsules")
+          ->check(CLI::ExistingFile | CLI::IsMember({"free"}));
   c.add_option("--betas", o.body.betas, "Shape of the body: its first coefficients, separated by commas")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->needs(body);
+  return body;
 }
 
 void add_picture(CLI::App& app, const std::string& name, const std::string& about, const std::string& extension) {
@@ -139,13 +191,18 @@ void add_convert(CLI::App& app) {
   c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin): the result is this file with the motion added")
-      ->check(CLI::ExistingFile);
-  add_body(*c, *o);
-  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
+  CLI::Option* rig =
+      c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin): the result is this file with the motion added")
+          ->check(CLI::ExistingFile);
+  CLI::Option* body = add_body(*c, *o)->excludes(rig);
+  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
+      ->needs(rig);
   c->add_option("--features", o->features,
                 "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, with the "
-                "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor");
+                "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; at the rate of the system unless "
+                "--fps is given")
+      ->excludes(rig)
+      ->excludes(body);
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
   c->add_flag("--smooth", o->smooth, "Without trembling");

@@ -3,6 +3,7 @@
 #include <set>
 
 #include <motionlang/io/inspection_page.hpp>
+#include <motionlang/io/npy.hpp>
 
 #include "../commands.hpp"
 #include "motion_files.hpp"
@@ -28,9 +29,9 @@ class Doctor {
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
       ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
-    const auto files = motion_files_below(folder_);
+    const auto files = motion_files_below(folder_, /*arrays=*/true);
     if (files.empty())
-      ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz or .glb file below '", o_.folder, "'");
+      ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy or .glb file below '", o_.folder, "'");
     {
       ProgressBar bar("inspecting");
       for (std::size_t i = 0; i < files.size(); ++i) {
@@ -48,23 +49,25 @@ class Doctor {
   void look_at(const fs::path& file) {
     const std::string name = file.lexically_relative(folder_).string();
     const bool several = kind_of(file) == ".glb";
-    std::set<std::string> taken;  // by the copies of this file's motions
     for (const ml::Motion& m : readable_motions(file, name)) {
       ml::Inspection seen = ml::inspect_motion(m);
       char about[96];
       std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %d joints", m.seconds(), m.fps,
                     m.skeleton.size());
-      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + unique_file_name(m.name, taken) + ".bvh" : name);
+      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + file_name(m.name) + ".bvh" : name);
       found_.push_back({several ? name + " " + m.name : name, about, {}, std::move(seen.findings), {}});
       if (!o_.report.empty() && wants_strip(found_.back()))
         found_.back().strip = ml::film_strip_svg(m, {}, {.title = found_.back().name});
     }
   }
 
-  /// None of a file that cannot be read, which is noted.
+  /// None of a file that cannot be read, which is noted, and of an array with one axis: mean and deviation of a data set.
   std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
-      return read_motions(file, o_.read);
+      if (kind_of(file) == ".npy" && ml::read_npy(file).shape.size() < 2) return {};
+      MotionReadOptions read = o_.read;
+      if (kind_of(file) == ".amc" && fs::exists(asf_beside(file))) read.asf.clear();
+      return read_motions(file, read);
     } catch (const ml::error& e) {
       found_.push_back({name, "", e.what(), {}, {}});
       return {};
@@ -81,11 +84,11 @@ class Doctor {
     return wanted;
   }
 
-  /// A copy as BVH, unless there is nothing that could be written.
-  void clean(const ml::Motion& motion, const ml::Inspection& seen, const std::string& name) const {
+  /// A copy as BVH, a.npz.bvh of a.npz, unless there is nothing that could be written.
+  void clean(const ml::Motion& motion, const ml::Inspection& seen, const std::string& name) {
     if (seen.has(ml::Fault::not_finite) || seen.has(ml::Fault::empty)) return;
-    fs::path path = fs::path(o_.clean) / name;
-    path += kind_of(path) == ".bvh" ? "" : ".bvh";
+    const std::string stem = kind_of(name) == ".bvh" ? fs::path(name).replace_extension().string() : name;
+    const fs::path path = fs::path(o_.clean) / (unique(stem, copies_) + ".bvh");
     fs::create_directories(path.parent_path());
     write_motion(path, ml::mended(motion, seen.cure));
   }
@@ -114,6 +117,7 @@ class Doctor {
   const Options& o_;
   fs::path folder_;
   std::vector<ml::InspectedMotion> found_;
+  std::set<std::string> copies_;  // their names
   std::array<int, ml::fault_info.size()> drawn_{};  // strips so far
 };
 
@@ -123,7 +127,8 @@ void add_doctor(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
       "doctor", "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, jumps, feet, ...");
-  c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS) and .glb files, searched to the bottom")
+  c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features) and .glb files, searched to "
+                "the bottom")
       ->required()
       ->check(CLI::ExistingDirectory);
   c->add_option("--report", o->report, "A page (HTML) with the findings and film strips");
@@ -134,6 +139,9 @@ void add_doctor(CLI::App& app) {
   c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  c->add_option("--rate", o->read.rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
+      ->check(CLI::PositiveNumber);
+  c->add_option("--asf", o->read.asf, "Skeleton of AMC files without one beside them")->check(CLI::ExistingFile);
   c->add_flag("--all", o->all, "Lists motions without a finding, too");
   c->callback([o] { Doctor(*o).run(); });
 }

@@ -11,7 +11,6 @@
 #include <motionlang/io/motion_npy.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
-#include <motionlang/kinematics/retarget.hpp>
 
 namespace program {
 
@@ -26,24 +25,41 @@ bool is_motion_file(const std::filesystem::path& path) {
   return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb" || kind == ".vrma";
 }
 
-std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder, bool arrays) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_motion_file(entry.path())) files.push_back(entry.path());
+    const bool wanted = is_motion_file(entry.path()) || (arrays && kind_of(entry.path()) == ".npy");
+    if (wanted && entry.is_regular_file()) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-std::string unique_file_name(std::string name, std::set<std::string>& taken) {
+std::string file_name(std::string name) {
   for (char& c : name) {
     const bool odd =
         static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
     if (odd) c = '_';
   }
-  std::string unique = name;
-  for (int k = 2; !taken.insert(unique).second; ++k) unique = name + "_" + std::to_string(k);
-  return unique;
+  return name;
+}
+
+std::string unique(const std::string& name, std::set<std::string>& taken) {
+  std::string own = name;
+  for (int k = 2; !taken.insert(own).second; ++k) own = name + "_" + std::to_string(k);
+  return own;
+}
+
+std::filesystem::path asf_beside(const std::filesystem::path& amc) {
+  const std::string stem = amc.stem().string();
+  const auto of_subject = amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
+  const auto folder = amc.has_parent_path() ? amc.parent_path() : std::filesystem::path(".");
+  if (std::filesystem::exists(of_subject) || !std::filesystem::is_directory(folder)) return of_subject;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (kind_of(entry.path()) == ".asf") found.push_back(entry.path());
+  }
+  return found.size() == 1 ? found.front() : of_subject;
 }
 
 namespace {
@@ -65,11 +81,12 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
     motions.push_back(ml::read_bvh_motion(path, {.scale = options.scale}));
   else if (kind == ".amc")
     motions.push_back(
-        ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf))));
+        ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf)),
+                     options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{}));
   else if (kind == ".npz")
     motions.push_back(ml::read_amass(path).motion);
   else if (kind == ".npy")
-    motions.push_back(ml::read_motion_npy(path, {options.npy_fps, options.up == "y"   ? ml::UpAxis::y
+    motions.push_back(ml::read_motion_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
                                                                   : options.up == "z" ? ml::UpAxis::z
                                                                                       : ml::UpAxis::found}));
   else if (kind == ".glb" || kind == ".vrm" || kind == ".vrma")
@@ -104,14 +121,26 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
         103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
 }
 
-void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features) {
+bool holds_several(const std::filesystem::path& path) { return kind_of(path) == ".glb" || kind_of(path) == ".html"; }
+
+void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions) {
+  if (kind_of(path) == ".glb") return ml::write_glb(path, motions);
+  std::vector<ml::ViewerMotion> shown;
+  for (const ml::Motion& m : motions) shown.push_back({m});
+  ml::write_viewer(path, shown);
+}
+
+void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps) {
   if (kind_of(path) != ".npy")
     ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
-  const std::vector<double> rows =
-      f.from_motion(ml::resample(motion.skeleton.names == f.skeleton().names ? motion : on_smpl(motion), f.fps));
-  const std::vector<float> narrow(rows.begin(), rows.end());
-  ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {std::ssize(rows) / f.width, f.width}));
+  if (fps == 0) fps = f.fps;
+  const std::vector<double> values = f.from_motion(ml::resample(motion.skeleton.names == f.skeleton().names ? motion : on_smpl(motion), fps));
+  const std::vector<float> narrow(values.begin(), values.end());
+  const ml::Index rows = std::ssize(values) / f.width;
+  ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {rows, f.width}));
+  std::printf("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.c_str(), rows, f.width, fps,
+              static_cast<double>(rows) / fps);
 }
 
 RigWriter rig_writer(const RigOptions& options) {
@@ -133,14 +162,18 @@ RigWriter rig_writer(const RigOptions& options) {
   };
 }
 
-ml::Motion on_smpl(const ml::Motion& motion) {
+ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report) {
   const ml::Skeleton &own = motion.skeleton, &smpl = ml::smpl24_skeleton();
   std::vector<std::size_t> from;  // our joint for each of SMPL's
   for (int j = 0; j < smpl.size(); ++j) {
     const int k = own.find(smpl.name(j));
     const bool same = k >= 0 && own.size() == smpl.size() && (j == 0) == (own.parent(k) < 0) &&
                       (j == 0 || own.name(own.parent(k)) == smpl.name(smpl.parent(j)));
-    if (!same) return ml::retarget(motion);
+    if (!same) {
+      const ml::SkeletonMap map(own);
+      if (report != nullptr) *report = map.report();
+      return ml::retarget(motion, map);
+    }
     from.push_back(static_cast<std::size_t>(k));
   }
   ml::Motion out{smpl, motion.fps, motion.root, {}, motion.name};

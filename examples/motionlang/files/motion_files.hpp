@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/retarget.hpp>
 
 namespace program {
 
@@ -17,9 +17,9 @@ namespace ml = motionlang;
 struct MotionReadOptions {
   double scale = 0.01;  // metres per unit of a BVH file
   double fps = 30;      // of a GLB file, whose keys have times of their own
-  double npy_fps = 0;   // of an .npy file, which has none; 0: as published
+  double rate = 0;      // of an .npy or .amc file, which has none; 0: as published, 120 for AMC
   std::string up{};     // axis of an .npy file with positions, "y" or "z"; "": found
-  std::string asf{};    // skeleton of an AMC file; "": the file of its subject beside it, 01.asf for 01_02.amc
+  std::string asf{};    // skeleton of an AMC file; "": asf_beside
 };
 
 /// Extension of a file, in lower case: ".bvh".
@@ -28,18 +28,16 @@ std::string kind_of(const std::filesystem::path& path);
 /// Whether read_motions knows the extension.
 bool is_motion_file(const std::filesystem::path& path);
 
-/// The motion files in a folder and in those below it, in order.
-std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
+/// The motion files in a folder and in those below it, in order; `arrays`: .npy files, too.
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder, bool arrays = false);
 
-/// The name of a motion as a part of a file's name that no other has: characters that some system does not allow there
-/// become "_", and a second "walk" becomes "walk_2".
-std::string unique_file_name(std::string name, std::set<std::string>& taken);
+/// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
+std::string file_name(std::string name);
+/// A name that no other has: a second "walk" becomes "walk_2".
+std::string unique(const std::string& name, std::set<std::string>& taken);
 
-/// CMU keeps one skeleton for each subject: 01.asf beside 01_02.amc.
-inline std::filesystem::path asf_beside(const std::filesystem::path& amc) {
-  const std::string stem = amc.stem().string();
-  return amc.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
-}
+/// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in the folder.
+std::filesystem::path asf_beside(const std::filesystem::path& amc);
 
 /// The motions of a file: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm, .vrma (every animation). Each has a name.
 /// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
@@ -49,9 +47,15 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
 
-/// The motion's features as the systems have them, one row for each frame, to an .npy file: on SMPL's joints, at the rate of the
-/// features. Throws config_error 103 for a name that is none (motion_features) and for another extension.
-void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features);
+/// Whether one file of this kind holds several motions: .glb, .html.
+bool holds_several(const std::filesystem::path& path);
+/// Such a file; in GLB all motions are on one skeleton.
+void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions);
+
+/// The motion's features as the systems have them, one row for each frame, to an .npy file: on SMPL's joints, at `fps` frames per
+/// second (0: the rate of the features). Says what it wrote. Throws config_error 103 for a name that is none (motion_features) and
+/// for another extension.
+void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
 
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {
@@ -73,7 +77,7 @@ struct BodyOptions {
 void write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options);
 
 /// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
-/// only put in SMPL's order and bones keep their length.
-ml::Motion on_smpl(const ml::Motion& motion);
+/// only put in SMPL's order and bones keep their length; otherwise `report`, if there is one, is set.
+ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report = nullptr);
 
 }  // namespace program

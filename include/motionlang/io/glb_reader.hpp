@@ -62,8 +62,6 @@ class GlbFile {
   }
 
  private:
-  static constexpr double max_rotations = 5e7;  // 1.6 GB
-
   GlbFile(const detail::GltfDocument& document, Index skin)
       : file_(document.file()),
         nodes_(document.nodes()),

@@ -10,6 +10,8 @@
 /// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
 #pragma once
 
+#include <algorithm>  // find_if
+
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/npy.hpp>
 
@@ -51,11 +53,17 @@ inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions&
                                 std::string_view name = "array") {
   const std::vector<double> v = array.to<double>();
   const auto& shape = array.shape;
-  if (shape.size() == 2) return detail::motion_from_rows(v, shape[1], options.fps, name);
+  const bool rows = shape.size() == 2;
   const bool joints = shape.size() == 3 && shape[2] == 3 && (shape[1] == 24 || shape[1] == 22 || shape[1] == 21);
-  if (!joints) {
+  if (!rows && !joints) {
     raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
   }
+  const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
+  if (odd != v.end()) {
+    const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();
+    raise<numeric_error>(301, name, ": number ", at % numbers, " of frame ", at / numbers, " is not finite");
+  }
+  if (rows) return detail::motion_from_rows(v, shape[1], options.fps, name);
   std::vector<Vec3<double>> positions;
   for (std::size_t i = 0; i + 2 < v.size(); i += 3) positions.push_back({v[i], v[i + 1], v[i + 2]});
   return detail::motion_from_positions(std::move(positions), shape[1], options);

@@ -10,6 +10,9 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
+inline constexpr double max_rotations = 5e7;
+
 struct Motion {
   Skeleton skeleton;
   double fps = 20;

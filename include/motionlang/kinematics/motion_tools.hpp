@@ -29,14 +29,20 @@ inline Motion crop(const Motion& motion, Index first, Index last) {
 /// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
 /// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
 /// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
-/// Throws config_error 101 unless fps > 0.
+/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
 inline Motion resample(const Motion& motion, double fps) {
   if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
   Motion out{motion.skeleton, fps, {}, {}, motion.name};
   if (motion.frames() == 0) return out;
   const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
   const auto last = static_cast<double>(motion.frames() - 1);
-  const auto frames = static_cast<Index>(std::floor(last / step + rounding)) + 1;
+  const double whole_frames = std::floor(last / step + rounding) + 1;
+  if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
+    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps, " frames per second has ",
+                        whole_frames, " frames of ", motion.skeleton.size(), " joints, more than ", max_rotations,
+                        " rotations");
+  }
+  const auto frames = static_cast<Index>(whole_frames);
   out.root.reserve(static_cast<std::size_t>(frames));
   out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
   for (Index i = 0; i < frames; ++i) {
@@ -50,8 +56,8 @@ inline Motion resample(const Motion& motion, double fps) {
   return out;
 }
 
-/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
-/// 0.
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor > 0, and
+/// for more than max_rotations.
 inline Motion change_speed(const Motion& motion, double factor) {
   if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
   Motion out = resample(motion, motion.fps / factor);

@@ -9,7 +9,7 @@
 /// target's lengths; the path is scaled by the ratio of the legs.
 #pragma once
 
-#include <algorithm>  // min_element
+#include <algorithm>  // max, min_element
 #include <array>      // limbs
 #include <numbers>    // pi
 
@@ -323,7 +323,9 @@ class SkeletonMap {
 };
 
 /// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. Returns by how much it was moved.
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor tells
+/// nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by how much the
+/// clip was moved.
 inline double place_on_floor(Motion& motion) {
   if (motion.frames() == 0) return 0;
   auto lowest = [](std::span<const Vec3<double>> joints) {
@@ -335,7 +337,7 @@ inline double place_on_floor(Motion& motion) {
     heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
   }
   const std::size_t lowest_frames = heights.size() / 20;
-  const double shift = lowest(rest) - nth_smallest(std::move(heights), lowest_frames);
+  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
   for (Vec3<double>& r : motion.root) r.y += shift;
   return shift;
 }

@@ -111,7 +111,15 @@ TEST_CASE("arrays from files; what is refused") {
   CHECK_ERROR(ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {1, 20, 3})),
               "[motionlang.io.407] array: neither (frames, numbers)");
   CHECK_ERROR(ml::read_motion_npy(folder / "none.npy"), "[motionlang.io.401]");
-  Joints broken(24);
-  broken[3].x = std::nan("");
-  CHECK_ERROR(ml::motion_from_array(array_of(broken, 24)), "[motionlang.numeric.301]");
+  Joints broken = walk.positions();
+  broken[2 * 24 + 3].x = std::nan("");
+  ml::write_npy(folder / "broken.npy", array_of(broken, 24));
+  CHECK_ERROR(ml::read_motion_npy(folder / "broken.npy"), "broken.npy: number 9 of frame 2 is not finite");
+  for (const ml::Index width : {263, 251, 135, 67}) {
+    CAPTURE(width);
+    std::vector<double> features(static_cast<std::size_t>(4 * width));
+    features.back() = std::numeric_limits<double>::infinity();
+    const std::string place = ml::concat_text("[motionlang.numeric.301] array: number ", width - 1, " of frame 3 is not finite");
+    CHECK_ERROR(ml::motion_from_array(rows_of(features, width)), place.c_str());
+  }
 }

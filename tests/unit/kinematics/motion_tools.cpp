@@ -77,6 +77,15 @@ TEST_CASE("change_speed keeps the rate and changes the length") {
   CHECK_THROWS_WITH_AS(ml::change_speed(walk, -1), Contains("[motionlang.config.101]"), ml::config_error);
 }
 
+TEST_CASE("a rate that was typed wrong is refused before memory is taken") {
+  const auto walk = synthetic::walk({.frames = 41});
+  for (const double rate : {2e6, 1e9, 1e300}) {  // 2 s of 24 joints: from 1.04e6 on
+    CHECK_THROWS_WITH_AS(ml::resample(walk, rate), Contains("[motionlang.config.101] resample: 'walk' of 2.05 s at "),
+                         ml::config_error);
+  }
+  CHECK_THROWS_WITH_AS(ml::change_speed(walk, 1e-9), Contains("frames of 24 joints, more than"), ml::config_error);
+}
+
 TEST_CASE("concatenate joins clips of one skeleton and one rate") {
   const auto walk = synthetic::walk({.frames = 12});
   const auto whole = ml::concatenate(ml::crop(walk, 0, 5), ml::crop(walk, 5, 12));

@@ -170,6 +170,21 @@ TEST_CASE("place_on_floor ignores single low frames and leaves empty clips alone
   CHECK(ml::place_on_floor(empty) == 0);
 }
 
+TEST_CASE("place_on_floor: a rest pose below the floor tells nothing of it, as where the root of a BVH file has OFFSET 0") {
+  const auto lowest = [](const ml::Motion& m) {
+    double y = 1;
+    for (const auto& p : m.positions()) y = std::min(y, p.y);
+    return y;
+  };
+  auto walk = synthetic::walk({.frames = 60});
+  walk.skeleton.offsets[0] = {};
+  const double floor = lowest(walk), shift = ml::place_on_floor(walk);
+  CHECK(std::abs(shift + floor) < 0.01);  // the lowest frames are not counted
+  CHECK(std::abs(lowest(walk)) < 0.01);
+  const auto followed = ml::retarget(synthetic::walk({.frames = 60}), walk.skeleton);
+  CHECK(std::abs(lowest(followed)) < 0.01);
+}
+
 TEST_CASE("chains of other lengths: shares of two joints") {
   // One long spine joint drives three: the middle one gets half of what it turns.
   const ml::SkeletonTable table{"two spines",
