@@ -135,7 +135,8 @@ void write_features(const std::filesystem::path& path, const ml::Motion& motion,
     ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
   if (fps == 0) fps = f.fps;
-  const std::vector<double> values = f.from_motion(ml::resample(motion.skeleton.names == f.skeleton().names ? motion : on_smpl(motion), fps));
+  const bool there = motion.skeleton.names == f.skeleton().names;
+  const std::vector<double> values = f.from_motion(ml::resample(there ? motion : on_smpl(motion), fps));
   const std::vector<float> narrow(values.begin(), values.end());
   const ml::Index rows = std::ssize(values) / f.width;
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {rows, f.width}));
