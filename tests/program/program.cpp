@@ -249,10 +249,10 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   CHECK(contains(ml::read_file(w / "body.html"), "\"triangles\""));
   CHECK(w.run({"view", "walk.bvh", "page.html", "--body", "body.npz"}).code == 0);
   CHECK(contains(w.run({"convert", "walk.bvh", "x.bvh", "--body", "body.npz"}).text, "on a body are written to .glb and .html"));
-  for (const char* features : {"guoh3d", "kit", "rifke", "rifke64", "smplvelp", "smplvelp-published", "smplrifke", "actor"}) {  // there, and back to another format
+  for (const char* features : {"guoh3d", "kit", "rifke", "rifke64", "smplvelp", "smplvelp-published", "smplrifke", "actor"}) {
     CAPTURE(features);
     CHECK(w.run({"convert", "walk.bvh", "rows.npy", "--features", features}).code == 0);
-    CHECK(w.run({"convert", "rows.npy", "again.bvh"}).code == 0);
+    CHECK(w.run({"convert", "rows.npy", "again.bvh"}).code == 0);  // back to another format
     CHECK(ml::read_bvh_motion(w / "again.bvh").frames() > 3);
   }
   CHECK(contains(w.run({"convert", "walk.bvh", "rows.npy", "--features", "smplvelp"}).text,

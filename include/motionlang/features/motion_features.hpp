@@ -9,7 +9,7 @@
 ///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
 ///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the clip's; else as guoh3d
 ///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit, with "LMrot" and "RMrot" where KIT has them; positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot); positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
 ///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see SmplVelpOptions
 ///     smplrifke           205   20    STMC

@@ -62,7 +62,9 @@ TEST_CASE("all that was in the file stays") {
   REQUIRE(after.size() > before.size());
   CHECK(std::equal(before.begin(), before.end(), after.begin()));
   const ordered_json old = document_of(bytes), now = document_of(made);
-  for (const auto& [key, value] : old.items()) {
+  for (const auto& item : old.items()) {
+    const std::string& key = item.key();
+    const ordered_json& value = item.value();
     CAPTURE(key);
     if (key == "buffers") continue;
     if (key != "animations" && key != "accessors" && key != "bufferViews") CHECK(now.at(key) == value);
