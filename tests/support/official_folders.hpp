@@ -129,14 +129,15 @@ inline ml::MdmDenoiser<B> mdm(const Sizes& s) {
   ml::Philox rng{.seed = 31};
   return {s.mdm, rng};
 }
-/// args.json, model000475000.pt and, beside it, an older one; Mean.npy and Std.npy of the data set.
+/// args.json with the keys of newer runs, model000475000.pt and, beside it, an older one; Mean.npy and Std.npy of the data set.
 inline void write_mdm_run(const fs::path& folder, const Sizes& s) {
   const auto& c = s.mdm;
   write_text(folder / "args.json",
              ml::concat_text(R"({"arch": ")", c.arch == ml::MdmArch::trans_dec ? "trans_dec" : "trans_enc",
-                             R"(", "cond_mask_prob": 0.1, "dataset": "humanml", "diffusion_steps": )", s.steps,
+                             R"(", "cond_mask_prob": 0.1, "context_len": 0, "dataset": "humanml", "diffusion_steps": )", s.steps,
                              R"(, "emb_trans_dec": )", c.class_token != ml::MdmClassToken::none, R"(, "lambda_fc": 0.0,
- "latent_dim": )", c.latent_dim, R"(, "layers": )", c.num_layers, R"(, "noise_schedule": "cosine", "sigma_small": true})"));
+ "latent_dim": )", c.latent_dim, R"(, "layers": )", c.num_layers, R"(, "mask_frames": false, "noise_schedule": "cosine",
+ "pos_embed_max_len": 5000, "pred_len": 0, "sigma_small": true, "text_encoder_type": "clip", "unconstrained": false})"));
   TorchArchive archive;
   add_module(archive, mdm(s));
   add_zeros(archive, "sequence_pos_encoder.pe", {7, 1, c.latent_dim});

@@ -68,11 +68,26 @@ TEST_CASE("MDM: args.json, the last model, statistics of the data set; both tran
     CHECK(check_generates("mdm", run, sizes).fps == 20);
   }
   const auto run = folder / "humanml_trans_enc_512";
+  const std::string args = ml::read_file(run / "args.json");
+  official::write_text(run / "args.json", "{\"context_len\": 20}");
+  CHECK_ERROR(ml::load_diffusion_run<B>(run), "context_len: models that continue a motion (DiP) are not supported");
+  official::write_text(run / "args.json", args);
   fs::create_directories(folder / "stats");
   fs::rename(run / "Mean.npy", folder / "stats/Mean.npy");
   fs::rename(run / "Std.npy", folder / "stats/Std.npy");
   CHECK_ERROR(ml::load_diffusion_run<B>(run), "put mean and std of the data set there (Mean.npy and Std.npy");
   CHECK(ml::load_diffusion_run<B>(run, {.statistics = folder / "stats"}).layout.size == 263);
+
+  // With the vocabulary in Hugging Face's files texts are still cleaned as by OpenAI.
+  fs::rename(folder / "stats/Mean.npy", run / "Mean.npy");
+  fs::rename(folder / "stats/Std.npy", run / "Std.npy");
+  fs::rename(run / "clip/bpe_simple_vocab_16e6.txt", run / "clip/merges.txt");
+  nlohmann::json ids;
+  const ml::ClipTokenizer openai(ml::parse_merges(official::bpe_vocabulary));
+  for (const auto& piece : openai.vocabulary()) ids[piece] = ids.size();
+  official::write_text(run / "clip/vocab.json", ids.dump());
+  sizes.mdm.arch = ml::MdmArch::trans_enc, sizes.mdm.class_token = ml::MdmClassToken::none;
+  CHECK(check_generates("mdm", run, sizes).text_encoder.tokenizer.clip()->options().cleaning == ml::ClipCleaning::original);
 }
 
 TEST_CASE("MDM: the moving average where args.json says so; KIT-ML; models without texts") {

@@ -48,6 +48,7 @@ void run(Options o) {
       {"none", ml::Pooling::none}, {"mean", ml::Pooling::mean}, {"first", ml::Pooling::first}, {"end", ml::Pooling::end}};
   ml::TextEncoderOptions options{.text = {.pooling = poolings.at(o.pooling), .normalize = o.normalize}};
   options.limits.truncate = true;
+  options.limits.cleaning = ml::ClipCleaning::original;  // as STMC's own caches
   const auto encoder = ml::load_text_encoder<B>(o.encoder, options);
   if (o.name.empty()) o.name = std::filesystem::path(o.encoder).lexically_normal().filename().string();
   const auto texts = read_texts(o);

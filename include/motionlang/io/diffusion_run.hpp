@@ -84,7 +84,7 @@ inline void read_mdm(DiffusionRun& out, const RunReader& r) {
   const std::string_view found = recurrent ? "gru" : decoder ? "trans_dec" : "trans_enc";
   if (!stated.empty() && stated != found)
     raise<config_error>(102, r.place("arch"), " is '", stated, "', the tensors are those of ", found);
-  if (r.number({"context_len"}, 0, 100'000) > 0)
+  if (r.number({"context_len"}, 0, 100'000, 0) > 0)
     raise<io_error>(404, r.place("context_len"), ": models that continue a motion (DiP) are not supported");
   const std::string layers = recurrent ? "gru.weight_ih_l" : decoder ? "seqTransDecoder.layers." : "seqTransEncoder.layers.";
   c.nfeats = r.size("output_process.poseFinal.weight", 0);

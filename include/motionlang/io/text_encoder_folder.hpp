@@ -45,13 +45,14 @@ struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
 };
-/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids.
+/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose CLIP these systems
+/// were trained with, wherever the vocabulary comes from.
 inline TextEncoderOptions clip_sentences(Index longest = 77) {
-  return {.text = {.pooling = Pooling::end}, .limits = {.longest = longest, .truncate = true}};
+  return {.text = {.pooling = Pooling::end}, .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
 }
-/// All 77 rows of CLIP: MotionDiffuse.
+/// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
 inline TextEncoderOptions clip_states() {
-  return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true}};
+  return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true, .cleaning = ClipCleaning::original}};
 }
 
 namespace detail {

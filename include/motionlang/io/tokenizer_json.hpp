@@ -48,6 +48,7 @@ struct TokenizerLimits {
   std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
   std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
+  ClipCleaning cleaning = ClipCleaning::hugging_face;  // of CLIP: as these files say; MDM and STMC were trained with the original
 };
 
 namespace detail {
@@ -246,7 +247,7 @@ inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLim
   if (model.contains("dropout") && !model["dropout"].is_null())
     raise<io_error>(404, model.path(), ": dropout of merges");
   ClipTokenizerOptions o;
-  o.cleaning = ClipCleaning::hugging_face;
+  o.cleaning = limits.cleaning;
   o.word_end = model.value_or("end_of_word_suffix", "");
   o.unknown = model.value_or("unk_token", "");
   set_limits(o, document, limits);
@@ -338,7 +339,7 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
 
 inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {
   ClipTokenizerOptions o;
-  o.cleaning = ClipCleaning::hugging_face;
+  o.cleaning = limits.cleaning;
   o.longest = limits.longest.value_or(o.longest);
   o.truncate = limits.truncate.value_or(o.truncate);
   return ClipTokenizer(read_vocabulary_json(folder + "/vocab.json"), read_merges(folder + "/merges.txt"), std::move(o),

@@ -221,6 +221,10 @@ TEST_CASE("folders: tokenizer.json, else vocab.txt, else vocab.json and merges.t
   CHECK(clip.encode("wal").front() == 512);
   CHECK(clip.encode("wal").at(1) == 514);
   CHECK(clip.clip()->options().cleaning == ml::ClipCleaning::hugging_face);
+  const auto original = ml::read_tokenizer(folder.path, {.cleaning = ml::ClipCleaning::original});
+  CHECK(original.clip()->options().cleaning == ml::ClipCleaning::original);
+  CHECK(original.encode("wa&amp;l") == original.encode("wa&l"));  // entities are resolved
+  CHECK(clip.encode("wa&amp;l") != clip.encode("wa&l"));
 
   ml::write_file(folder / "vocab.txt", "<s>\n<pad>\n</s>\n<unk>\n[UNK]\nWalk\nwalk\n<mask>\n");
   ml::write_file(folder / "tokenizer_config.json", R"({"tokenizer_class": "MPNetTokenizer", "do_lower_case": false,

@@ -44,16 +44,17 @@ class RunReader {
         raise<config_error>(102, place(key), " is ", *stated, ", ", weights_->name(), " has ", n, " of '", prefix_,
                             before, "#", behind, "'");
     }
-    if (n == 0) raise<io_error>(406, weights_->name(), ": no tensor '", prefix_, before, "0", behind, "'");
+    if (n == 0) weights_->tensor(concat_text(prefix_, before, 0, behind));  // throws
     return n;
   }
 
-  /// Of several names for an option the first that there is.
-  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest) const {
+  /// Of several names for an option the first that there is. Throws config_error 101 unless it is smallest ... largest.
+  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest, Index smallest = 1) const {
     for (const char* key : keys) {
       const std::optional<Index> n = whole(key);
       if (!n) continue;
-      if (*n < 1 || *n > largest) raise<config_error>(101, place(key), " is ", *n, ", not 1 ... ", largest);
+      if (*n < smallest || *n > largest)
+        raise<config_error>(101, place(key), " is ", *n, ", not ", smallest, " ... ", largest);
       return *n;
     }
     return otherwise;
