@@ -3419,6 +3419,14 @@ template <class S>
 S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
+/// |a| of a vector or quaternion, with slope 0 where a is 0 (shorter than 1e-15) and |a| has none.
+template <class V>
+auto norm_or_zero(const V& a) {
+  const auto squared = dot(a, a);
+  using S = std::remove_const_t<decltype(squared)>;
+  const S least = S(1e-30);
+  return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
+}
 
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.
@@ -3988,26 +3996,25 @@ auto log_so3(const R& r) {
   return to_axis_angle(r).v;
 }
 
-/// Angle between two rotations, radians in [0, pi].
+/// Angle between two rotations, radians in [0, pi]. Its slope is taken as 0 where they are equal.
 template <Rotation A, Rotation B>
 auto distance(const A& a, const B& b) {
   const auto q = to_quaternion(transpose(to_matrix(a)) * to_matrix(b));
   using S = std::remove_cvref_t<decltype(q.w)>;
-  const S n2 = dot(q.vec(), q.vec());
-  return S(2) * atan2(sqrt(n2), where_less(q.w, S(0), -q.w, q.w));
+  return S(2) * atan2(norm_or_zero(q.vec()), where_less(q.w, S(0), -q.w, q.w));
 }
 
 /// The shortest rotation that turns direction `from` into direction `to`. For opposite directions: half a turn about
-/// some orthogonal axis.
+/// some orthogonal axis, and so up to 1.5e-6 rad from them.
 template <class S>
 Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
-  const Vec3<S> a = normalized(from), b = normalized(to), c = cross(a, b);
-  const S w = S(1) + dot(a, b), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
+  const Vec3<S> a = normalized(from), sum = a + normalized(to), c = cross(a, sum);
+  const S w = S(0.5) * dot(sum, sum), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
   // an axis orthogonal to a: cross with x or with y, whichever is farther from a
   const Vec3<S> with_x = cross(a, Vec3<S>{S(1), S(0), S(0)}), with_y = cross(a, Vec3<S>{S(0), S(1), S(0)});
   auto pick = [&](const S& near, const S& far) { return where_less(ax, limit, near, far); };
   const Vec3<S> any{pick(with_x.x, with_y.x), pick(with_x.y, with_y.y), pick(with_x.z, with_y.z)};
-  const S tiny = S(1e-7);
+  const S tiny = S(1e-12);
   return normalized(Quaternion<S>{where_less(w, tiny, S(0), w), where_less(w, tiny, any.x, c.x),
                                   where_less(w, tiny, any.y, c.y), where_less(w, tiny, any.z, c.z)});
 }
@@ -4025,7 +4032,7 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
   const S d = dot(a, other), sign = where_less(d, S(0), S(-1), S(1));
   const Quaternion<S> b = sign * other;
   const Quaternion<S> chord = b + (S(-1)) * a, sum = b + a;
-  const S half = atan2(sqrt(dot(chord, chord)), sqrt(dot(sum, sum)));  // exact for small and large angles
+  const S half = atan2(norm_or_zero(chord), norm_or_zero(sum));  // exact for small and large angles
   const S h = S(2) * half, limit = S(1e-3), safe = where_less(h, limit, S(1), h);
   const S wa = where_less(h, limit, S(1) - t, sin((S(1) - t) * safe) / sin(safe));
   const S wb = where_less(h, limit, t, sin(t * safe) / sin(safe));
@@ -5225,6 +5232,9 @@ JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& p
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
+inline constexpr double max_rotations = 5e7;
+
 struct Motion {
   Skeleton skeleton;
   double fps = 20;
@@ -5306,14 +5316,20 @@ inline Motion crop(const Motion& motion, Index first, Index last) {
 /// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
 /// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
 /// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
-/// Throws config_error 101 unless fps > 0.
+/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
 inline Motion resample(const Motion& motion, double fps) {
   if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
   Motion out{motion.skeleton, fps, {}, {}, motion.name};
   if (motion.frames() == 0) return out;
   const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
   const auto last = static_cast<double>(motion.frames() - 1);
-  const auto frames = static_cast<Index>(std::floor(last / step + rounding)) + 1;
+  const double whole_frames = std::floor(last / step + rounding) + 1;
+  if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
+    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps, " frames per second has ",
+                        whole_frames, " frames of ", motion.skeleton.size(), " joints, more than ", max_rotations,
+                        " rotations");
+  }
+  const auto frames = static_cast<Index>(whole_frames);
   out.root.reserve(static_cast<std::size_t>(frames));
   out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
   for (Index i = 0; i < frames; ++i) {
@@ -5327,8 +5343,8 @@ inline Motion resample(const Motion& motion, double fps) {
   return out;
 }
 
-/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
-/// 0.
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor > 0, and
+/// for more than max_rotations.
 inline Motion change_speed(const Motion& motion, double factor) {
   if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
   Motion out = resample(motion, motion.fps / factor);
@@ -6417,7 +6433,7 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
         {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
         {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
        true, true},
-      // The humanoid bones of VRM; the joints of a file have names of their own, VRoid's are below.
+      // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
       {"VRM",
        {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
         {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
@@ -7296,6 +7312,15 @@ struct Leg {
   int toe = 0;
 };
 inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
+inline constexpr Leg kit_legs[] = {{{11, 12, 13}, 15}, {{16, 17, 18}, 20}};
+
+/// Those of a skeleton with the joints of SMPL, with or without its hands, or of KIT; none of another one.
+inline std::span<const Leg> known_legs(const Skeleton& skeleton) {
+  auto is = [&](const Skeleton& s) { return skeleton.names == s.names && skeleton.parents == s.parents; };
+  if (is(smpl24_skeleton()) || is(humanml3d22_skeleton())) return smpl_legs;
+  if (is(kit21_skeleton())) return kit_legs;
+  return {};
+}
 
 struct FootFixOptions {
   double floor = 0;
@@ -8277,7 +8302,9 @@ class SkeletonMap {
 };
 
 /// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. Returns by how much it was moved.
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor tells
+/// nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by how much the
+/// clip was moved.
 inline double place_on_floor(Motion& motion) {
   if (motion.frames() == 0) return 0;
   auto lowest = [](std::span<const Vec3<double>> joints) {
@@ -8289,7 +8316,7 @@ inline double place_on_floor(Motion& motion) {
     heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
   }
   const std::size_t lowest_frames = heights.size() / 20;
-  const double shift = lowest(rest) - nth_smallest(std::move(heights), lowest_frames);
+  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
   for (Vec3<double>& r : motion.root) r.y += shift;
   return shift;
 }
@@ -11877,31 +11904,74 @@ struct ActorFeatureOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
   bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
   bool global = true;       // false: without joint 0
-};
 
-/// What ACTOR's networks read.
-/// poses    (frames, joints)
+  /// Rows of a frame of so many joints.
+  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
+};
+/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// What ACTOR's networks read, frame by frame.
+/// poses    (frames, joints): rotation vectors or matrices
 /// root     (frames), the pelvis; read if `translation` is on
-/// result   (rows, numbers, frames): a row for each joint, then the root's
+/// result   (frames, rows numbers): a row for each joint, then the root's
 /// Throws   shape_error 205 if the sizes do not fit
-template <Scalar S>
-std::vector<S> actor_features(std::span<const AxisAngle<S>> poses, std::span<const Vec3<S>> root, Index joints,
-                              const ActorFeatureOptions& options = {}) {
-  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0, numbers = size(options.rotations);
+template <class R, Scalar S>
+std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                                    const ActorFeatureOptions& options = {}) {
+  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
   if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
-    raise<shape_error>(205, "actor_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
+    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
                        " root positions");
   }
-  const Index first = options.global ? 0 : 1, rows = joints - first + (options.translation ? 1 : 0);
-  std::vector<S> out(static_cast<std::size_t>(rows * numbers * frames)), row;
+  std::vector<S> out;
   for (Index t = 0; t < frames; ++t) {
-    row.clear();
-    for (Index j = first; j < joints; ++j) {
-      append_rotation(row, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
+    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
+      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
     }
-    if (options.translation) detail::append_vector(row, root[static_cast<std::size_t>(t)] - root[0]);
-    for (std::size_t i = 0; i < row.size(); ++i)
-      out[i * static_cast<std::size_t>(frames) + static_cast<std::size_t>(t)] = row[i];
+    if (!options.translation) continue;
+    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
+    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
+  }
+  return out;
+}
+/// The same with time last, as its repository has it: (rows, numbers, frames).
+template <class R, Scalar S>
+std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                              const ActorFeatureOptions& options = {}) {
+  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
+  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
+  std::vector<S> out(by_frame.size());
+  if (width == 0) return out;
+  const std::size_t frames = out.size() / width;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
+  return out;
+}
+
+template <Scalar S>
+struct ActorMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints)
+  std::vector<Vec3<S>> root;          // (frames), since frame 0
+};
+
+/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
+/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
+template <Scalar S>
+ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
+  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
+  const auto numbers = static_cast<std::size_t>(size(options.rotations));
+  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
+  if (width == 0 || features.size() % width != 0)
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+  ActorMotion<S> out;
+  for (std::size_t at = 0; at < features.size(); at += width) {
+    std::size_t from = at;
+    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
+    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
+      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
+    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
+                                           : Vec3<S>{});
   }
   return out;
 }
@@ -11967,7 +12037,7 @@ inline std::span<const Index> actor_point_numbers(ActorPoints points) {
 struct ActorPointOptions {
   ActorFeatureOptions features{};  // what the motions are made of
   bool translate = true;           // "vertstrans": moved by the way since the first frame, if the features have one
-  Vec3<double> global_rotation{std::numbers::pi, 0, 0};  // of joint 0 where the features have none: a rotation vector
+  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 where the features have none: a rotation vector
   double second_beta = 0;                                // the second coefficient of the shape; the others are 0
 };
 
@@ -11989,7 +12059,7 @@ Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_re
 
 }  // namespace detail
 
-/// x: frames of `actor_features`, (frames, rows numbers), row by row -> (frames, 3 points). All points but vertices are relative to the
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are relative to the
 /// root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl. Differentiable.
 /// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the body lacks
 template <Backend B>
@@ -12040,6 +12110,76 @@ Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const
     out = out + reshape<3>(way - gather(way, first), {frames, 1, 3});
   }
   return x.with(reshape<2>(out, {frames, 3 * out.size(1)}));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_AMASS_RELEASES_HPP  // <motionlang/features/amass_releases.hpp>
+#define MOTIONLANG_HAS_FEATURES_AMASS_RELEASES_HPP
+/// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
+///
+///     sequence.fps = corrected_amass_fps(path, sequence.fps);
+///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever release
+///
+/// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
+/// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Frames per second of a sequence as it was released, whatever its file says.
+struct AmassRate {
+  std::string_view path;  // a part of it
+  double fps = 0;
+};
+inline constexpr std::array<AmassRate, 3> amass_rates{
+    {{"BMLhandball", 240}, {"20160930_50032", 59}, {"20161014_50033", 59}}};
+
+/// fps: what the file says; the result where it is right.
+inline double corrected_amass_fps(std::string_view path, double fps) {
+  for (const AmassRate& known : amass_rates) {
+    if (path.find(known.path) != path.npos) return known.fps;
+  }
+  return fps;
+}
+
+/// Folders of data sets: as annotations of HumanML3D, BABEL and their like have them, and as they are released today.
+struct AmassRename {
+  std::string_view before, today;
+};
+inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje", "BMLrub"},
+                                                           {"DFaust_67", "DFaust"},
+                                                           {"MPI_HDM05", "HDM05"},
+                                                           {"MPI_Limits", "PosePrior"},
+                                                           {"MPI_mosh", "MoSh"},
+                                                           {"SSM_synced", "SSM"},
+                                                           {"TCD_handMocap", "TCDHands"},
+                                                           {"Transitions_mocap", "Transitions"}}};
+
+/// The path of a sequence, then those with the names before and today where they differ from it.
+inline std::vector<std::string> amass_paths(std::string_view path) {
+  auto renamed = [&](std::string_view AmassRename::* from, std::string_view AmassRename::* to) {
+    std::string out;
+    for (std::size_t at = 0; at <= path.size();) {
+      const std::size_t end = std::min(path.find('/', at), path.size());
+      std::string_view folder = path.substr(at, end - at);
+      for (const AmassRename& r : amass_renames) {
+        if (folder == r.*from) {
+          folder = r.*to;
+          break;
+        }
+      }
+      out += folder;
+      if (end < path.size()) out += '/';
+      at = end + 1;
+    }
+    return out;
+  };
+  std::vector<std::string> out{std::string(path)};
+  for (std::string other : {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
+    if (other != path) out.push_back(std::move(other));
+  }
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -12456,6 +12596,38 @@ inline FeatureLayout guoh3dfeats_layout(
                         : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
                                                     : (i - slots.velocities().begin) / 3;
     return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
+/// joints and with `kit_part_of_joint` TEMOS's 64.
+inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+/// smplvelp: the root's height and velocity, then a rotation of each joint (see smplvelp.hpp): 135 for 22 joints in 6D.
+inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
+  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
+    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  });
+}
+
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
+inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                  const ActorFeatureOptions& options = {}) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
   });
 }
 
@@ -12995,12 +13167,19 @@ std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
+///     const Motion back = motion_of_rows(f, rows);
 ///
-///     guoh3d      263   20    HumanML3D's, of TMR           a row less than the clip has frames; no rotations to go back from
-///     rifke        67   12.5  TMR's canonical view, 22 joints, of TEMOS where SMPL-H's heels are not to be had; positions alone
-///     smplvelp    135   12.5  TEMOS on SMPL                 with the exact heading, so that it is there and back
-///     smplrifke   205   20    STMC
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp
+///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
+///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the clip's; else as guoh3d
+///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot); positions alone
+///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see SmplVelpOptions
+///     smplrifke           205   20    STMC
+///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a camera
+/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs humanml3d-features.md
+///         1.2 and 10, temos.md 4.1 and 4.3
 
 #ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
@@ -13510,13 +13689,15 @@ struct MotionFeatures {
   std::string_view name;
   Index width = 0;
   double fps = 0;    // that the published systems use
-  Index joints = 0;  // of `joints_of`: the first ones of SMPL
-  /// The rows of a clip on SMPL's 24 joints that has the rate already. Throws config_error 103 if the joints are others,
-  /// shape_error 205 if it is too short.
+  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  const Skeleton& (*skeleton)();
+  FeatureLayout (*layout)();  // which numbers belong to which body part
+  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws config_error 103 if the
+  /// joints are others, shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
   /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
-  /// A clip on SMPL's 24 joints; null where the rows have no rotations.
+  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
   Motion (*to_motion)(std::span<const double> rows, double fps);
 };
 
@@ -13532,6 +13713,21 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
     out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
     if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
   }
+  return out;
+}
+
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor. In the world of
+/// the camera the figure stands on its head: it is turned by 180 degrees about x.
+template <Scalar S>
+Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
+  const auto upright = axis_rotation(0, std::numbers::pi);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.root) out.root.push_back(upright * vec_cast<double>(p));
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 24 == 0 ? upright * r : r));
+  }
+  place_on_floor(out);
   return out;
 }
 
@@ -13573,7 +13769,54 @@ inline std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows) {
   return turned_up(rifke_joints(tmr_rifke(22), rows), false);
 }
 
-inline std::vector<double> smplvelp_rows_of(const Motion& motion) {
+inline constexpr Index mmm_joints = 21;
+inline constexpr double mmm_units_per_metre = 640;
+
+/// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
+inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
+  const bool own = motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
+  if (!own) require_smpl24(motion);
+  auto joints = (own ? motion : retarget(motion, kit21_skeleton())).positions();
+  for (Vec3<double>& p : joints) p = mmm_units_per_metre * Vec3<double>{-p.x, p.y, p.z};
+  return joints;
+}
+/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+inline Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
+  const bool mmm = count == mmm_joints;
+  const std::size_t head = mmm ? 4 : 15, left = mmm ? 13 : 7, right = mmm ? 18 : 8;
+  Vec3<double> sum{};
+  for (std::size_t at = 0; at < joints.size(); at += count) {
+    sum = sum + joints[at + head] - 0.5 * (joints[at + left] + joints[at + right]);
+  }
+  return joints.empty() ? sum : (static_cast<double>(count) / static_cast<double>(joints.size())) * sum;
+}
+/// The way back. The joints are in metres or, if they are large, in KIT's units.
+inline std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints) {
+  const double unit = norm(mean_height(joints, mmm_joints)) > 20 ? 1 / mmm_units_per_metre : 1;
+  for (Vec3<double>& p : joints) p = unit * Vec3<double>{-p.x, p.y, p.z};
+  return joints;
+}
+
+inline std::vector<double> kit_rows_of(const Motion& motion) {
+  const auto joints = mmm_joints_of(motion);
+  const std::span<const Vec3<double>> all(joints);
+  const auto lengths = joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
+  return guoh3d_features(kit_chains(), all, std::span<const double>(lengths));
+}
+inline std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
+  return mmm_in_metres(guoh3d_joints(rows, mmm_joints));
+}
+
+inline std::vector<double> rifke64_rows_of(const Motion& motion) {
+  const auto joints = mmm_joints_of(motion);
+  return rifke_features(temos_rifke(), std::span<const Vec3<double>>(joints)).features;
+}
+inline std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows) {
+  return mmm_in_metres(rifke_joints(temos_rifke(), rows));
+}
+
+template <bool exact_yaw>
+std::vector<double> smplvelp_rows_of(const Motion& motion) {
   require_smpl24(motion);
   const auto z_up = axis_rotation(0, std::numbers::pi / 2);
   std::vector<Matrix3<double>> rotations;
@@ -13584,7 +13827,7 @@ inline std::vector<double> smplvelp_rows_of(const Motion& motion) {
     }
   }
   return smplvelp_features(std::span<const Matrix3<double>>(rotations),
-                           std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = true});
+                           std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = exact_yaw});
 }
 inline Motion smplvelp_motion(std::span<const double> rows, double fps) {
   return motion_of_smplvelp(smplvelp_inverse(rows), fps);
@@ -13598,15 +13841,56 @@ inline std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> row
   return first_joints(smplrifke_motion(rows, 20), 22);
 }
 
+inline std::vector<double> actor_rows_of(const Motion& motion) {
+  require_smpl24(motion);
+  const auto upside_down = axis_rotation(0, std::numbers::pi);
+  std::vector<Matrix3<double>> rotations;
+  for (std::size_t i = 0; i < motion.local.size(); ++i) {
+    const auto r = to_matrix(motion.local[i]);
+    rotations.push_back(i % 24 == 0 ? upside_down * r : r);
+  }
+  std::vector<Vec3<double>> root;
+  for (const Vec3<double>& p : motion.root) root.push_back(upside_down * p);
+  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24);
+}
+inline Motion actor_motion(std::span<const double> rows, double fps) { return motion_of_actor(actor_inverse(rows), fps); }
+inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
+  return first_joints(actor_motion(rows, 20), 22);
+}
+
+inline FeatureLayout layout_of_guoh3d() { return guoh3dfeats_layout(); }
+inline FeatureLayout layout_of_kit() { return guoh3dfeats_layout(kit_part_of_joint); }
+inline FeatureLayout layout_of_rifke() { return rifke_layout(); }
+inline FeatureLayout layout_of_rifke64() { return rifke_layout(kit_part_of_joint); }
+inline FeatureLayout layout_of_smplvelp() { return smplvelp_layout(); }
+inline FeatureLayout layout_of_smplrifke() { return smplrifke_layout(); }
+inline FeatureLayout layout_of_actor() { return actor_layout(); }
+
 }  // namespace detail
 
-inline constexpr std::array<MotionFeatures, 4> all_motion_features{{
-    {"guoh3d", 263, 20, 22, &detail::guoh3d_rows_of, &detail::joints_of_guoh3d, nullptr},
-    {"rifke", 67, 12.5, 22, &detail::rifke_rows_of, &detail::joints_of_rifke, nullptr},
-    {"smplvelp", 135, 12.5, 22, &detail::smplvelp_rows_of, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplrifke", smplrifke_size, 20, 22, &smplrifke_from_motion, &detail::joints_of_smplrifke,
-     &detail::smplrifke_motion},
+inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
+    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, &detail::guoh3d_rows_of, &detail::joints_of_guoh3d, nullptr},
+    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, &detail::kit_rows_of, &detail::joints_of_kit, nullptr},
+    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, &detail::rifke_rows_of, &detail::joints_of_rifke, nullptr},
+    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, &detail::rifke64_rows_of, &detail::joints_of_rifke64, nullptr},
+    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<true>,
+     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<false>,
+     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, &smplrifke_from_motion,
+     &detail::joints_of_smplrifke, &detail::smplrifke_motion},
+    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, &detail::actor_rows_of, &detail::joints_of_actor,
+     &detail::actor_motion},
 }};
+
+/// The clip of rows, on the joints of the features.
+/// fps     0: as the published systems have it
+/// Throws  shape_error 205, numeric_error 301 for values that are not finite
+inline Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0) {
+  const double rate = fps > 0 ? fps : features.fps;
+  if (features.to_motion != nullptr) return features.to_motion(rows, rate);
+  return motion_from_joints(features.skeleton(), features.joints_of(rows), features.joints, rate);
+}
 
 /// Throws config_error 103.
 inline const MotionFeatures& motion_features(std::string_view name) {
@@ -19840,26 +20124,37 @@ class GloVe {
     return out;
   }
 
-  /// "word/tag word/tag"; a text without a slash is a caption. Throws config_error 107 for a word with no tag or several.
+  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any other
+  /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of the table.
   std::vector<TaggedWord> tokens(std::string_view text) const {
-    if (text.find('/') == text.npos) return caption_tokens(text);
     std::vector<TaggedWord> out;
+    std::string_view wrong;
+    bool tagged = false;
     for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
       const std::size_t end = std::min(text.find(' ', at), text.size());
       const std::string_view token = text.substr(at, end - at);
-      const std::size_t slash = token.find('/');
-      if (slash == token.npos || token.find('/', slash + 1) != token.npos)
-        raise<config_error>(107, "GloVe: '", token, "' is not word/tag");
-      out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
       at = end;
+      const std::size_t slash = token.find('/');
+      if (slash == token.npos || token.find('/', slash + 1) != token.npos) {
+        if (wrong.empty()) wrong = token;
+        continue;
+      }
+      out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
+      tagged = tagged || speech_tag(out.back().tag) != SpeechTag::other;
     }
-    return out;
+    if (wrong.empty()) return out;
+    if (tagged) raise<config_error>(107, "GloVe: '", wrong, "' is not word/tag");
+    return caption_tokens(text);
   }
-  /// An approximation to what was done with spaCy: lower-case words, of which -s, -es, -ed and -ing are taken away where the word is
-  /// unknown and the rest is known. Tags come from the lists of `motion_tag` only.
+  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed over; -s, -es,
+  /// -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const {
+    std::string joined(text);
+    std::erase(joined, '-');
     std::vector<TaggedWord> out;
-    for (const std::string& word : WordPiece::words(text)) out.push_back({known_form(word), "OTHER"});
+    for (const std::string& word : WordPiece::words(joined)) {
+      if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word), "OTHER"});
+    }
     return out;
   }
 
@@ -20332,12 +20627,19 @@ inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segment
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
+struct TextPlace {
+  Index line = 0, column = 0;  // from 1; 0: not from a text
+  constexpr bool operator==(const TextPlace&) const { return true; }
+};
+
 /// A text that acts on some body parts from `start` up to, not including, `end`.
 template <class T>
 struct BasicInterval {
   std::string text;
   T start{}, end{};
   BodyParts parts;
+  TextPlace place{};
   bool operator==(const BasicInterval&) const = default;
 };
 
@@ -20385,7 +20687,7 @@ void shift_to_zero(BasicTimeline<T>& timeline) {
 inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
   Timeline out;
   for (const auto& i : timeline.intervals) {
-    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts});
+    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
   }
   shift_to_zero(out);
   return out;
@@ -20399,7 +20701,8 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
     return t;
   };
   TimelineInSeconds out;
-  for (const auto& i : timeline.intervals) out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts});
+  for (const auto& i : timeline.intervals)
+    out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
   return out;
 }
 
@@ -20991,6 +21294,11 @@ namespace detail {
 
 inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
 
+/// " (line 3, column 1)", nothing if the interval was not read from a text.
+inline std::string place_of(const Interval& i) {
+  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
+}
+
 inline void check_timeline(const Timeline& timeline) {
   if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
   for (const Interval& i : timeline.intervals) {
@@ -21041,7 +21349,7 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
       for (const Interval& i : plan.timeline.intervals) {
         if (i.start != cut && i.end != cut) continue;
         raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
-                              ": other texts hide it; give it parts that no text with fewer parts takes");
+                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
       }
     }
   }
@@ -21053,7 +21361,8 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
   for (const Crop& c : plan.crops) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", longest);
+                          " frames with its overlap; the denoiser accepts ", longest,
+                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]));
   }
 }
 
@@ -21213,9 +21522,11 @@ template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
-  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion.
+  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that does not give
+  /// each number to one body part.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
+    layout.validate();
     for (int p = 0; p < body_part_count; ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
@@ -21261,10 +21572,12 @@ class Stitcher {
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
 /// All windows read the hard-cut motion; where they overlap the later one wins. Source: spec stmc.md 5.
+/// Throws config_error 102 for a layout that does not give each number to one body part.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
   using S = typename B::scalar;
+  layout.validate();
   const auto read = motion.span();
   std::vector<S> out(read.begin(), read.end());
   const auto width = static_cast<std::size_t>(layout.size);
@@ -21734,7 +22047,8 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
+///          whole of a timeline is found when it is planned, and named by line and column of an interval
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -21771,10 +22085,19 @@ class TimelineLine {
   /// Throws timeline_error at the beginning of a field (past the last one: at the end of the line).
   template <class... T>
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
-    const char* place = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
+    raise<timeline_error>(id, name_, ":", number_, ":", place(field).column, ": ", what...);
+  }
+  /// Of the beginning of a field.
+  TextPlace place(std::size_t field) const {
+    const char* begin = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
     Index column = 1;
-    for (const char* c = line_.data(); c < place; ++c) column += (static_cast<unsigned char>(*c) & 0xC0u) != 0x80u;
-    raise<timeline_error>(id, name_, ":", number_, ":", column, ": ", what...);
+    for (const char* c = line_.data(); c < begin; ++c) column += (static_cast<unsigned char>(*c) & 0xC0u) != 0x80u;
+    return {number_, column};
+  }
+
+  std::string text() const {
+    if (!is_utf8(fields_[0])) fail(501, 0, "the text is not UTF-8");
+    return std::string(fields_[0]);
   }
 
   /// A time in seconds. Python's spelling: a plus sign is allowed, infinity is not.
@@ -21819,7 +22142,7 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
       return line.seconds(i);
     }
   };
-  BasicInterval<T> out{std::string(line.field(0)), time(1), time(2), line.parts(3)};
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
   if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
   if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
@@ -21843,8 +22166,9 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
   for (auto& timeline : out) {
     shift_to_zero(timeline);
-    if (timeline.end() > static_cast<T>(latest_time)) {
-      raise<timeline_error>(502, options.name, ": a timeline that lasts ", timeline.end(), " is too long");
+    for (const auto& i : timeline.intervals) {
+      if (i.end <= static_cast<T>(latest_time)) continue;
+      raise<timeline_error>(502, options.name, ":", i.place.line, ":", i.place.column, ": a timeline that lasts ", i.end, " is too long");
     }
   }
   return out;
@@ -21880,7 +22204,10 @@ inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_vie
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1) raise<timeline_error>(509, options.name, ": ", all.size(), " timelines where one is expected");
+  if (all.size() > 1) {
+    const TextPlace second = all[1].intervals.front().place;
+    raise<timeline_error>(509, options.name, ":", second.line, ":", second.column, ": ", all.size(), " timelines where one is expected");
+  }
   return std::move(all.front());
 }
 
@@ -21907,7 +22234,7 @@ inline std::vector<TimedText> parse_text_list(std::string_view text, const Timel
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
     if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
-    out.push_back({std::string(line.field(0)), frames});
+    out.push_back({line.text(), frames});
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
   return out;
@@ -25488,7 +25815,7 @@ struct Actor {
       autoregressive_decoder.emplace(features, classes, t, c.max_len, c.concatenate_time, rng);
   }
 
-  /// x: frames of `actor_features`, row by row; one action per motion. Throws shape_error 203 for an action that is no class.
+  /// x: frames of `actor_frame_features`; one action per motion. Throws shape_error 203 for an action that is no class.
   LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {}) const {
     if (average_encoder) return (*average_encoder)(x, context);
     if (gru_encoder) return (*gru_encoder)(x, actions);

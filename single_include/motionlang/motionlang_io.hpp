@@ -496,6 +496,10 @@ class MappedFile {
                          end = (address(part) + part.size()) / page * page;
     if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
+  /// The same of bytes that lie in a mapped file or elsewhere.
+  static void forget_if_mapped(std::span<const std::byte> part) {
+    if (const MappedFile* file = that_holds(part)) file->forget(part);
+  }
 
  private:
   explicit MappedFile(const FilePath& path) {
@@ -739,11 +743,13 @@ class TensorSet {
                                     [](const TensorView& a, std::string_view b) { return a.name < b; });
     return t != tensors_.end() && t->name == tensor ? &*t : nullptr;
   }
-  /// Throws io_error 406 if there is none of that name.
+  /// Throws io_error 406 if there is none of that name, with the most similar one.
   const TensorView& tensor(std::string_view tensor) const {
     const TensorView* t = find(tensor);
-    if (t == nullptr) raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size());
-    return *t;
+    if (t != nullptr) return *t;
+    const std::string like = nearest_name(tensor, names());
+    raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
+                    like.empty() ? "" : concat_text("; the file has '", like, "'"));
   }
 
  protected:
@@ -1019,6 +1025,7 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
     const std::vector<S> values = values_of<S>(view);
+    MappedFile::forget_if_mapped(view.bytes);
     return C::from_span(std::span<const S>(values), view.shape);
   };
   if constexpr (AutodiffBackend<B>) {
@@ -1156,9 +1163,7 @@ struct ReleasePacked {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if constexpr (requires { t.data().attached(); }) {
-      const auto bytes = std::as_bytes(t.span());
-      if (t.data().attached() == nullptr) return;
-      if (const MappedFile* file = MappedFile::that_holds(bytes)) file->forget(bytes);
+      if (t.data().attached() != nullptr) MappedFile::forget_if_mapped(std::as_bytes(t.span()));
     }
   }
 };
@@ -1189,10 +1194,10 @@ void release_packed(M& model) {
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
 ///          value are stacked and whose text_projection is transposed
 /// Memory   tensors of 32-bit numbers are views of the file. Weights of layers among them are packed for the kernels (prepare) and their
-///          memory in the file is given back, so that no weight is there twice; weights that had to be converted or put together are
-///          packed whenever they are used
-/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes; io_error 406,
-///          407 if names or shapes do not match
+///          memory in the file is given back, so that no weight is there twice. Weights that had to be converted or put together give
+///          theirs back, too, and are packed whenever they are used
+/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes, 102 for sizes far
+///          above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
 
 #include <deque>  // stacked tensors
@@ -1455,6 +1460,7 @@ inline void add_stacked(RenamedTensors& out, const std::array<const TensorView*,
       raise<io_error>(407, where, ": '", p->name, "' is ", p->dtype, " ", p->shape, ", '", parts[0]->name, "' ",
                       whole.dtype, " ", parts[0]->shape);
     bytes.insert(bytes.end(), p->bytes.begin(), p->bytes.end());
+    MappedFile::forget_if_mapped(p->bytes);
   }
   whole.shape[0] = 3 * parts[0]->shape[0];
   out.add(std::move(whole), std::move(name), std::move(bytes));
@@ -1470,6 +1476,7 @@ inline void add_transposed(RenamedTensors& out, TensorView view, std::string nam
       std::memcpy(bytes.data() + (c * rows + r) * size, view.bytes.data() + (r * columns + c) * size, size);
   }
   std::swap(view.shape[0], view.shape[1]);
+  MappedFile::forget_if_mapped(view.bytes);
   out.add(std::move(view), std::move(name), std::move(bytes));
 }
 
@@ -1556,6 +1563,17 @@ void prepare_mapped(std::vector<Layer>& layers) {
   for (Layer& layer : layers) visit_tensors(layer, PrepareMapped{});
 }
 
+/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
+/// Throws config_error 102.
+inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
+  const Index wanted = width * (rows + layers * (4 * width + 2 * d_ff));
+  Index found = 0;
+  for (const TensorView& t : weights.tensors()) found += t.shape.count();
+  if (wanted > 2 * found + (Index{16} << 20))
+    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ", d_ff, " and ",
+                        layers, " layers has ", wanted);
+}
+
 /// A size in a configuration file, 1 ... largest.
 inline Index config_size(const JsonView& config, const std::string& key, Index largest) {
   const Index n = config[key].as<Index>();
@@ -1603,6 +1621,7 @@ inline BertConfig bert_config(const JsonView& config, std::string_view model_typ
 /// Fills a network of the BERT family.
 template <class Network>
 Network load_text_network(const BertConfig& config, const TensorSet& weights) {
+  detail::check_room(weights, config.vocabulary + config.positions + config.token_types, config.width, config.d_ff, config.layers);
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
@@ -1636,26 +1655,30 @@ inline BertConfig distilbert_config(const TensorSet& file) {
   return c;
 }
 
-/// The sizes in the config.json of a CLIP model, or of its text tower alone.
+/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with whatever is
+/// usual, is as in ViT-B/32.
 inline ClipTextConfig clip_text_config(const JsonView& config) {
   using detail::config_size;
   const JsonView text =
       config.contains("text_config") && config["text_config"].is_object() ? config["text_config"] : config;
   const bool older = config.contains("text_config_dict") && config["text_config_dict"].is_object();
   const auto at = [&](const std::string& key) {  // where older files say it twice, the dictionary wins
+    if (key == "projection_dim" && config.contains(key)) return config;
     return older && config["text_config_dict"].contains(key) ? config["text_config_dict"] : text;
   };
   ClipTextConfig c;
-  c.vocabulary = config_size(at("vocab_size"), "vocab_size", detail::largest_vocabulary);
-  c.width = config_size(at("hidden_size"), "hidden_size", detail::largest_width);
-  c.heads = config_size(at("num_attention_heads"), "num_attention_heads", detail::largest_width);
-  c.layers = config_size(at("num_hidden_layers"), "num_hidden_layers", detail::largest_depth);
-  c.d_ff = config_size(at("intermediate_size"), "intermediate_size", 8 * detail::largest_width);
-  c.context = config_size(at("max_position_embeddings"), "max_position_embeddings", detail::largest_vocabulary);
-  c.out = config_size(config.contains("projection_dim") ? config : at("projection_dim"), "projection_dim",
-                      detail::largest_width);
-  c.activation = detail::config_activation(at("hidden_act"), "hidden_act");
-  c.eps = at("layer_norm_eps").value_or("layer_norm_eps", 1e-5);
+  const auto read = [&](Index& size, const std::string& key, Index largest) {
+    if (at(key).contains(key)) size = config_size(at(key), key, largest);
+  };
+  read(c.vocabulary, "vocab_size", detail::largest_vocabulary);
+  read(c.width, "hidden_size", detail::largest_width);
+  read(c.heads, "num_attention_heads", detail::largest_width);
+  read(c.layers, "num_hidden_layers", detail::largest_depth);
+  read(c.d_ff, "intermediate_size", 8 * detail::largest_width);
+  read(c.context, "max_position_embeddings", detail::largest_vocabulary);
+  read(c.out, "projection_dim", detail::largest_width);
+  if (at("hidden_act").contains("hidden_act")) c.activation = detail::config_activation(at("hidden_act"), "hidden_act");
+  c.eps = at("layer_norm_eps").value_or("layer_norm_eps", c.eps);
   check_heads(c.width, c.heads);
   return c;
 }
@@ -1683,6 +1706,7 @@ inline ClipTextConfig clip_text_config(const TensorSet& file) {
 
 template <Backend B>
 ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weights) {
+  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff, config.layers);
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
@@ -2768,7 +2792,7 @@ inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) 
 
 #ifndef MOTIONLANG_HAS_IO_PICKLE_ARRAYS_HPP  // <motionlang/io/pickle_arrays.hpp>
 #define MOTIONLANG_HAS_IO_PICKLE_ARRAYS_HPP
-/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's compressed matrices, chumpy's
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices, chumpy's
 /// nodes (which SMPL's first files hold).
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
@@ -2841,6 +2865,28 @@ struct PickleOptions {
 
 namespace detail {
 
+// clang-format off
+/// Of an opcode, as pickletools calls it; empty if there is none.
+inline std::string_view opcode_name(unsigned char opcode) {
+  constexpr std::pair<unsigned char, std::string_view> names[] = {
+      {'(', "MARK"}, {')', "EMPTY_TUPLE"}, {'.', "STOP"}, {'0', "POP"}, {'1', "POP_MARK"}, {'2', "DUP"}, {'B', "BINBYTES"},
+      {'C', "SHORT_BINBYTES"}, {'F', "FLOAT"}, {'G', "BINFLOAT"}, {'I', "INT"}, {'J', "BININT"}, {'K', "BININT1"}, {'L', "LONG"},
+      {'M', "BININT2"}, {'N', "NONE"}, {'P', "PERSID"}, {'Q', "BINPERSID"}, {'R', "REDUCE"}, {'S', "STRING"}, {'T', "BINSTRING"},
+      {'U', "SHORT_BINSTRING"}, {'V', "UNICODE"}, {'X', "BINUNICODE"}, {']', "EMPTY_LIST"}, {'a', "APPEND"}, {'b', "BUILD"},
+      {'c', "GLOBAL"}, {'d', "DICT"}, {'e', "APPENDS"}, {'g', "GET"}, {'h', "BINGET"}, {'i', "INST"}, {'j', "LONG_BINGET"},
+      {'l', "LIST"}, {'o', "OBJ"}, {'p', "PUT"}, {'q', "BINPUT"}, {'r', "LONG_BINPUT"}, {'s', "SETITEM"}, {'t', "TUPLE"},
+      {'u', "SETITEMS"}, {'}', "EMPTY_DICT"}, {0x80, "PROTO"}, {0x81, "NEWOBJ"}, {0x82, "EXT1"}, {0x83, "EXT2"}, {0x84, "EXT4"},
+      {0x85, "TUPLE1"}, {0x86, "TUPLE2"}, {0x87, "TUPLE3"}, {0x88, "NEWTRUE"}, {0x89, "NEWFALSE"}, {0x8A, "LONG1"}, {0x8B, "LONG4"},
+      {0x8C, "SHORT_BINUNICODE"}, {0x8D, "BINUNICODE8"}, {0x8E, "BINBYTES8"}, {0x8F, "EMPTY_SET"}, {0x90, "ADDITEMS"},
+      {0x91, "FROZENSET"}, {0x92, "NEWOBJ_EX"}, {0x93, "STACK_GLOBAL"}, {0x94, "MEMOIZE"}, {0x95, "FRAME"}, {0x96, "BYTEARRAY8"},
+      {0x97, "NEXT_BUFFER"}, {0x98, "READONLY_BUFFER"}};
+  for (const auto& [code, name] : names) {
+    if (code == opcode) return name;
+  }
+  return "";
+}
+// clang-format on
+
 using PickleRef = std::uint32_t;
 inline constexpr PickleRef no_pickle_value = UINT32_MAX;
 
@@ -2869,6 +2915,11 @@ class PickleMachine {
   std::uint64_t memory_left() const { return memory_; }
   /// Values that stand for something outside of the pickle, in the order of the file.
   const std::vector<PickleRef>& persistent() const { return persistent_; }
+  /// For messages: " at byte 7 (BINGET)".
+  std::string place(std::uint64_t at) const {
+    const auto name = at < bytes_.size() ? opcode_name(std::to_integer<unsigned char>(bytes_[static_cast<std::size_t>(at)])) : "";
+    return name.empty() ? concat_text(" at byte ", at) : concat_text(" at byte ", at, " (", name, ")");
+  }
 
   /// Reads from `start` to STOP and gives the value that is left.
   PickleRef run(std::uint64_t start) {
@@ -2886,18 +2937,21 @@ class PickleMachine {
 
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
-    raise<io_error>(id, file_, ": pickle: ", what..., " at byte ", opcode_at_);
+    raise<io_error>(id, file_, ": pickle: ", what..., place(opcode_at_));
   }
 
   // The file.
 
+  std::uint64_t left() const { return bytes_.size() - std::min<std::uint64_t>(position_, bytes_.size()); }
   template <class T>
   T number(std::string_view what) {
+    if (left() < sizeof(T)) fail(402, "ends inside ", what);
     const T value = load<T>(bytes_, position_, file_, what);
     position_ += sizeof(T);
     return value;
   }
   std::string_view take(std::uint64_t size, std::string_view what) {
+    if (left() < size) fail(402, what, " of ", size, " bytes where ", left(), " are left");
     const auto part = slice(bytes_, position_, size, file_, what);
     position_ += size;
     return as_text(part);
@@ -3323,9 +3377,7 @@ class PickleMachine {
   // clang-format on
 
   void frame(std::uint64_t size) {
-    if (size > bytes_.size() - position_) {
-      raise<io_error>(402, file_, ": pickle: a frame of ", size, " bytes at byte ", opcode_at_, " of ", bytes_.size());
-    }
+    if (left() < size) fail(402, "a frame of ", size, " bytes where ", left(), " are left");
   }
   std::uint64_t length() {
     const auto n = number<std::int32_t>("length");
@@ -3333,6 +3385,8 @@ class PickleMachine {
     return static_cast<std::uint64_t>(n);
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
+    const PickleKind kind = nodes_[callee].kind;
+    if (kind != PickleKind::name && kind != PickleKind::object) fail(403, "a call of ", name_of(kind));
     if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
     call(callee, arguments);
   }
@@ -3437,7 +3491,7 @@ class PickleValue {
   /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
-    raise<io_error>(id, machine_->file(), ": ", what..., " at byte ", at());
+    raise<io_error>(id, machine_->file(), ": ", what..., machine_->place(at()));
   }
 
  private:
@@ -3580,37 +3634,46 @@ inline NpyArray numpy_array(const PickleValue& v) {
   return stored_array(a.type, a.fortran_order, std::move(a.shape), a.raw, a.where);
 }
 
-inline bool is_compressed_matrix(const PickleValue& v) {
-  const std::string name = v.name();
-  return name.starts_with("scipy.sparse.") && (name.ends_with(".csc_matrix") || name.ends_with(".csr_matrix"));
-}
-
-/// A compressed matrix in full: entries indptr[c] ... indptr[c + 1] - 1 lie in column (csr: row) c at row (column) indices[k].
+/// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in column (row) c at
+/// row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call coords.
 inline NpyArray dense_matrix(const PickleValue& v) {
+  const std::string name = v.name();
+  const std::string_view kind = std::string_view(name).substr(name.rfind('.') + 1);
+  const bool by_column = kind == "csc_matrix" || kind == "csc_array", by_row = kind == "csr_matrix" || kind == "csr_array";
+  if (!by_column && !by_row && kind != "coo_matrix" && kind != "coo_array") v.fail(404, "a sparse matrix of class ", name);
   const PickleValue state = v.state();
   const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
-  const auto numbers = [&](const char* name) { return numpy_array(state[name]); };
-  const auto data = numbers("data").to<double>();
-  const auto indices = numbers("indices").to<std::int64_t>(), starts = numbers("indptr").to<std::int64_t>();
   constexpr Index most = 2'000'000;
   if (shape.size() != 2) v.fail(403, "a sparse matrix with ", shape.size(), " sizes");
   const Index rows = shape[0], columns = shape[1];
   if (rows > most || columns > most || rows * columns > most) {
     v.fail(405, "a sparse matrix of ", rows, " x ", columns, " is too large");
   }
-  const bool by_column = v.name().ends_with("csc_matrix");
-  const Index major = by_column ? columns : rows, minor = by_column ? rows : columns;
-  if (std::ssize(starts) != major + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
-      indices.size() != data.size() || !std::is_sorted(starts.begin(), starts.end())) {
-    v.fail(403, "a sparse matrix whose arrays do not fit together");
-  }
-  std::vector<double> dense(static_cast<std::size_t>(rows * columns), 0.0);
-  for (Index c = 0; c < major; ++c) {
-    for (auto k = static_cast<std::size_t>(starts[static_cast<std::size_t>(c)]);
-         k < static_cast<std::size_t>(starts[static_cast<std::size_t>(c) + 1]); ++k) {
-      if (indices[k] < 0 || indices[k] >= minor) v.fail(403, "index ", indices[k], " in a sparse matrix of ", minor);
-      dense[static_cast<std::size_t>(by_column ? indices[k] * columns + c : c * columns + indices[k])] += data[k];
+  const auto data = numpy_array(state["data"]).to<double>();
+  const auto places = [](const PickleValue& array) { return numpy_array(array).to<std::int64_t>(); };
+  std::vector<std::int64_t> row, column;
+  if (by_column || by_row) {
+    const auto starts = places(state["indptr"]);
+    if (std::ssize(starts) != (by_column ? columns : rows) + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
+        !std::is_sorted(starts.begin(), starts.end())) {
+      v.fail(403, "a sparse matrix whose arrays do not fit together");
     }
+    (by_column ? row : column) = places(state["indices"]);
+    std::vector<std::int64_t>& outer = by_column ? column : row;
+    for (std::size_t c = 0; c + 1 < starts.size(); ++c)
+      outer.resize(static_cast<std::size_t>(starts[c + 1]), static_cast<std::int64_t>(c));
+  } else {
+    const auto both = state.find("coords");
+    row = places(both ? (*both)[0] : state["row"]);
+    column = places(both ? (*both)[1] : state["col"]);
+  }
+  if (row.size() != data.size() || column.size() != data.size())
+    v.fail(403, "a sparse matrix whose arrays do not fit together");
+  std::vector<double> dense(static_cast<std::size_t>(rows * columns), 0.0);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (row[k] < 0 || row[k] >= rows || column[k] < 0 || column[k] >= columns)
+      v.fail(403, "entry ", row[k], ", ", column[k], " in a sparse matrix of ", rows, " x ", columns);
+    dense[static_cast<std::size_t>(row[k] * columns + column[k])] += data[k];
   }
   return NpyArray::of(std::span<const double>(dense), {rows, columns});
 }
@@ -3650,8 +3713,8 @@ inline NpyArray to_array(const PickleValue& v, int depth) {
   if (v.is(PickleKind::integer) || v.is(PickleKind::boolean)) return NpyArray::scalar(v.integer());
   if (v.is(PickleKind::real)) return NpyArray::scalar(v.real());
   if (is_numpy_array(v) || is_numpy_scalar(v)) return numpy_array(v);
-  if (is_compressed_matrix(v)) return dense_matrix(v);
   const std::string name = v.name();
+  if (name.starts_with("scipy.sparse.")) return dense_matrix(v);
   if (name == "chumpy.reordering.Select") return selected_array(v, depth + 1);
   if (name.starts_with("chumpy.")) return node_array(v, depth + 1);
   v.fail(407, "an array expected, found ", name.empty() ? to_string(v.kind()) : name);
@@ -3675,8 +3738,8 @@ inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const
   return {position, detail::checked_size(described.shape, described.item_size, object.file())};
 }
 
-/// The array that a value of a pickle means: of NumPy or joblib, a single number, a compressed matrix of SciPy in full (as real numbers),
-/// or the value of a chumpy node.
+/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full (csc, csr, coo; as
+/// real numbers), or the value of a chumpy node.
 /// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
 ///         the value is no array
 inline NpyArray to_array(const PickleValue& value) { return detail::to_array(value, 0); }
@@ -4487,6 +4550,8 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   std::map<std::string, std::uint64_t, std::less<>> element_size;
   for (const PickleValue& v : object.persistent()) {
     const PickleValue id = v.arguments();
+    if (id.size() > 0 && id[0].text() == "module")
+      v.fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (id.size() < 5) v.fail(403, "not the id of a storage");
     const auto dtype = storage_dtype(id[1].name());
     memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
@@ -4546,8 +4611,8 @@ class TorchFile {
     Pickle object = detail::read_torch_legacy(bytes, name, tensors, memory);
     return TorchFile(std::move(object), std::move(tensors), memory, "torch legacy");
   }
-  /// An archive that is open already.
-  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory) {
+  /// An archive that is open already. `checksums`: those of stored storages are compared, too, which reads all of them.
+  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory, bool checksums = false) {
     const std::string folder = root_folder(zip);
     if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
     detail::TorchTensors tensors(memory);
@@ -4557,8 +4622,9 @@ class TorchFile {
       script = script || e.name == folder + "constants.pkl" || e.name.starts_with(folder + "code/");
       if (!e.name.starts_with(data)) continue;
       if (e.deflated) memory->spend(e.size);
-      tensors.add_storage(e.name.substr(data.size()),
-                          e.deflated ? std::span<const std::byte>(memory->keep(zip.read(e))) : zip.stored(e));
+      tensors.add_storage(e.name.substr(data.size()), e.deflated   ? std::span<const std::byte>(memory->keep(zip.read(e)))
+                                                      : checksums ? zip.checked(e)
+                                                                  : zip.stored(e));
     }
     if (const ZipEntry* order = zip.find(folder + "byteorder")) {
       const std::string_view text = detail::as_text(zip.checked(*order));
@@ -4623,7 +4689,8 @@ struct WeightOptions {
   /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless given: the
   /// root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
-  bool strict = false;  // refuse what is skipped otherwise
+  bool strict = false;     // refuse what is skipped otherwise
+  bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
 };
 
 class WeightFile;
@@ -5064,7 +5131,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
     if (!TorchFile::root_folder(zip).empty()) {
-      read_torch(TorchFile::from_archive(zip, memory));
+      read_torch(TorchFile::from_archive(zip, memory, options.checksums));
     } else {
       const NpzArchive npz(zip);
       if (npz.names().empty())
@@ -5219,16 +5286,17 @@ class RunReader {
         raise<config_error>(102, place(key), " is ", *stated, ", ", weights_->name(), " has ", n, " of '", prefix_,
                             before, "#", behind, "'");
     }
-    if (n == 0) raise<io_error>(406, weights_->name(), ": no tensor '", prefix_, before, "0", behind, "'");
+    if (n == 0) weights_->tensor(concat_text(prefix_, before, 0, behind));  // throws
     return n;
   }
 
-  /// Of several names for an option the first that there is.
-  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest) const {
+  /// Of several names for an option the first that there is. Throws config_error 101 unless it is smallest ... largest.
+  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest, Index smallest = 1) const {
     for (const char* key : keys) {
       const std::optional<Index> n = whole(key);
       if (!n) continue;
-      if (*n < 1 || *n > largest) raise<config_error>(101, place(key), " is ", *n, ", not 1 ... ", largest);
+      if (*n < smallest || *n > largest)
+        raise<config_error>(101, place(key), " is ", *n, ", not ", smallest, " ... ", largest);
       return *n;
     }
     return otherwise;
@@ -9482,6 +9550,7 @@ struct TokenizerLimits {
   std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
   std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
+  ClipCleaning cleaning = ClipCleaning::hugging_face;  // of CLIP: as these files say; MDM and STMC were trained with the original
 };
 
 namespace detail {
@@ -9680,7 +9749,7 @@ inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLim
   if (model.contains("dropout") && !model["dropout"].is_null())
     raise<io_error>(404, model.path(), ": dropout of merges");
   ClipTokenizerOptions o;
-  o.cleaning = ClipCleaning::hugging_face;
+  o.cleaning = limits.cleaning;
   o.word_end = model.value_or("end_of_word_suffix", "");
   o.unknown = model.value_or("unk_token", "");
   set_limits(o, document, limits);
@@ -9772,7 +9841,7 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
 
 inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {
   ClipTokenizerOptions o;
-  o.cleaning = ClipCleaning::hugging_face;
+  o.cleaning = limits.cleaning;
   o.longest = limits.longest.value_or(o.longest);
   o.truncate = limits.truncate.value_or(o.truncate);
   return ClipTokenizer(read_vocabulary_json(folder + "/vocab.json"), read_merges(folder + "/merges.txt"), std::move(o),
@@ -9830,13 +9899,14 @@ struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
 };
-/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids.
+/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose CLIP these systems
+/// were trained with, wherever the vocabulary comes from.
 inline TextEncoderOptions clip_sentences(Index longest = 77) {
-  return {.text = {.pooling = Pooling::end}, .limits = {.longest = longest, .truncate = true}};
+  return {.text = {.pooling = Pooling::end}, .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
 }
-/// All 77 rows of CLIP: MotionDiffuse.
+/// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
 inline TextEncoderOptions clip_states() {
-  return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true}};
+  return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true, .cleaning = ClipCleaning::original}};
 }
 
 namespace detail {
@@ -9982,7 +10052,7 @@ inline void read_mdm(DiffusionRun& out, const RunReader& r) {
   const std::string_view found = recurrent ? "gru" : decoder ? "trans_dec" : "trans_enc";
   if (!stated.empty() && stated != found)
     raise<config_error>(102, r.place("arch"), " is '", stated, "', the tensors are those of ", found);
-  if (r.number({"context_len"}, 0, 100'000) > 0)
+  if (r.number({"context_len"}, 0, 100'000, 0) > 0)
     raise<io_error>(404, r.place("context_len"), ": models that continue a motion (DiP) are not supported");
   const std::string layers = recurrent ? "gru.weight_ih_l" : decoder ? "seqTransDecoder.layers." : "seqTransEncoder.layers.";
   c.nfeats = r.size("output_process.poseFinal.weight", 0);
@@ -10493,9 +10563,10 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
 ///
 /// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
 /// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
-/// Texts      are found by their exact characters; "" is a text like any other
+/// Texts      UTF-8, found by their exact characters; "" is a text like any other
 /// Memory     rows are read where they lie in the file
-/// Atomicity  every file is replaced as a whole, the index last; a reader that meets files of two caches finds that they do not fit
+/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two caches (a reader came
+///            in between, or the disk is full) are refused where their numbers of rows or texts differ, and only there
 /// Source     spec text-encoders.md, section 11
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -10584,14 +10655,15 @@ class EmbeddingCache {
         raise<io_error>(403, base, ": text ", i, " has ", end - begin, " rows; without slices every text has one");
       bounds.insert(bounds.end(), {begin, end});
     }
-    nlohmann::json index = nlohmann::json::object();
-    for (const auto& [text, number] : number_) index[text] = number;
+    nlohmann::json numbers = nlohmann::json::object();
+    for (const auto& [text, number] : number_) numbers[text] = number;
+    const std::string index = numbers.dump();
     write_npy(base + ".npy", NpyArray::of(rows(), {row_count(), width_}));
     if (with_slices)
       write_npy(base + "_slice.npy", NpyArray::of(std::span<const std::int64_t>(bounds), {count(), 2}));
     else
       std::remove((base + "_slice.npy").c_str());  // of a cache that stood here before
-    write_file(base + "_index.json", std::string_view(index.dump()));
+    write_file(base + "_index.json", std::string_view(index));
   }
 
   /// Texts, and numbers of a row.
@@ -10606,11 +10678,12 @@ class EmbeddingCache {
     return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
   }
   /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows, config_error 102 for a
-  /// text that is here already.
+  /// text that is here already, io_error 403 for one that is not UTF-8: the index could not be written.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
     if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
+    check_utf8(text);
     if (is_view_) {  // from here on in memory
       own_.assign(mapped_.begin(), mapped_.end());
       is_view_ = false;
@@ -10621,13 +10694,16 @@ class EmbeddingCache {
     number_.emplace(text, slices_.size());
     slices_.push_back({begin, row_count()});
   }
-  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width.
+  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width, io_error 403 for a
+  /// text that is not UTF-8, before anything is encoded.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
     std::unordered_map<std::string, bool> seen;
     for (const std::string& t : texts) {
-      if (!contains(t) && seen.emplace(t, true).second) missing.push_back(t);
+      if (contains(t) || !seen.emplace(t, true).second) continue;
+      check_utf8(t);
+      missing.push_back(t);
     }
     if (missing.empty()) return;
     const TextFeatures<B> features = encoder.template encode<B>(std::span<const std::string>(missing));
@@ -10650,6 +10726,9 @@ class EmbeddingCache {
     Index begin, end;
   };
 
+  static void check_utf8(const std::string& text) {
+    if (!is_utf8(text)) raise<io_error>(403, "embedding cache: the text '", text, "' is not UTF-8");
+  }
   std::span<const float> rows() const { return is_view_ ? mapped_ : std::span<const float>(own_); }
   Index row_count() const { return width_ == 0 ? 0 : static_cast<Index>(rows().size()) / width_; }
 
@@ -10679,7 +10758,7 @@ class EmbeddingCache {
   std::shared_ptr<const void> owner_;
 };
 
-/// Takes texts from a cache and has the others encoded.
+/// Takes texts from a cache and has the others encoded. Throws io_error 403 for a text that is not UTF-8.
 template <class E>
 struct CachedEncoder {
   EmbeddingCache cache;
@@ -11643,7 +11722,8 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 
 #ifndef MOTIONLANG_HAS_IO_GLB_READER_HPP  // <motionlang/io/glb_reader.hpp>
 #define MOTIONLANG_HAS_IO_GLB_READER_HPP
-/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out.
+/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out. The bones of a VRM avatar
+/// (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
@@ -11675,7 +11755,7 @@ struct GltfTransform {
 };
 
 struct GltfNode {
-  std::string name;
+  std::string name;  // of a bone of VRM's humanoid that of the bone: "leftUpperLeg"
   int parent = -1;
   std::vector<int> children{};
   GltfTransform rest;
@@ -11687,6 +11767,7 @@ class GltfDocument {
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     read_nodes();
+    name_humanoid();
   }
 
   const std::string& file() const { return file_; }
@@ -11853,6 +11934,32 @@ class GltfDocument {
       open.insert(open.end(), c.rbegin(), c.rend());
     }
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
+  }
+
+  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a node.
+  /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
+  void name_humanoid() {
+    if (!root().contains("extensions")) return;
+    const JsonView extensions = root()["extensions"];
+    std::map<int, std::string> bones;
+    auto add = [&](const std::string& bone, const JsonView& node) {
+      if (node.as<std::int64_t>() != -1) bones[node_number(node)] = bone;
+    };
+    for (const char* name : {"VRMC_vrm", "VRMC_vrm_animation"}) {
+      if (!extensions.contains(name)) continue;
+      const JsonView all = extensions[name]["humanoid"]["humanBones"];
+      for (const std::string& bone : all.keys()) add(bone, all[bone]["node"]);
+    }
+    if (extensions.contains("VRM")) {
+      const JsonView all = extensions["VRM"]["humanoid"]["humanBones"];
+      for (Index i = 0; i < all.size(); ++i) add(all[i]["bone"].as<std::string>(), all[i]["node"]);
+    }
+    std::set<std::string> names;
+    for (const auto& [node, bone] : bones) names.insert(bone);
+    for (GltfNode& node : nodes_) {
+      if (names.contains(node.name)) node.name += " (no bone)";
+    }
+    for (const auto& [node, bone] : bones) nodes_[static_cast<std::size_t>(node)].name = bone;
   }
 
   std::string file_;
@@ -12237,7 +12344,8 @@ class GlbFile {
     }
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
     const detail::GltfAnimation& a = animations_[static_cast<std::size_t>(animation)];
-    const double frames = std::floor(a.duration() * fps + 1e-4) + 1;
+    const double last = a.duration() * fps;  // the time of the last key is a float
+    const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
     if (frames * skeleton().size() > max_rotations) {
       raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
     }
@@ -12254,8 +12362,6 @@ class GlbFile {
   }
 
  private:
-  static constexpr double max_rotations = 5e7;  // 1.6 GB
-
   GlbFile(const detail::GltfDocument& document, Index skin)
       : file_(document.file()),
         nodes_(document.nodes()),
@@ -13330,7 +13436,7 @@ inline void write_motion_index(const FilePath& path, const MotionIndex& index, c
 ///
 ///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 numbers in a row: HumanML3D
 ///
-///     (frames, 263) HumanML3D, (frames, 251) KIT, (frames, 205, 135, 67) as motion_features.hpp names them: not normalised
+///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
 ///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
 /// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
@@ -13347,27 +13453,6 @@ struct MotionArrayOptions {
 
 namespace detail {
 
-inline constexpr Index mmm_joints = 21;
-inline constexpr double mmm_units_per_metre = 640;
-
-/// The vector from between the ankles to the head, mean over the frames.
-inline Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
-  const bool mmm = count == mmm_joints;
-  const std::size_t head = mmm ? 4 : 15, left = mmm ? 13 : 7, right = mmm ? 18 : 8;
-  Vec3<double> sum{};
-  for (std::size_t at = 0; at < joints.size(); at += count) {
-    sum = sum + joints[at + head] - 0.5 * (joints[at + left] + joints[at + right]);
-  }
-  return joints.empty() ? sum : (static_cast<double>(count) / static_cast<double>(joints.size())) * sum;
-}
-
-/// MMM's joints, Y up and reflected, to a clip in metres.
-inline Motion motion_from_mmm(std::vector<Vec3<double>> joints, double fps) {
-  const double unit = norm(mean_height(joints, mmm_joints)) > 20 ? 1 / mmm_units_per_metre : 1;
-  for (Vec3<double>& p : joints) p = unit * Vec3<double>{-p.x, p.y, p.z};
-  return motion_from_joints(kit21_skeleton(), joints, fps);
-}
-
 inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
   const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
   const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
@@ -13377,17 +13462,12 @@ inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index coun
   if (z_up) {  // these were not reflected
     for (Vec3<double>& p : joints) p.x = -p.x;
   }
-  return motion_from_mmm(std::move(joints), options.fps > 0 ? options.fps : 12.5);
+  return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);
 }
 
 inline Motion motion_from_rows(std::span<const double> rows, Index width, double fps, std::string_view name) {
-  if (width == Guoh3dSlots{mmm_joints}.size())
-    return motion_from_mmm(guoh3d_joints(rows, mmm_joints), fps > 0 ? fps : kit_chains().fps);
   for (const MotionFeatures& f : all_motion_features) {
-    if (f.width != width) continue;
-    const double rate = fps > 0 ? fps : f.fps;
-    if (f.to_motion != nullptr) return f.to_motion(rows, rate);
-    return motion_from_joints(smpl24_skeleton(), f.joints_of(rows), f.joints, rate);
+    if (f.width == width) return motion_of_rows(f, rows, fps);
   }
   raise<io_error>(407, name, ": rows of ", width, " numbers are no features of motion that are known");
 }
@@ -13400,11 +13480,17 @@ inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions&
                                 std::string_view name = "array") {
   const std::vector<double> v = array.to<double>();
   const auto& shape = array.shape;
-  if (shape.size() == 2) return detail::motion_from_rows(v, shape[1], options.fps, name);
+  const bool rows = shape.size() == 2;
   const bool joints = shape.size() == 3 && shape[2] == 3 && (shape[1] == 24 || shape[1] == 22 || shape[1] == 21);
-  if (!joints) {
+  if (!rows && !joints) {
     raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
   }
+  const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
+  if (odd != v.end()) {
+    const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();
+    raise<numeric_error>(301, name, ": number ", at % numbers, " of frame ", at / numbers, " is not finite");
+  }
+  if (rows) return detail::motion_from_rows(v, shape[1], options.fps, name);
   std::vector<Vec3<double>> positions;
   for (std::size_t i = 0; i + 2 < v.size(); i += 3) positions.push_back({v[i], v[i + 1], v[i + 2]});
   return detail::motion_from_positions(std::move(positions), shape[1], options);

@@ -6562,7 +6562,8 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
+///          whole of a timeline is found when it is planned, and named by line and column of an interval
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP  // <motionlang/compose/timeline.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP
@@ -6615,6 +6616,14 @@ Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
 template <class S>
 S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
+}
+/// |a| of a vector or quaternion, with slope 0 where a is 0 (shorter than 1e-15) and |a| has none.
+template <class V>
+auto norm_or_zero(const V& a) {
+  const auto squared = dot(a, a);
+  using S = std::remove_const_t<decltype(squared)>;
+  const S least = S(1e-30);
+  return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
 }
 
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
@@ -6801,12 +6810,19 @@ inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
+struct TextPlace {
+  Index line = 0, column = 0;  // from 1; 0: not from a text
+  constexpr bool operator==(const TextPlace&) const { return true; }
+};
+
 /// A text that acts on some body parts from `start` up to, not including, `end`.
 template <class T>
 struct BasicInterval {
   std::string text;
   T start{}, end{};
   BodyParts parts;
+  TextPlace place{};
   bool operator==(const BasicInterval&) const = default;
 };
 
@@ -6854,7 +6870,7 @@ void shift_to_zero(BasicTimeline<T>& timeline) {
 inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
   Timeline out;
   for (const auto& i : timeline.intervals) {
-    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts});
+    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
   }
   shift_to_zero(out);
   return out;
@@ -6868,7 +6884,8 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
     return t;
   };
   TimelineInSeconds out;
-  for (const auto& i : timeline.intervals) out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts});
+  for (const auto& i : timeline.intervals)
+    out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
   return out;
 }
 
@@ -6901,6 +6918,61 @@ void for_each_line(std::string_view text, F on_line) {
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
+#define MOTIONLANG_HAS_CORE_UTF8_HPP
+/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What `decode_utf8` returns for bytes that are not UTF-8.
+inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
+
+/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
+/// Needs at < text.size().
+constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::size_t start = at++;
+  const unsigned char first = byte(start);
+  if (first < 0x80) return first;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || length > text.size() - start) return invalid_code_point;
+  char32_t c = first & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(start + i) & 0xC0u) != 0x80u) return invalid_code_point;
+    c = c << 6 | (byte(start + i) & 0x3Fu);
+  }
+  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (c < smallest[length] || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF) return invalid_code_point;
+  at = start + length;
+  return c;
+}
+
+/// Whether the whole text is UTF-8.
+constexpr bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    if (decode_utf8(text, at) == invalid_code_point) return false;
+  }
+  return true;
+}
+
+/// Appends the bytes of a code point (up to U+10FFFF).
+inline void append_utf8(std::string& out, char32_t c) {
+  const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
+  if (c < 0x80) {
+    put(c);
+  } else if (c < 0x800) {
+    put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
+  } else if (c < 0x10000) {
+    put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  } else {
+    put(0xF0 | c >> 18), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  }
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -6938,10 +7010,19 @@ class TimelineLine {
   /// Throws timeline_error at the beginning of a field (past the last one: at the end of the line).
   template <class... T>
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
-    const char* place = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
+    raise<timeline_error>(id, name_, ":", number_, ":", place(field).column, ": ", what...);
+  }
+  /// Of the beginning of a field.
+  TextPlace place(std::size_t field) const {
+    const char* begin = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
     Index column = 1;
-    for (const char* c = line_.data(); c < place; ++c) column += (static_cast<unsigned char>(*c) & 0xC0u) != 0x80u;
-    raise<timeline_error>(id, name_, ":", number_, ":", column, ": ", what...);
+    for (const char* c = line_.data(); c < begin; ++c) column += (static_cast<unsigned char>(*c) & 0xC0u) != 0x80u;
+    return {number_, column};
+  }
+
+  std::string text() const {
+    if (!is_utf8(fields_[0])) fail(501, 0, "the text is not UTF-8");
+    return std::string(fields_[0]);
   }
 
   /// A time in seconds. Python's spelling: a plus sign is allowed, infinity is not.
@@ -6986,7 +7067,7 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
       return line.seconds(i);
     }
   };
-  BasicInterval<T> out{std::string(line.field(0)), time(1), time(2), line.parts(3)};
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
   if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
   if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
@@ -7010,8 +7091,9 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
   for (auto& timeline : out) {
     shift_to_zero(timeline);
-    if (timeline.end() > static_cast<T>(latest_time)) {
-      raise<timeline_error>(502, options.name, ": a timeline that lasts ", timeline.end(), " is too long");
+    for (const auto& i : timeline.intervals) {
+      if (i.end <= static_cast<T>(latest_time)) continue;
+      raise<timeline_error>(502, options.name, ":", i.place.line, ":", i.place.column, ": a timeline that lasts ", i.end, " is too long");
     }
   }
   return out;
@@ -7047,7 +7129,10 @@ inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_vie
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1) raise<timeline_error>(509, options.name, ": ", all.size(), " timelines where one is expected");
+  if (all.size() > 1) {
+    const TextPlace second = all[1].intervals.front().place;
+    raise<timeline_error>(509, options.name, ":", second.line, ":", second.column, ": ", all.size(), " timelines where one is expected");
+  }
   return std::move(all.front());
 }
 
@@ -7074,7 +7159,7 @@ inline std::vector<TimedText> parse_text_list(std::string_view text, const Timel
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
     if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
-    out.push_back({std::string(line.field(0)), frames});
+    out.push_back({line.text(), frames});
   });
   if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
   return out;
@@ -8844,172 +8929,27 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 /// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
 ///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
 
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Half-open range of positions.
-struct IndexRange {
-  Index begin = 0, end = 0;
-  Index size() const { return end - begin; }
-  bool operator==(const IndexRange&) const = default;
-};
-
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
+/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
+/// of them.
 ///
-///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
-struct FeatureLayout {
-  std::string name;
-  Index size = 0;                                              // numbers of one frame
-  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
-
-  /// From a function position -> BodyPart.
-  template <class F>
-  static FeatureLayout from_owner(std::string name, Index size, F owner) {
-    FeatureLayout layout{std::move(name), size, {}};
-    for (Index i = 0; i < size; ++i) {
-      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
-      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
-      ranges.back().end = i + 1;
-    }
-    return layout;
-  }
-
-  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
-
-  /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const {
-    std::vector<Index> out;
-    for (const IndexRange& r : ranges(part)) {
-      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-    }
-    return out;
-  }
-
-  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const {
-    std::vector<int> owners(static_cast<std::size_t>(size), 0);
-    for (int p = 0; p < body_part_count; ++p) {
-      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-        if (r.begin < 0 || r.end < r.begin || r.end > size) {
-          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                              static_cast<BodyPart>(p), " is not inside 0:", size);
-        }
-        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-      }
-    }
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] != 1) {
-        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-      }
-    }
-  }
-  bool operator==(const FeatureLayout&) const = default;
-};
-
-/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
-/// 205 for SMPL.
-inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                      Index rotations = 22) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///     rotvec   3   rotation vector, radians
+///     rotquat  4   quaternion, w first
+///     rotmat   9   matrix, row by row
+///     rot6d    6   first two rows of the matrix; what all published models use
 ///
-///     0              turn of the heading to the next frame: half the angle, radians
-///     1:3            velocity of the root along x and z, seen from the body of the next frame
-///     3              height of the root
-///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
-///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
-///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
-///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
-struct Guoh3dSlots {
-  Index joints = 22;
+/// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
+///         spec actor.md 4.1, 4.2
 
-  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
-  std::vector<IndexRange> groups() const {
-    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
-  }
-};
-
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-inline FeatureLayout guoh3dfeats_layout(
-    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
-#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Features to zero mean and unit deviation, and back.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only where std is 0.
-template <Backend B>
-struct Normalizer {
-  static constexpr bool trainable = false;
-  Tensor<B, 1> mean, std;  // (features)
-  double eps = 1e-12;
-
-  static constexpr auto fields() {
-    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
-  }
-  /// Statistics that change nothing.
-  static Normalizer identity(Index features) {
-    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
-  }
-
-  template <int R>
-  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
-    return (x - mean) / (std + eps);
-  }
-  template <int R>
-  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
-    return x * (std + eps) + mean;
-  }
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
-/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
+#ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP
+/// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
+/// features.
 ///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
-/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for eight poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
-///
-///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
+/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
+/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
+/// shorter way round. Use them to reproduce published numbers, not otherwise.
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP  // <motionlang/geometry/axis_angle.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP
@@ -9234,6 +9174,460 @@ static_assert(Rotation<AxisAngle<double>>);
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP  // <motionlang/geometry/rotation6d.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP
+/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
+///
+/// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
+/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
+/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <class S>
+struct Rotation6dRows {
+  Vec3<S> a{}, b{};
+};
+template <class S>
+struct Rotation6dColumns {
+  Vec3<S> a{}, b{};
+};
+
+/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
+template <class S>
+Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
+  const Vec3<S> b1 = normalized(r.a);
+  const Vec3<S> b2 = normalized(r.b - dot(b1, r.b) * b1);
+  return Matrix3<S>::from_rows(b1, b2, cross(b1, b2));
+}
+/// By cross products: x = a / |a|, z = x x b normalised, y = z x x. The same as Gram-Schmidt, up to rounding.
+template <class S>
+Matrix3<S> to_matrix(const Rotation6dColumns<S>& r) {
+  const Vec3<S> x = normalized(r.a);
+  const Vec3<S> z = normalized(cross(x, r.b));
+  return Matrix3<S>::from_columns(x, cross(z, x), z);
+}
+template <Rotation R>
+auto to_rotation6d_rows(const R& r) {
+  const auto m = to_matrix(r);
+  return Rotation6dRows<std::remove_cvref_t<decltype(m.m[0])>>{m.row(0), m.row(1)};
+}
+template <Rotation R>
+auto to_rotation6d_columns(const R& r) {
+  const auto m = to_matrix(r);
+  return Rotation6dColumns<std::remove_cvref_t<decltype(m.m[0])>>{m.column(0), m.column(1)};
+}
+static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
+
+/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
+/// +).
+template <class S>
+Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
+  const S zero = S(0), one = S(1);
+  auto half_root = [&](const S& s) { return S(0.5) * sqrt(where_less(s, zero, zero, s)); };
+  auto with_sign = [&](const S& size, const S& sign) { return where_less(sign, zero, -size, size); };
+  return {half_root(one + m(0, 0) + m(1, 1) + m(2, 2)),
+          with_sign(half_root(one + m(0, 0) - m(1, 1) - m(2, 2)), m(2, 1) - m(1, 2)),
+          with_sign(half_root(one - m(0, 0) + m(1, 1) - m(2, 2)), m(0, 2) - m(2, 0)),
+          with_sign(half_root(one - m(0, 0) - m(1, 1) + m(2, 2)), m(1, 0) - m(0, 1))};
+}
+
+/// v = (x, y, z) / (sin(h) / 2h), h = atan2(|(x, y, z)|, w); the divisor is 1/2 - (2h)^2/48 for |2h| < 1e-6.
+template <class S>
+Vec3<S> quaternion_to_axis_angle(const Quaternion<S>& q) {
+  const S h = atan2(norm(q.vec()), q.w), angle = S(2) * h, size = where_less(angle, S(0), -angle, angle),
+          small = S(1e-6);
+  const S safe = where_less(size, small, S(1), angle);
+  const S divisor = where_less(size, small, S(0.5) - angle * angle / S(48), sin(h) / safe);
+  return {q.x / divisor, q.y / divisor, q.z / divisor};
+}
+template <class S>
+Vec3<S> matrix_to_axis_angle(const Matrix3<S>& m) {
+  return quaternion_to_axis_angle(matrix_to_quaternion(m));
+}
+/// The body models' formula: angle = |v + 1e-8|, axis = v / angle, R = I + sin K + (1 - cos) K^2.
+template <class S>
+Matrix3<S> rodrigues(const Vec3<S>& v) {
+  const S e = S(1e-8), angle = norm(v + Vec3<S>{e, e, e}), s = sin(angle), c = S(1) - cos(angle);
+  const Vec3<S> a{v.x / angle, v.y / angle, v.z / angle};
+  const Matrix3<S> k{{S(0), -a.z, a.y, a.z, S(0), -a.x, -a.y, a.x, S(0)}}, kk = k * k;
+  Matrix3<S> r = Matrix3<S>::identity();
+  for (std::size_t i = 0; i < 9; ++i) r.m[i] = r.m[i] + s * k.m[i] + c * kk.m[i];
+  return r;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
+inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
+
+/// Numbers of one rotation.
+constexpr Index size(PoseRepresentation r) {
+  constexpr Index sizes[] = {3, 4, 9, 6};
+  return sizes[static_cast<int>(r)];
+}
+/// Throws config_error 103.
+inline PoseRepresentation parse_pose_representation(std::string_view name) {
+  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
+    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
+  }
+  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
+}
+
+namespace detail {
+
+template <Scalar S>
+void append_vector(std::vector<S>& out, const Vec3<S>& v) {
+  out.insert(out.end(), {v.x, v.y, v.z});
+}
+template <Scalar S>
+void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
+  out.insert(out.end(), {q.w, q.x, q.y, q.z});
+}
+
+}  // namespace detail
+
+/// Appends the numbers of a matrix.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return detail::append_vector(out, pytorch3d::matrix_to_axis_angle(m));
+    case PoseRepresentation::rotquat:
+      return detail::append_quaternion(out, pytorch3d::matrix_to_quaternion(m));
+    default:
+      out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
+  }
+}
+/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
+  if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
+  if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
+  append_rotation(out, r, to_matrix(v));
+}
+/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+template <ScalarLike S>
+Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
+  if (std::ssize(n) != size(r)) {
+    raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",
+                       pose_representation_names[static_cast<std::size_t>(r)], "' of ", size(r));
+  }
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return to_matrix(AxisAngle<S>{{n[0], n[1], n[2]}});
+    case PoseRepresentation::rotquat:
+      return to_matrix(Quaternion<S>{n[0], n[1], n[2], n[3]});
+    case PoseRepresentation::rotmat:
+      return {{n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]}};
+    default:
+      return to_matrix(Rotation6dRows<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+  }
+}
+
+struct ActorFeatureOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool global = true;       // false: without joint 0
+
+  /// Rows of a frame of so many joints.
+  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
+};
+/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// What ACTOR's networks read, frame by frame.
+/// poses    (frames, joints): rotation vectors or matrices
+/// root     (frames), the pelvis; read if `translation` is on
+/// result   (frames, rows numbers): a row for each joint, then the root's
+/// Throws   shape_error 205 if the sizes do not fit
+template <class R, Scalar S>
+std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                                    const ActorFeatureOptions& options = {}) {
+  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
+  if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
+    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
+                       " root positions");
+  }
+  std::vector<S> out;
+  for (Index t = 0; t < frames; ++t) {
+    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
+      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
+    }
+    if (!options.translation) continue;
+    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
+    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
+  }
+  return out;
+}
+/// The same with time last, as its repository has it: (rows, numbers, frames).
+template <class R, Scalar S>
+std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                              const ActorFeatureOptions& options = {}) {
+  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
+  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
+  std::vector<S> out(by_frame.size());
+  if (width == 0) return out;
+  const std::size_t frames = out.size() / width;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
+  return out;
+}
+
+template <Scalar S>
+struct ActorMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints)
+  std::vector<Vec3<S>> root;          // (frames), since frame 0
+};
+
+/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
+/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
+template <Scalar S>
+ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
+  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
+  const auto numbers = static_cast<std::size_t>(size(options.rotations));
+  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
+  if (width == 0 || features.size() % width != 0)
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+  ActorMotion<S> out;
+  for (std::size_t at = 0; at < features.size(); at += width) {
+    std::size_t from = at;
+    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
+    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
+      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
+    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
+                                           : Vec3<S>{});
+  }
+  return out;
+}
+
+/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
+/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+template <Scalar S>
+std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
+  if (joints < 1 || std::ssize(positions) % joints != 0) {
+    raise<shape_error>(205, "actor_joint_features: ", positions.size(), " positions for frames of ", joints);
+  }
+  const std::size_t n = static_cast<std::size_t>(joints), frames = positions.size() / n;
+  std::vector<S> out(3 * positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3<S> p = positions[i] - positions[0];
+    S* to = &out[3 * (i % n) * frames + i / n];
+    to[0] = p.x, to[frames] = p.y, to[2 * frames] = p.z;
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Half-open range of positions.
+struct IndexRange {
+  Index begin = 0, end = 0;
+  Index size() const { return end - begin; }
+  bool operator==(const IndexRange&) const = default;
+};
+
+/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
+/// and their ranges, or `from_owner`:
+///
+///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
+struct FeatureLayout {
+  std::string name;
+  Index size = 0;                                              // numbers of one frame
+  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
+
+  /// From a function position -> BodyPart.
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, F owner) {
+    FeatureLayout layout{std::move(name), size, {}};
+    for (Index i = 0; i < size; ++i) {
+      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
+      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
+      ranges.back().end = i + 1;
+    }
+    return layout;
+  }
+
+  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
+
+  /// All positions of a part, ascending.
+  std::vector<Index> indices(BodyPart part) const {
+    std::vector<Index> out;
+    for (const IndexRange& r : ranges(part)) {
+      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+    }
+    return out;
+  }
+
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
+  void validate() const {
+    std::vector<int> owners(static_cast<std::size_t>(size), 0);
+    for (int p = 0; p < body_part_count; ++p) {
+      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+        if (r.begin < 0 || r.end < r.begin || r.end > size) {
+          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                              static_cast<BodyPart>(p), " is not inside 0:", size);
+        }
+        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+      }
+    }
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] != 1) {
+        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+      }
+    }
+  }
+  bool operator==(const FeatureLayout&) const = default;
+};
+
+/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
+/// 205 for SMPL.
+inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                      Index rotations = 22) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
+    if (i < 4) return BodyPart::legs;
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  std::vector<IndexRange> groups() const {
+    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
+inline FeatureLayout guoh3dfeats_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
+/// joints and with `kit_part_of_joint` TEMOS's 64.
+inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+/// smplvelp: the root's height and velocity, then a rotation of each joint (see smplvelp.hpp): 135 for 22 joints in 6D.
+inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
+  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
+    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  });
+}
+
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
+inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                  const ActorFeatureOptions& options = {}) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
+  });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
+#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
+/// Features to zero mean and unit deviation, and back.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
+/// Statistics are saved with a model but not trained. eps matters only where std is 0.
+template <Backend B>
+struct Normalizer {
+  static constexpr bool trainable = false;
+  Tensor<B, 1> mean, std;  // (features)
+  double eps = 1e-12;
+
+  static constexpr auto fields() {
+    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
+  }
+  /// Statistics that change nothing.
+  static Normalizer identity(Index features) {
+    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
+  }
+
+  template <int R>
+  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
+    return (x - mean) / (std + eps);
+  }
+  template <int R>
+  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
+    return x * (std + eps) + mean;
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
+/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
+///
+/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
+/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
+/// to the last printed digit.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
+/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
+/// derivatives (Dual), for eight poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+///
+///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Local rotations of all joints and the position of the root.
@@ -9293,6 +9687,9 @@ JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& p
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
+inline constexpr double max_rotations = 5e7;
 
 struct Motion {
   Skeleton skeleton;
@@ -9953,61 +10350,6 @@ inline std::vector<std::byte> from_base64(std::string_view text) {
 /// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
 /// `max_depth`.
 
-#ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
-#define MOTIONLANG_HAS_CORE_UTF8_HPP
-/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// What `decode_utf8` returns for bytes that are not UTF-8.
-inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
-
-/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
-/// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
-/// Needs at < text.size().
-constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const std::size_t start = at++;
-  const unsigned char first = byte(start);
-  if (first < 0x80) return first;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || length > text.size() - start) return invalid_code_point;
-  char32_t c = first & (0x7Fu >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(start + i) & 0xC0u) != 0x80u) return invalid_code_point;
-    c = c << 6 | (byte(start + i) & 0x3Fu);
-  }
-  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (c < smallest[length] || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF) return invalid_code_point;
-  at = start + length;
-  return c;
-}
-
-/// Whether the whole text is UTF-8.
-constexpr bool is_utf8(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    if (decode_utf8(text, at) == invalid_code_point) return false;
-  }
-  return true;
-}
-
-/// Appends the bytes of a code point (up to U+10FFFF).
-inline void append_utf8(std::string& out, char32_t c) {
-  const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
-  if (c < 0x80) {
-    put(c);
-  } else if (c < 0x800) {
-    put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
-  } else if (c < 0x10000) {
-    put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
-  } else {
-    put(0xF0 | c >> 18), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
-  }
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
 class JsonCursor {
@@ -10261,6 +10603,10 @@ class MappedFile {
     const std::uintptr_t begin = (address(part) + page - 1) / page * page,
                          end = (address(part) + part.size()) / page * page;
     if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  }
+  /// The same of bytes that lie in a mapped file or elsewhere.
+  static void forget_if_mapped(std::span<const std::byte> part) {
+    if (const MappedFile* file = that_holds(part)) file->forget(part);
   }
 
  private:
@@ -10549,11 +10895,13 @@ class TensorSet {
                                     [](const TensorView& a, std::string_view b) { return a.name < b; });
     return t != tensors_.end() && t->name == tensor ? &*t : nullptr;
   }
-  /// Throws io_error 406 if there is none of that name.
+  /// Throws io_error 406 if there is none of that name, with the most similar one.
   const TensorView& tensor(std::string_view tensor) const {
     const TensorView* t = find(tensor);
-    if (t == nullptr) raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size());
-    return *t;
+    if (t != nullptr) return *t;
+    const std::string like = nearest_name(tensor, names());
+    raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
+                    like.empty() ? "" : concat_text("; the file has '", like, "'"));
   }
 
  protected:
@@ -10829,6 +11177,7 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
     const std::vector<S> values = values_of<S>(view);
+    MappedFile::forget_if_mapped(view.bytes);
     return C::from_span(std::span<const S>(values), view.shape);
   };
   if constexpr (AutodiffBackend<B>) {
@@ -10966,9 +11315,7 @@ struct ReleasePacked {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if constexpr (requires { t.data().attached(); }) {
-      const auto bytes = std::as_bytes(t.span());
-      if (t.data().attached() == nullptr) return;
-      if (const MappedFile* file = MappedFile::that_holds(bytes)) file->forget(bytes);
+      if (t.data().attached() != nullptr) MappedFile::forget_if_mapped(std::as_bytes(t.span()));
     }
   }
 };
@@ -11263,6 +11610,11 @@ namespace detail {
 
 inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
 
+/// " (line 3, column 1)", nothing if the interval was not read from a text.
+inline std::string place_of(const Interval& i) {
+  return i.place.line == 0 ? "" : concat_text(" (line ", i.place.line, ", column ", i.place.column, ")");
+}
+
 inline void check_timeline(const Timeline& timeline) {
   if (timeline.intervals.empty()) raise<timeline_error>(507, "plan_timeline: no interval");
   for (const Interval& i : timeline.intervals) {
@@ -11313,7 +11665,7 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
       for (const Interval& i : plan.timeline.intervals) {
         if (i.start != cut && i.end != cut) continue;
         raise<timeline_error>(506, "plan_timeline: ", quoted(i), " owns no body part at frame ", cut,
-                              ": other texts hide it; give it parts that no text with fewer parts takes");
+                              ": other texts hide it; give it parts that no text with fewer parts takes", place_of(i));
       }
     }
   }
@@ -11325,7 +11677,8 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
   for (const Crop& c : plan.crops) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", longest);
+                          " frames with its overlap; the denoiser accepts ", longest,
+                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]));
   }
 }
 
@@ -11485,9 +11838,11 @@ template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
-  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion.
+  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that does not give
+  /// each number to one body part.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
+    layout.validate();
     for (int p = 0; p < body_part_count; ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
@@ -11533,10 +11888,12 @@ class Stitcher {
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
 /// All windows read the hard-cut motion; where they overlap the later one wins. Source: spec stmc.md 5.
+/// Throws config_error 102 for a layout that does not give each number to one body part.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
   using S = typename B::scalar;
+  layout.validate();
   const auto read = motion.span();
   std::vector<S> out(read.begin(), read.end());
   const auto width = static_cast<std::size_t>(layout.size);
@@ -11903,105 +12260,6 @@ static_assert(Rotation<EulerAngles<double>>);
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
-#ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
-#define MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP
-/// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
-/// features.
-///
-/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
-/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
-/// shorter way round. Use them to reproduce published numbers, not otherwise.
-
-#ifndef MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP  // <motionlang/geometry/rotation6d.hpp>
-#define MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP
-/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
-///
-/// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
-/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
-/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-template <class S>
-struct Rotation6dRows {
-  Vec3<S> a{}, b{};
-};
-template <class S>
-struct Rotation6dColumns {
-  Vec3<S> a{}, b{};
-};
-
-/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
-template <class S>
-Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
-  const Vec3<S> b1 = normalized(r.a);
-  const Vec3<S> b2 = normalized(r.b - dot(b1, r.b) * b1);
-  return Matrix3<S>::from_rows(b1, b2, cross(b1, b2));
-}
-/// By cross products: x = a / |a|, z = x x b normalised, y = z x x. The same as Gram-Schmidt, up to rounding.
-template <class S>
-Matrix3<S> to_matrix(const Rotation6dColumns<S>& r) {
-  const Vec3<S> x = normalized(r.a);
-  const Vec3<S> z = normalized(cross(x, r.b));
-  return Matrix3<S>::from_columns(x, cross(z, x), z);
-}
-template <Rotation R>
-auto to_rotation6d_rows(const R& r) {
-  const auto m = to_matrix(r);
-  return Rotation6dRows<std::remove_cvref_t<decltype(m.m[0])>>{m.row(0), m.row(1)};
-}
-template <Rotation R>
-auto to_rotation6d_columns(const R& r) {
-  const auto m = to_matrix(r);
-  return Rotation6dColumns<std::remove_cvref_t<decltype(m.m[0])>>{m.column(0), m.column(1)};
-}
-static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
-
-/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
-/// +).
-template <class S>
-Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
-  const S zero = S(0), one = S(1);
-  auto half_root = [&](const S& s) { return S(0.5) * sqrt(where_less(s, zero, zero, s)); };
-  auto with_sign = [&](const S& size, const S& sign) { return where_less(sign, zero, -size, size); };
-  return {half_root(one + m(0, 0) + m(1, 1) + m(2, 2)),
-          with_sign(half_root(one + m(0, 0) - m(1, 1) - m(2, 2)), m(2, 1) - m(1, 2)),
-          with_sign(half_root(one - m(0, 0) + m(1, 1) - m(2, 2)), m(0, 2) - m(2, 0)),
-          with_sign(half_root(one - m(0, 0) - m(1, 1) + m(2, 2)), m(1, 0) - m(0, 1))};
-}
-
-/// v = (x, y, z) / (sin(h) / 2h), h = atan2(|(x, y, z)|, w); the divisor is 1/2 - (2h)^2/48 for |2h| < 1e-6.
-template <class S>
-Vec3<S> quaternion_to_axis_angle(const Quaternion<S>& q) {
-  const S h = atan2(norm(q.vec()), q.w), angle = S(2) * h, size = where_less(angle, S(0), -angle, angle),
-          small = S(1e-6);
-  const S safe = where_less(size, small, S(1), angle);
-  const S divisor = where_less(size, small, S(0.5) - angle * angle / S(48), sin(h) / safe);
-  return {q.x / divisor, q.y / divisor, q.z / divisor};
-}
-template <class S>
-Vec3<S> matrix_to_axis_angle(const Matrix3<S>& m) {
-  return quaternion_to_axis_angle(matrix_to_quaternion(m));
-}
-/// The body models' formula: angle = |v + 1e-8|, axis = v / angle, R = I + sin K + (1 - cos) K^2.
-template <class S>
-Matrix3<S> rodrigues(const Vec3<S>& v) {
-  const S e = S(1e-8), angle = norm(v + Vec3<S>{e, e, e}), s = sin(angle), c = S(1) - cos(angle);
-  const Vec3<S> a{v.x / angle, v.y / angle, v.z / angle};
-  const Matrix3<S> k{{S(0), -a.z, a.y, a.z, S(0), -a.x, -a.y, a.x, S(0)}}, kk = k * k;
-  Matrix3<S> r = Matrix3<S>::identity();
-  for (std::size_t i = 0; i < 9; ++i) r.m[i] = r.m[i] + s * k.m[i] + c * kk.m[i];
-  return r;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
-#endif
-
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
 /// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
@@ -12042,26 +12300,25 @@ auto log_so3(const R& r) {
   return to_axis_angle(r).v;
 }
 
-/// Angle between two rotations, radians in [0, pi].
+/// Angle between two rotations, radians in [0, pi]. Its slope is taken as 0 where they are equal.
 template <Rotation A, Rotation B>
 auto distance(const A& a, const B& b) {
   const auto q = to_quaternion(transpose(to_matrix(a)) * to_matrix(b));
   using S = std::remove_cvref_t<decltype(q.w)>;
-  const S n2 = dot(q.vec(), q.vec());
-  return S(2) * atan2(sqrt(n2), where_less(q.w, S(0), -q.w, q.w));
+  return S(2) * atan2(norm_or_zero(q.vec()), where_less(q.w, S(0), -q.w, q.w));
 }
 
 /// The shortest rotation that turns direction `from` into direction `to`. For opposite directions: half a turn about
-/// some orthogonal axis.
+/// some orthogonal axis, and so up to 1.5e-6 rad from them.
 template <class S>
 Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
-  const Vec3<S> a = normalized(from), b = normalized(to), c = cross(a, b);
-  const S w = S(1) + dot(a, b), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
+  const Vec3<S> a = normalized(from), sum = a + normalized(to), c = cross(a, sum);
+  const S w = S(0.5) * dot(sum, sum), ax = where_less(a.x, S(0), -a.x, a.x), limit = S(0.6);
   // an axis orthogonal to a: cross with x or with y, whichever is farther from a
   const Vec3<S> with_x = cross(a, Vec3<S>{S(1), S(0), S(0)}), with_y = cross(a, Vec3<S>{S(0), S(1), S(0)});
   auto pick = [&](const S& near, const S& far) { return where_less(ax, limit, near, far); };
   const Vec3<S> any{pick(with_x.x, with_y.x), pick(with_x.y, with_y.y), pick(with_x.z, with_y.z)};
-  const S tiny = S(1e-7);
+  const S tiny = S(1e-12);
   return normalized(Quaternion<S>{where_less(w, tiny, S(0), w), where_less(w, tiny, any.x, c.x),
                                   where_less(w, tiny, any.y, c.y), where_less(w, tiny, any.z, c.z)});
 }
