@@ -4,6 +4,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/glb_reader.hpp>
+#include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
@@ -68,8 +69,8 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"info", {"file"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
-        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors"}},
-      {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--all"}},
+        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate"}},
+      {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--asf", "--all"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
       {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet", "--compare"}},
@@ -333,6 +334,43 @@ TEST_CASE("convert: options that would be left out are refused; it is said how j
   CHECK(contains(w.run({"convert", "mixamo.glb", "smpl.npz"}).text, "Mixamo -> SMPL: "));
   CHECK(contains(w.run({"convert", "mixamo.glb", "rows.npy", "--features", "rifke"}).text, "Mixamo -> SMPL: "));
   CHECK(!contains(w.run({"convert", "walk.bvh", "smpl.npz"}).text, "SMPL -> SMPL"));
+}
+
+TEST_CASE("convert: clips are added to a data set in HumanML3D's form, and captions that are there are kept") {
+  const Workplace w;
+  std::vector<ml::Motion> two(2, synthetic::walk({.frames = 40, .fps = 30}));
+  ml::write_glb(w / "walk.glb", two);
+  const auto out = w.run({"convert", "walk.glb", "set", "--features", "guoh3d"});
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  CHECK_MESSAGE(contains(out.text, "set: clip walk_2, 26 frames at 20 per second, 0 captions"), out.text);
+  ml::write_file(w / "set/texts/walk.txt", "a person walks.#a/DET person/NOUN walk/VERB#0.0#0.0\n");
+  CHECK(contains(w.run({"convert", "walk.glb", "set", "--features", "guoh3d"}).text,
+                 "set: clip walk, 26 frames at 20 per second, 1 captions"));
+  const ml::HumanMl3dFolder set(w / "set");
+  CHECK(set.ids() == std::vector<std::string>{"walk", "walk_2"});
+  const auto clip = set.load("walk");
+  CHECK(clip.frames == 26);
+  CHECK(clip.is_finite());
+  CHECK(clip.captions.at(0).text == "a person walks.");
+  CHECK(w.run({"convert", "walk.glb", "set", "--features", "rifke"}).code == 1);
+}
+
+TEST_CASE("convert: what an AMASS file has and the body does not get is named") {
+  const Workplace w;
+  const auto walk = synthetic::walk({.frames = 5});
+  ml::write_npz(w / "body.npz", octahedra::arrays());
+  ml::write_amass(w / "plain.npz", walk);
+  ml::write_amass(w / "tall.npz", walk, {.gender = "female", .betas = {0.5, -2}});
+  CHECK(!contains(w.run({"convert", "plain.npz", "out.glb", "--body", "body.npz"}).text, "left out"));
+  CHECK(contains(w.run({"convert", "tall.npz", "out.glb", "--body", "body.npz"}).text,
+                 "tall.npz: its shape (gender female) is left out unless it is given: --betas=0.5,-2"));
+  CHECK(!contains(w.run({"convert", "tall.npz", "out.glb", "--body", "body.npz", "--betas=0.5"}).text, "left out"));
+  const std::vector<double> poses(2 * 156, 0.1), trans(2 * 3);
+  const std::vector<ml::NamedArray> hands{{"poses", ml::NpyArray::of(std::span<const double>(poses), {2, 156})},
+                                          {"trans", ml::NpyArray::of(std::span<const double>(trans), {2, 3})},
+                                          {"mocap_framerate", ml::NpyArray::scalar(30.0)}};
+  ml::write_npz(w / "hands.npz", hands);
+  CHECK(contains(w.run({"convert", "hands.npz", "out.glb", "--body", "body.npz"}).text, "hands.npz: its hands and face are left out"));
 }
 
 TEST_CASE("convert and generate put motions on a character") {

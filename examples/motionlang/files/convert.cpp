@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <set>
 
+#include <motionlang/io/amass_sequence.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -68,11 +69,29 @@ std::filesystem::path name_of(const std::filesystem::path& out, const std::strin
   return out.parent_path() / (out.stem().string() + "_" + unique(file_name(name), taken) + out.extension().string());
 }
 
+/// An AMASS file is read as the movement of 22 joints: what else it has, and a body could show, is named.
+void say_what_is_left_out(const std::string& path) {
+  const auto file = ml::read_amass_sequence(path);
+  const auto not_zero = [](double x) { return x != 0; };
+  bool fingers = false;
+  for (std::size_t at = 0; at < file.poses.size(); at += static_cast<std::size_t>(file.columns)) {
+    const auto pose = file.poses.begin() + static_cast<std::ptrdiff_t>(at);
+    fingers = fingers || std::any_of(pose + 66, pose + file.columns, not_zero);
+  }
+  if (fingers) std::printf("%s: its hands and face are left out, the body's stand as they do at rest\n", path.c_str());
+  if (std::none_of(file.betas.begin(), file.betas.end(), not_zero)) return;
+  std::string betas;
+  for (const double b : file.betas) betas += ml::concat_text(betas.empty() ? "" : ",", static_cast<float>(b));
+  std::printf("%s: its shape (gender %s) is left out unless it is given: --betas=%s\n", path.c_str(), file.gender.c_str(),
+              betas.c_str());
+}
+
 class Conversion {
  public:
   explicit Conversion(const Options& o) : o_(o), motions_(read_motions(o.in, o.read)) {}
 
   void run() {
+    if (!o_.body.file.empty() && o_.body.betas.empty() && kind_of(o_.in) == ".npz") say_what_is_left_out(o_.in);
     ml::RetargetReport report;
     for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, report)); });
     if (!report.table.empty()) std::printf("%s\n", to_string(report).c_str());
@@ -104,6 +123,11 @@ class Conversion {
       return;
     }
     std::set<std::string> taken;
+    if (o_.features == "guoh3d" && !std::filesystem::path(o_.out).has_extension()) {
+      for (const ml::Motion& m : made_)
+        attempt(m.name, [&] { write_humanml3d(o_.out, unique(file_name(m.name), taken), m, o_.fps); });
+      return;
+    }
     for (const ml::Motion& m : made_) {
       const auto path = motions_.size() == 1 ? std::filesystem::path(o_.out) : name_of(o_.out, m.name, taken);
       attempt(m.name, [&] { write_one(path, m); });
@@ -132,7 +156,7 @@ void add_input(CLI::App& c, Options& o) {
   c.add_option(
        "input", o.in,
        "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); for convert also "
-       "weights")
+       "weights. Folders: file by file")
       ->required()
       ->check(CLI::ExistingPath);
   c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
@@ -200,7 +224,7 @@ void add_convert(CLI::App& app) {
   c->add_option("--features", o->features,
                 "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, with the "
                 "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; at the rate of the system unless "
-                "--fps is given")
+                "--fps is given. Of guoh3d the result may be a folder: a clip is added to this data set")
       ->excludes(rig)
       ->excludes(body);
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");

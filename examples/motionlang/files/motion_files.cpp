@@ -8,6 +8,7 @@
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
+#include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/motion_npy.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -130,18 +131,48 @@ void write_motions(const std::filesystem::path& path, std::span<const ml::Motion
   ml::write_viewer(path, shown);
 }
 
+namespace {
+
+struct FeatureRows {
+  std::vector<float> values{};
+  ml::Index rows = 0;
+  double fps = 0;
+};
+FeatureRows feature_rows(const ml::Motion& motion, const ml::MotionFeatures& f, double fps) {
+  if (fps == 0) fps = f.fps;
+  const bool there = motion.skeleton.names == f.skeleton().names;
+  const std::vector<double> values = f.from_motion(ml::resample(there ? motion : on_smpl(motion), fps));
+  return {{values.begin(), values.end()}, std::ssize(values) / f.width, fps};
+}
+
+}  // namespace
+
 void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps) {
   if (kind_of(path) != ".npy")
     ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
-  if (fps == 0) fps = f.fps;
-  const bool there = motion.skeleton.names == f.skeleton().names;
-  const std::vector<double> values = f.from_motion(ml::resample(there ? motion : on_smpl(motion), fps));
-  const std::vector<float> narrow(values.begin(), values.end());
-  const ml::Index rows = std::ssize(values) / f.width;
-  ml::write_npy(path, ml::NpyArray::of(std::span<const float>(narrow), {rows, f.width}));
-  std::printf("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.c_str(), rows, f.width, fps,
-              static_cast<double>(rows) / fps);
+  const FeatureRows made = feature_rows(motion, f, fps);
+  ml::write_npy(path, ml::NpyArray::of(std::span<const float>(made.values), {made.rows, f.width}));
+  std::printf("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.c_str(), made.rows, f.width, made.fps,
+              static_cast<double>(made.rows) / made.fps);
+}
+
+void write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps) {
+  const ml::MotionFeatures& f = ml::motion_features("guoh3d");
+  FeatureRows made = feature_rows(motion, f, fps);
+  ml::HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
+  const std::vector<double> rows(clip.features.begin(), clip.features.end());
+  for (const auto& p : f.joints_of(rows)) {
+    for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
+  }
+  if (std::filesystem::exists(folder / "texts" / (id + ".txt"))) clip.captions = ml::HumanMl3dFolder(folder).captions(id);
+  ml::write_humanml3d_clip(folder, clip);
+  const auto list = folder / "all.txt";
+  auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
+  if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
+  ml::write_ids(list, ids);
+  std::printf("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.c_str(), id.c_str(), clip.frames, made.fps,
+              clip.captions.size());
 }
 
 RigWriter rig_writer(const RigOptions& options) {

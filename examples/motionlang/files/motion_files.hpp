@@ -57,6 +57,10 @@ void write_motions(const std::filesystem::path& path, std::span<const ml::Motion
 /// for another extension.
 void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
 
+/// A clip of a data set in HumanML3D's form (humanml3d_folder.hpp): features, joints, its captions if there are any already, its
+/// id in all.txt. Says so. Throws what write_humanml3d_clip throws.
+void write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps = 0);
+
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {
   std::string file{};
