@@ -4,6 +4,7 @@
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/glb.hpp>
+#include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -314,6 +315,34 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   CHECK(file_of(g.search({"--like", "clips/slow.npz", "--top", "1"})[0]) == "slow.npz");
   CHECK(g.run({"index", "clips", "-o", "moves.index", "--text-encoder", "states/bert.npy"}).code == 0);  // remembered
   CHECK(g.search({"a person walks"}).size() == 6);
+
+  // it makes motions, and is measured on data in the form of HumanML3D
+  const auto made = g.run({"generate", "--model", "tmr", "--text", "a person walks", "--seconds", "1", "--text-encoder", "states/bert.npy",
+                           "--out", "made"});
+  CHECK_MESSAGE(made.code == 0, made.text);
+  CHECK(ml::read_bvh_motion(g / "made/a_person_walks.bvh").frames() == 20);
+  check_contains(g.run({"generate", "--model", "tmr", "--text", "a person walks"}), 1, {"the states of distilbert: --text-encoder names it"});
+  std::vector<std::string> ids;
+  for (int i = 0; i < 34; ++i) {
+    ids.push_back(std::to_string(100 + i));
+    ml::HumanMl3dClip clip{ids.back(), 40, std::vector<float>(40 * 263), std::vector<float>(40 * 66), {}};
+    ml::Philox{.seed = static_cast<std::uint64_t>(i)}.normal(std::span(clip.features));
+    clip.captions.push_back({.text = i % 2 == 0 ? "a person walks" : "a person turns", .words = {}, .start = 0, .end = 0});
+    ml::write_humanml3d_clip((g / "data").string(), clip);
+  }
+  ml::write_ids((g / "data/train.txt").string(), std::span(ids).first(1));
+  ml::write_ids((g / "data/test.txt").string(), std::span(ids).last(33));
+  const std::vector<std::string> evaluate{"evaluate", "tmr", "--data", "data"};
+  auto with_states = evaluate;
+  with_states.insert(with_states.end(), {"--text-encoder", "states/bert.npy", "--synthesis"});
+  check_contains(g.run(with_states), 0, {"33 motions of the test part", "batches of 32", "  generated"});
+  with_states.back() = "--moments";
+  with_states.push_back("2");
+  check_contains(g.run(with_states), 0, {"4 texts in 2 motions", "all lengths"});
+  check_contains(g.run(evaluate), 1, {"--text-encoder names it"});
+  fs::create_directories(g / "mdm");
+  ml::write_file(g / "mdm/args.json", "{}");
+  check_contains(g.run({"evaluate", "mdm", "--data", "data"}), 1, {"a model of 'published mdm'; measured are tmr"});
   fs::remove(g / "tmr/stats/mean.pt");
   check_contains(g.run({"search", "moves.index", "a person walks", "--text-encoder", "states/bert.npy"}), 1,
                  {"[motionlang."});
