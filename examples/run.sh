@@ -10,7 +10,7 @@ fi
 cd "$(dirname "$0")/.."
 . .ci/packages.sh
 command -v c++ >/dev/null || need g++
-need cmake ninja-build libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev
+need cmake ninja-build libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev libhnswlib-dev
 options=-DMOTIONLANG_TRAINING=OFF  # the README tells how to have train-tmr and its like
 build release motionlang_program
 echo

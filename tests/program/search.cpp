@@ -4,7 +4,8 @@
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/glb.hpp>
-#include <motionlang/io/motion_index_file.hpp>
+#include <motionlang/io/humanml3d_folder.hpp>
+#include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../examples/motionlang/train/text_motion_model.hpp"
@@ -204,6 +205,81 @@ TEST_CASE("index: Ctrl-C leaves an index of what is done, and the same command g
                  {"moves.index: 96 clips", "0 removed", "0 skipped"});
 }
 
+TEST_CASE("index: what is said later about clips that are there already: captions, a license") {
+  const Gallery g;
+  fs::remove(g / "clips/broken.bvh");
+  REQUIRE(g.index({"--license", "CC0"}).code == 0);
+  ml::write_file(g / "captions.tsv", "left\t1\t2\tlegs\ta person turns left\nleft\t2\t4\tlegs\tturns\n");
+  const std::vector<std::string> again{"index", "clips", "-o", "moves.index"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), again.begin(), again.end());
+    return g.run(more);
+  };
+  check_contains(with({"--captions", "captions.tsv"}), 0, {"7 clips", "(2 added, 1 removed, 0 renamed, 4 unchanged"});
+  check_contains(with({"--captions", "captions.tsv"}), 0, {"(0 added, 0 removed, 0 renamed, 5 unchanged"});
+  check_contains(with({"--list"}), 0, {"(0 added", "left.bvh\t1.00\t2.00\t20\t20\ta person turns left\tCC0\n", "\tturns\tCC0\n"});
+  CHECK(file_of(g.search({"a person turns left", "--captions"})[0]) == "left.bvh");
+  check_contains(with({"--license", "MIT"}), 0, {"5 unchanged", "5 files have another license now"});
+  for (const auto& clip : ml::read_motion_index(g / "moves.index").clips()) CHECK(clip.license == "MIT");
+
+  ml::write_file(g / "captions.tsv", "left\t1\t3\tlegs\ta person turns left\n");  // one line less, one is longer
+  check_contains(with({"--captions", "captions.tsv"}), 0, {"6 clips", "(1 added, 2 removed, 0 renamed, 4 unchanged"});
+  fs::rename(g / "clips/left.bvh", g / "clips/turned.bvh");
+  ml::write_file(g / "captions.tsv", "turned\t1\t3\tlegs\ta person turns left\n");
+  const Outcome renamed = with({"--captions", "captions.tsv"});
+  check_contains(renamed, 0, {"6 clips", "1 renamed"});
+  CHECK(!contains(renamed.text, "there is no clip"));
+}
+
+TEST_CASE("index: another file of the same time and size is not taken for a renamed one") {
+  const Gallery g;
+  const auto change = [&](const char* from, const char* to, bool same) {
+    const auto time = fs::last_write_time(g / from);
+    std::string text = ml::read_file(g / from);
+    if (!same) text.replace(text.find_last_of("123456789"), 1, "0");
+    ml::write_file(g / to, text);
+    fs::last_write_time(g / to, time);
+    fs::remove(g / from);
+  };
+  REQUIRE(g.index().code == 0);
+  change("clips/left.bvh", "clips/copy.bvh", true);
+  check_contains(g.index(), 0, {"6 clips", "(0 added, 0 removed, 1 renamed, 4 unchanged"});
+  change("clips/copy.bvh", "clips/other.bvh", false);
+  check_contains(g.index(), 0, {"6 clips", "(1 added, 1 removed, 0 renamed, 4 unchanged"});
+}
+
+#if MOTIONLANG_HAS_HNSWLIB
+TEST_CASE("index: a graph is made, gets what is added, and is not needed for what Ctrl-C leaves") {
+  const Gallery g;
+  const auto graphs = [&] {
+    const auto file = ml::MotionIndexFile::open(g / "moves.index");
+    return !file.extra("graph_clips").empty() && !file.extra("graph_moments").empty();
+  };
+  const auto index = [&](const char* graph) { return g.run({"index", "clips", "-o", "moves.index", "--graph", graph}); };
+  REQUIRE(g.index({"--stride", "0.05"}).code == 0);
+  CHECK(!graphs());
+  const auto all = g.search({"a person walks", "--moments"});
+  check_contains(index("1"), 0, {"(0 added, 0 removed, 0 renamed, 5 unchanged"});
+  CHECK(graphs());
+  CHECK(g.search({"a person walks", "--moments"}) == all);
+  ml::write_bvh(g / "clips/new.bvh", walk("new", 35, 2));
+  check_contains(index("1"), 0, {"7 clips", "(1 added"});
+  CHECK(graphs());
+  CHECK(file_of(g.search({"--like", "clips/new.bvh", "--top", "1"})[0]) == "new.bvh");
+  CHECK(g.search({"a person walks"}) == g.search({"a person walks", "--exact"}));
+
+  for (int i = 0; i < 20; ++i)
+    ml::write_bvh(g / ("clips/more" + std::to_string(i) + ".bvh"), walk("more", 300, 0.01 * i));
+  const Outcome o = ::run({"index", "clips", "-o", "moves.index", "--graph", "1"}, g.path, "connecting");
+  check_contains(o, 130, {"moves.index: 27 clips", "(20 added", "stopped"});
+  CHECK(ml::read_motion_index(g / "moves.index").count() == 27);
+  CHECK(!graphs());
+  CHECK(g.search({"a person walks"}).size() == 10);
+  check_contains(index("1"), 0, {"27 clips", "(0 added"});
+  CHECK(graphs());
+}
+#endif
+
 TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of states") {
   const Gallery g;
   constexpr ml::Index states = 12;
@@ -239,6 +315,34 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   CHECK(file_of(g.search({"--like", "clips/slow.npz", "--top", "1"})[0]) == "slow.npz");
   CHECK(g.run({"index", "clips", "-o", "moves.index", "--text-encoder", "states/bert.npy"}).code == 0);  // remembered
   CHECK(g.search({"a person walks"}).size() == 6);
+
+  // it makes motions, and is measured on data in the form of HumanML3D
+  const auto made = g.run({"generate", "--model", "tmr", "--text", "a person walks", "--seconds", "1", "--text-encoder", "states/bert.npy",
+                           "--out", "made"});
+  CHECK_MESSAGE(made.code == 0, made.text);
+  CHECK(ml::read_bvh_motion(g / "made/a_person_walks.bvh").frames() == 20);
+  check_contains(g.run({"generate", "--model", "tmr", "--text", "a person walks"}), 1, {"the states of distilbert: --text-encoder names it"});
+  std::vector<std::string> ids;
+  for (int i = 0; i < 34; ++i) {
+    ids.push_back(std::to_string(100 + i));
+    ml::HumanMl3dClip clip{ids.back(), 40, std::vector<float>(40 * 263), std::vector<float>(40 * 66), {}};
+    ml::Philox{.seed = static_cast<std::uint64_t>(i)}.normal(std::span(clip.features));
+    clip.captions.push_back({.text = i % 2 == 0 ? "a person walks" : "a person turns", .words = {}, .start = 0, .end = 0});
+    ml::write_humanml3d_clip((g / "data").string(), clip);
+  }
+  ml::write_ids((g / "data/train.txt").string(), std::span(ids).first(1));
+  ml::write_ids((g / "data/test.txt").string(), std::span(ids).last(33));
+  const std::vector<std::string> evaluate{"evaluate", "tmr", "--data", "data"};
+  auto with_states = evaluate;
+  with_states.insert(with_states.end(), {"--text-encoder", "states/bert.npy", "--synthesis"});
+  check_contains(g.run(with_states), 0, {"33 motions of the test part", "batches of 32", "  generated"});
+  with_states.back() = "--moments";
+  with_states.push_back("2");
+  check_contains(g.run(with_states), 0, {"4 texts in 2 motions", "all lengths"});
+  check_contains(g.run(evaluate), 1, {"--text-encoder names it"});
+  fs::create_directories(g / "mdm");
+  ml::write_file(g / "mdm/args.json", "{}");
+  check_contains(g.run({"evaluate", "mdm", "--data", "data"}), 1, {"a model of 'published mdm'; measured are tmr"});
   fs::remove(g / "tmr/stats/mean.pt");
   check_contains(g.run({"search", "moves.index", "a person walks", "--text-encoder", "states/bert.npy"}), 1,
                  {"[motionlang."});
@@ -264,6 +368,7 @@ TEST_CASE("index and search: what is refused") {
   const Gallery g;
   check_contains(g.run({"index", "clips", "-o", "moves.index"}), 1, {"a new index needs a model"});
   check_contains(g.run({"index", "-o", "moves.index", "--list"}), 1, {"there is no moves.index yet"});
+  check_contains(g.index({"--remove", "clips/left.bvh"}), 1, {"there is no moves.index yet"});
   check_contains(g.run({"index", "clips", "--model", "clips", "-o", "moves.index"}), 1, {"[motionlang."});
   CHECK(!fs::exists(g / "moves.index"));
   REQUIRE(g.index({"--no-moments"}).code == 0);

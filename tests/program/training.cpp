@@ -111,9 +111,26 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   CHECK_MESSAGE(tmr.code == 0, tmr.text);
   for (const char* word : {"text to motion", "all, texts alike", "by chance", "dissimilar"})
     CHECK_MESSAGE(contains(tmr.text, word), tmr.text);
+  CHECK(!contains(tmr.text, "generated"));
+  const auto row = [](const std::string& text, const std::string& name) {  // the last one that begins so
+    const auto at = text.rfind("  " + name);
+    return at == text.npos ? name + " is missing in\n" + text : text.substr(at, text.find('\n', at) - at);
+  };
+  const auto synthesis = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--captions", "captions.tsv", "--part", "training", "--synthesis"});
+    const auto out = evaluate("train-tmr", more);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    CHECK(contains(row(out.text, "generated "), "."));
+    return out.text;
+  };
+  const auto by_itself = synthesis({});
+  CHECK(row(synthesis({}), "generated ") == row(by_itself, "generated "));
+  const auto by_temos = synthesis({"--generator", "train-temos_whole/model"});
+  CHECK(row(by_temos, "dissimilar ") == row(by_itself, "dissimilar "));  // of recorded motions
+  CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--generator", "train-temos_whole/model"}).code != 0);
   const auto temos = evaluate("train-temos", {"--captions", "captions.tsv", "--samples", "2", "--strips", "strips"});
   CHECK_MESSAGE(temos.code == 0, temos.text);
-  for (const char* word : {"APE", "best of 2 samples", "mean pose", "random clip"})
+  for (const char* word : {"APE", "best of 2 samples", "worst of 2 samples", "mean pose", "random clip"})
     CHECK_MESSAGE(contains(temos.text, word), temos.text);
   CHECK(std::filesystem::exists(clips / "strips/1.svg"));
   const auto actor = evaluate("train-actor", {"--labels", "labels.tsv", "--classifier", "train-classifier_whole/model",
@@ -170,6 +187,8 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(run({"evaluate", "warm/model", "--data", ".", "--captions", "captions.tsv"}, clips.path).code == 0);
   const auto cold = clips.train("train-tmr", "cold", {"--set", "losses.learned_temperature=true", "--set", "losses.contrastive_loss=margin"});
   CHECK(contains(cold.text, "losses.learned_temperature is for info_nce"));
+  CHECK(contains(clips.train("train-tmr", "cold", {"--set", "losses.embedding=false"}).text,
+                 "losses.cross_modal_kl, gaussian_kl and embedding are of TEMOS"));
 
   trained("train-classifier", "graph", {"--set", "kind=stgcn", "--set", "clips.translation=false", "--set", "width=4"});
   CHECK(run({"evaluate", "graph/model", "--data", ".", "--labels", "labels.tsv", "--seeds", "2"}, clips.path).code == 0);
@@ -180,6 +199,24 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(clips.weights("second") == clips.weights("first"));  // nothing is learnt at rate 0, so it is what was gone on from
   CHECK(run({"evaluate", "first/model", "--data", ".", "--labels", "labels.tsv", "--classifier", "graph/model", "--seeds", "2"},
             clips.path).code == 0);  // ST-GCN does not read the way of the root
+
+  // a model of another pose representation is judged by the same classifiers
+  const auto recorded = [&](const std::string& model, const std::string& classifier) {
+    const auto out = run({"evaluate", model + "/model", "--data", ".", "--labels", "labels.tsv", "--classifier", classifier + "/model",
+                          "--seeds", "2", "--part", "training"}, clips.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return out.text.substr(out.text.find("  recorded"), out.text.find("  generated") - out.text.find("  recorded"));
+  };
+  trained("train-classifier", "gru", {});
+  for (const std::string pose : {"rotvec", "rotquat", "rotmat", "xyz"}) {
+    CAPTURE(pose);
+    trained("train-actor", pose, {"--set", "clips.pose=" + pose});
+    CHECK(recorded(pose, "gru") == recorded("first", "gru"));
+    const auto by_graph = recorded(pose, "graph");
+    if (pose != "xyz") CHECK(by_graph == recorded("first", "graph"));  // positions do not say how bones are twisted
+  }
+  trained("train-classifier", "points", {"--set", "clips.pose=xyz"});
+  recorded("first", "points");
 
   ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
   trained("train-actor", "skin", {"--body", "body.npz", "--set", "losses.points=vertices"});
@@ -295,6 +332,11 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   const auto h3d = train({"--data", "h3d"});
   REQUIRE_MESSAGE(h3d.code == 0, h3d.text);
   CHECK_MESSAGE(contains(h3d.text, "2 motions to train on, 0 for validation, 1 for tests; 0 left out"), h3d.text);
+  auto broken = ml::HumanMl3dFolder(folder).load("000002");
+  broken.id = "000003", broken.features[700] = std::nanf("");
+  ml::write_humanml3d_clip(folder, broken);
+  ml::write_ids(folder + "/train.txt", std::vector<std::string>{"000000", "000002", "000003"});
+  CHECK(contains(train({"--data", "h3d"}).text, "2 motions to train on, 0 for validation, 1 for tests; 1 left out"));
   CHECK(contains(train({"--data", "h3d", "--set", "features=rifke"}).text,
                  "holds features of HumanML3D, the configuration wants 'rifke'"));
 
@@ -316,4 +358,29 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   CHECK_MESSAGE(contains(unified.text, "2 motions to train on, 0 for validation, 1 for tests; 1 left out"),
                 unified.text);
   CHECK_MESSAGE(contains(unified.text, "2 different texts"), unified.text);
+
+  // ready-made features of a path; one clip of them is broken
+  std::filesystem::copy(folder + "/new_joint_vecs/000000.npy", clips / "clip0.npy");
+  CHECK(contains(train(annotated).text, "2 motions to train on, 0 for validation, 1 for tests; 1 left out"));
+  std::filesystem::copy(folder + "/new_joint_vecs/000003.npy", clips / "clip1.npy");
+  const auto left_out = train(annotated);
+  CHECK_MESSAGE(left_out.code == 0, left_out.text);
+  CHECK_MESSAGE(contains(left_out.text, "1 motions to train on, 0 for validation, 1 for tests; 2 left out"), left_out.text);
+
+  // no lists of ids: a quarter of the five clips is one of them, with its two entries and those of its mirrored twin
+  std::string entries;
+  for (const std::string above : {"", "M/"}) {
+    std::filesystem::create_directories(clips / ("lots/" + above));
+    for (int clip = 0; clip < 5; ++clip) {
+      const std::string path = above + "walk" + std::to_string(clip);
+      std::filesystem::copy(folder + "/new_joint_vecs/000000.npy", clips / ("lots/" + path + ".npy"));
+      for (const char* of : {"a ", "b "})
+        entries += (entries.empty() ? "\"" : ",\"") + (of + path) + R"(": {"path": ")" + path + R"(", "duration": 3, "annotations": [
+          {"seg_id": "0", "text": "a person walks", "start": 0, "end": 3}]})";
+    }
+  }
+  ml::write_file(clips / "lots.json", "{" + entries + "}");
+  const auto lots = train({"--data", "lots", "--annotations", "lots.json", "--set", "data.test_share=0.25", "--set",
+                           "data.validation_share=0.25"});
+  CHECK_MESSAGE(contains(lots.text, "12 motions to train on, 4 for validation, 4 for tests; 0 left out"), lots.text);
 }

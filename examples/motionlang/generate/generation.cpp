@@ -27,10 +27,10 @@ std::unique_ptr<Generator> load_other(const std::string& system, const std::file
   if (system == "mdm of actions") return load_mdm_actions(model);
 #ifdef MOTIONLANG_TRAINING
   if (system == "trained actor") return load_trained_actor(model);
-  if (system.starts_with("trained ")) return load_trained_text_motion(model, sources);
+  if (system.starts_with("trained ") || system == "tmr") return load_trained_text_motion(model, sources);
 #else
-  if (system.starts_with("trained "))
-    ml::raise<ml::config_error>(103, model.string(), ": models of train-actor, train-temos and train-tmr need a program with training "
+  if (system.starts_with("trained ") || system == "tmr")
+    ml::raise<ml::config_error>(103, model.string(), ": models of train-actor, train-temos and train-tmr, and TMR, need a program with training "
                                 "(-DMOTIONLANG_TRAINING=ON)");
 #endif
   return nullptr;

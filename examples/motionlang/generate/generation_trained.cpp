@@ -1,4 +1,4 @@
-// What train-temos, train-tmr and train-actor leave, behind the Generator: one text, or one action, for each motion.
+// What train-temos, train-tmr and train-actor leave, and TMR as its repository leaves it, behind the Generator: one text, or one action, for each motion.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 

@@ -56,6 +56,19 @@ fs::path folder_of(const fs::path& path) {
   const fs::path whole = fs::weakly_canonical(path);
   return whole.has_filename() ? whole : whole.parent_path();
 }
+/// As a table of captions names it.
+std::string named_as(const fs::path& path) { return fs::path(path).replace_extension().string(); }
+std::string checksum(std::span<const std::byte> bytes) { return ml::detail::hexadecimal(ml::detail::content_hash(bytes)); }
+std::string checksum(const fs::path& file) { return checksum(ml::MappedFile::open(file.string())->bytes()); }
+std::string checksum(const std::vector<ClipLine>& lines) {
+  std::string all;
+  for (const ClipLine& line : lines) {
+    all += ml::concat_text(line.start, "\t", line.end);
+    for (const std::string& text : line.texts) all += "\t" + text;
+    all += "\n";
+  }
+  return checksum(std::as_bytes(std::span(all)));
+}
 bool is_below(const fs::path& path, const fs::path& folder) {
   const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
   return end == folder.end();
@@ -96,15 +109,16 @@ class LicenseFiles {
 class Indexer {
  public:
   explicit Indexer(const Options& options) : o_(options) {
-    if (fs::exists(o_.out)) index_ = ml::read_motion_index(o_.out);
+    if (!fs::exists(o_.out)) return;
+    before_ = ml::MotionIndexFile::open(o_.out);
+    index_ = before_->index();
   }
 
   void run() {
-    if (o_.folder.empty() && (o_.list || !o_.remove.empty())) {
-      if (!index_) ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
-    } else if (o_.folder.empty()) {
+    if (o_.folder.empty() && !o_.list && o_.remove.empty())
       ml::raise<ml::config_error>(102, "index: a folder of motions is missing (or --list, or --remove)");
-    }
+    if (!index_ && (o_.folder.empty() || !o_.remove.empty()))
+      ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
     remove();
     if (!o_.folder.empty()) update();
     if (o_.list) list();
@@ -122,8 +136,9 @@ class Indexer {
       if (now == 0) std::fprintf(stderr, "%s is not in the index\n", printable(path).c_str());
       removed += now;
     }
-    write();
+    const bool stopped = write(false);
     std::printf("%s: %td clips removed, %td left\n", o_.out.c_str(), removed, index_->count());
+    if (stopped) throw ml::cancelled();
   }
   void list() const {
     for (const ml::IndexedClip& c : index_->clips()) {
@@ -157,11 +172,12 @@ class Indexer {
         stopped = !bar(static_cast<std::ptrdiff_t>(begin + some.size()), std::ssize(fresh));
       }
     }
-    if (added_ + removed_ + renamed_ > 0 || model_moved_ || !fs::exists(o_.out)) write();
+    if (added_ + removed_ + renamed_ + relicensed_ > 0 || model_moved_ || !before_ || lacks_graphs()) stopped = write(stopped);
     for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
     std::printf("%s: %td clips, %zu moments (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n",
                 o_.out.c_str(), index_->count(), index_->moments().size(), added_, removed_, renamed_, unchanged_,
                 problems_.size());
+    if (relicensed_ > 0) std::printf("%td files have another license now\n", relicensed_);
     if (stopped) throw ml::cancelled();  // what was encoded is kept
     for (const auto& [clip, lines] : lines_of_)
       if (!named_.contains(clip))
@@ -213,30 +229,38 @@ class Indexer {
     }
   }
 
-  /// Forgets what is gone, renames what has only moved, and says what is to be read.
+  /// Forgets what is gone, renames what has only moved, and says what is to be read: new and changed files, and those of which the
+  /// table says something new.
   std::vector<FileState> changed_files(const std::vector<FileState>& files, const fs::path& folder) {
-    std::map<std::string, std::pair<std::int64_t, std::int64_t>> known, now;  // path -> modified, bytes
-    for (const ml::IndexedClip& c : index_->clips()) known[c.path] = {c.modified, c.bytes};
-    for (const FileState& f : files) now[f.path.string()] = {f.modified, f.bytes};
-    std::map<std::pair<std::int64_t, std::int64_t>, std::string> moved;  // gone from where they were
-    for (const auto& [path, state] : known) {
-      if (is_below(path, folder) && !now.contains(path)) moved[state] = path;
+    std::map<std::string, ml::IndexedClip> known;  // a clip of each file
+    std::set<std::string> now;
+    for (const ml::IndexedClip& c : index_->clips()) known.emplace(c.path, c);
+    for (const FileState& f : files) now.insert(f.path.string());
+    std::map<std::pair<std::int64_t, std::string>, ml::IndexedClip> moved;  // gone from where they were: time, content
+    for (const auto& [path, c] : known) {
+      if (!c.content.empty() && is_below(path, folder) && !now.contains(path)) moved[{c.modified, c.content}] = c;
     }
     std::set<std::string> outdated;
     std::vector<FileState> fresh;
     for (const FileState& f : files) {
       const std::string path = f.path.string();
-      const auto state = now.at(path);
       const auto before = known.find(path);
-      if (!o_.again && before != known.end() && before->second == state) {
+      const auto from = o_.again || before != known.end() || moved.empty() ? moved.end()
+                                                                           : moved.find({f.modified, checksum(f.path)});
+      if (!o_.again && before != known.end() && before->second.modified == f.modified && before->second.bytes == f.bytes &&
+          has_lines(before->second, path)) {
         ++unchanged_;
-        named_.insert(fs::path(path).replace_extension().string());
-      } else if (const auto from = moved.find(state); !o_.again && before == known.end() && from != moved.end()) {
-        index_->rename(from->second, path);
-        moved.erase(from);
+        keep(before->second, path);
+      } else if (from != moved.end() && has_lines(from->second, path)) {
+        index_->rename(from->second.path, path);
         ++renamed_;
+        keep(from->second, path);
+        moved.erase(from);
       } else {
-        if (before != known.end()) outdated.insert(path);
+        if (before != known.end()) {
+          outdated.insert(path);
+          if (!o_.again && before->second.modified == f.modified) license_before_[path] = before->second.license;
+        }
         fresh.push_back(f);
       }
     }
@@ -244,6 +268,18 @@ class Indexer {
       return outdated.contains(c.path) || (is_below(c.path, folder) && !now.contains(c.path));
     });
     return fresh;
+  }
+  /// Whether the clips of a file are what the table says; a file that it does not name stays as it is.
+  bool has_lines(const ml::IndexedClip& c, const std::string& path) const {
+    const auto found = lines_of_.find(named_as(path));
+    return found == lines_of_.end() || c.lines == checksum(found->second);
+  }
+  /// A file that is not read again.
+  void keep(const ml::IndexedClip& c, const std::string& path) {
+    named_.insert(named_as(path));
+    if (o_.license.empty() || c.license == o_.license) return;
+    index_->set_license(path, o_.license);
+    ++relicensed_;
   }
 
   /// A clip on its way into the index, or why it does not get there.
@@ -265,7 +301,10 @@ class Indexer {
     });
     for (std::size_t f = 0; f < files.size(); ++f) {
       for (Prepared& p : prepared[f]) {
-        p.clip.license = !o_.license.empty() ? o_.license : licenses_->of(files[f].path.parent_path());
+        const auto before = license_before_.find(files[f].path.string());
+        p.clip.license = !o_.license.empty()               ? o_.license
+                         : before != license_before_.end() ? before->second
+                                                           : licenses_->of(files[f].path.parent_path());
         encode(std::move(p));
       }
     }
@@ -274,10 +313,12 @@ class Indexer {
   std::vector<Prepared> prepare(const FileState& file) const {
     std::vector<Prepared> out;
     const auto motions = read_motions(file.path, o_.read);
-    const auto found = lines_of_.find(fs::path(file.path).replace_extension().string());
+    const auto found = lines_of_.find(named_as(file.path));
+    const std::string content = checksum(file.path), lines = found != lines_of_.end() ? checksum(found->second) : "";
     const auto take = [&](const ml::Motion& m, const ClipLine* line) {
       Prepared& p = out.emplace_back();
       p.clip.path = file.path.string(), p.clip.modified = file.modified, p.clip.bytes = file.bytes;
+      p.clip.content = content, p.clip.lines = lines;
       if (motions.size() > 1) p.clip.name = m.name;
       if (line != nullptr) p.clip.start = line->start, p.clip.captions = line->texts;
       try {
@@ -298,7 +339,7 @@ class Indexer {
     return out;
   }
   void encode(Prepared p) {
-    named_.insert(fs::path(p.clip.path).replace_extension().string());
+    named_.insert(named_as(p.clip.path));
     const std::string name = p.clip.path + (p.clip.name.empty() ? "" : "#" + p.clip.name);
     try {
       if (p.problem.empty()) {
@@ -318,12 +359,24 @@ class Indexer {
     if (!p.problem.empty()) problems_.push_back(name + ": " + p.problem);
   }
 
-  void write() const {
-    ProgressBar bar("connecting");
-    ml::write_motion_index(o_.out, *index_, ml::motion_graphs(*index_, o_.graph, bar));
+  bool lacks_graphs() const { return MOTIONLANG_HAS_HNSWLIB && !ml::has_graphs(*before_, o_.graph); }
+  /// Returns whether Ctrl-C stopped it. Then the index has no graphs: searches compare all until the next update.
+  bool write(bool stopped) const {
+    ml::IndexExtras graphs;
+    if (!MOTIONLANG_HAS_HNSWLIB && !ml::detail::graph_rows(*index_, o_.graph).empty())
+      std::fprintf(stderr, "no graph: this program was built without hnswlib (libhnswlib-dev); searches compare all\n");
+    try {
+      ProgressBar bar("connecting");
+      if (!stopped) graphs = ml::motion_graphs(*index_, o_.graph, bar, before_ ? &*before_ : nullptr);
+    } catch (const ml::cancelled&) {
+      stopped = true;
+    }
+    ml::write_motion_index(o_.out, *index_, graphs);
+    return stopped;
   }
 
   const Options& o_;
+  std::optional<ml::MotionIndexFile> before_;
   std::optional<ml::MotionIndex> index_;
   std::optional<SearchModel> model_;
   bool model_moved_ = false;
@@ -331,8 +384,9 @@ class Indexer {
   std::map<std::string, std::vector<ClipLine>> lines_of_;  // by path without extension
   std::map<std::string, std::vector<float>> vector_of_;    // of captions
   std::set<std::string> named_;                            // clips that there are
+  std::map<std::string, std::string> license_before_;      // of files that are read again for their captions
   std::vector<std::string> problems_;
-  Index added_ = 0, removed_ = 0, renamed_ = 0, unchanged_ = 0;
+  Index added_ = 0, removed_ = 0, renamed_ = 0, unchanged_ = 0, relicensed_ = 0;
 };
 
 }  // namespace
@@ -355,7 +409,7 @@ void add_index(CLI::App& app) {
   c->add_option("--captions", o->captions, "Table of parts of clips and what they show (examples/training/README.md)")
       ->check(CLI::ExistingFile);
   c->add_option("--license", o->license,
-                "Of the motions that are added; the first line of the LICENSE file beside or above them unless given");
+                "Of the motions below the folder; the first line of the LICENSE file beside or above them unless given");
   const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments, seconds")
                                    ->delimiter(',')
                                    ->check(CLI::Range(0.05, 600.0))
@@ -372,7 +426,7 @@ void add_index(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--graph", o->graph,
                 "From so many clips or moments on, searches follow a graph that finds most of the nearest, instead of "
-                "comparing all")
+                "comparing all; additions are put into it, after removals it is made anew")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   o->machine.add_to(*c);

@@ -2,8 +2,6 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/motion_index_file.hpp>
-#include <motionlang/io/text_motion_file.hpp>
-#include <motionlang/io/weight_file.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../files/motion_files.hpp"
@@ -20,46 +18,15 @@ struct SearchModel::Parts {
   double fps = 0;
 };
 
-namespace {
-
-/// A published TMR: HumanML3D's features, the states of DistilBERT.
-TmrModel<B> published_tmr(const ml::RunFolder& run, const ml::TensorSet& weights) {
-  TmrModel<B> m;
-  m.system = ml::load_tmr<B>(weights, run);
-  auto statistics = ml::detail::find_normalizer<B>(ml::detail::statistics_of(run),
-                                                   m.system.motion_encoder.projection.in(), {"stats.", ""});
-  if (!statistics)
-    ml::raise<ml::io_error>(401, run.folder.string(),
-                            ": no statistics of the motions: stats/mean.pt and std.pt are missing");
-  m.motion_normalizer = std::move(*statistics);
-  ml::prepare(m);
-  return m;
-}
-
-}  // namespace
-
 SearchModel::SearchModel(const std::filesystem::path& folder, const std::filesystem::path& text_encoder)
     : folder_(folder), text_encoder_(text_encoder) {
-  const ml::RunFolder run = ml::find_run(folder);
+  const TextMotionFile file = read_text_motion_config(folder);
   const auto weights = ml::open_weights(folder);
   id_ = ml::detail::index_checksum(weights.tensors());
   Parts parts;
-  if (run.system == "motionlang") {
-    const TextMotionFile file = read_text_motion_config(folder);
-    parts.model = load_text_motion<ml::Tmr, B>(weights, file);
-    parts.features = &ml::motion_features(file.config.features);
-    parts.fps = file.fps;
-  } else if (run.system == "tmr") {
-    parts.model = published_tmr(run, weights);
-    parts.features = &ml::motion_features("guoh3d");
-    parts.fps = parts.features->fps;
-  } else {
-    ml::raise<ml::config_error>(102, folder.string(), ": not a folder of TMR, which train-tmr makes");
-  }
-  if (parts.features->width != parts.model.system.motion_encoder.projection.in())
-    ml::raise<ml::config_error>(102, folder.string(), ": a model of features of ",
-                                parts.model.system.motion_encoder.projection.in(), " numbers, '", parts.features->name,
-                                "' has ", parts.features->width);
+  parts.model = load_text_motion<ml::Tmr, B>(weights, file);
+  parts.features = &ml::motion_features(file.config.features);
+  parts.fps = file.fps;
   parts_ = std::make_shared<const Parts>(std::move(parts));
 }
 

@@ -42,9 +42,9 @@ void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std
   const ActorClipsConfig& clips = model.config.clips;
   if (!std::equal(labels.begin(), labels.end(), model.labels.begin(), model.labels.end()))
     ml::raise<ml::config_error>(102, "model and classifier have other labels");
-  if (clips.pose != seen.pose || clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
+  if (clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
       (clips.translation != seen.translation && seen.translation))
-    ml::raise<ml::config_error>(102, "model and classifier have other clips (pose, fps, turned_ahead, translation)");
+    ml::raise<ml::config_error>(102, "model and classifier have other clips (fps, turned_ahead, translation)");
 }
 
 }  // namespace program

@@ -107,10 +107,22 @@ struct ActorModel {
     load_action_weights(actor, folder);
   }
 
-  /// Motions as they are, or without the way of the root where a classifier (ST-GCN) does not read it.
+  /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read it.
   ml::Sequences<B> seen_by(const ml::Sequences<B>& x, const ActorClipsConfig& seen) const {
-    if (file.config.clips.width() == seen.width()) return x;
-    return x.with(ml::slice(x.rows, 1, 0, seen.width()));
+    const ActorClipsConfig& clips = file.config.clips;
+    if (clips.pose == seen.pose) return clips.width() == seen.width() ? x : x.with(ml::slice(x.rows, 1, 0, seen.width()));
+    if (seen.is_xyz()) return joint_points(x, clips);
+    ActorClipsConfig as_they_are = seen;
+    as_they_are.turned_ahead = false;
+    const RowMaker maker = actor_row_maker(as_they_are);
+    const std::vector<float> rows(x.rows.span().begin(), x.rows.span().end());
+    std::vector<typename B::scalar> values;
+    for (ml::Index s = 0; s < x.count(); ++s) {
+      const auto own = std::span(rows).subspan(static_cast<std::size_t>(x.offsets.begin(s) * clips.width()),
+                                               static_cast<std::size_t>(x.offsets.length(s) * clips.width()));
+      for (const double v : maker.rows(actor_motion(own, clips))) values.push_back(static_cast<typename B::scalar>(v));
+    }
+    return x.with(ml::Tensor<B, 2>::from(values, {x.offsets.rows(), seen.width()}));
   }
   /// A motion for each class, as a classifier reads them.
   ml::Sequences<B> generate(std::span<const ml::Index> classes, std::span<const ml::Index> lengths, ml::Philox& noise,

@@ -25,6 +25,11 @@ std::vector<float> rows_of(const RowMaker& maker, const ml::Motion& motion) {
   return {values.begin(), values.end()};
 }
 
+/// Ready-made features of the published sets have clips with NaN, of which nothing can be learnt.
+bool all_finite(std::span<const float> rows) {
+  return std::all_of(rows.begin(), rows.end(), [](float x) { return std::isfinite(x); });
+}
+
 /// Training (0), validation (1) or test (2) of every clip: by lists of ids, else by lot.
 class Split {
  public:
@@ -129,7 +134,10 @@ void read_humanml3d(DescribedMotions& out, const DataSources& sources, const Row
     const auto& [id, part] = ids[i];
     const auto rows = folder.features(id);
     const auto captions = folder.captions(id);
-    if (!std::all_of(rows.begin(), rows.end(), [](float x) { return std::isfinite(x); })) continue;
+    if (!all_finite(rows)) {
+      ++out.left_out;
+      continue;
+    }
     Index number = 0;
     const auto items = ml::humanml3d_items(captions, std::ssize(rows) / maker.width);
     if (items.empty()) ++out.left_out;
@@ -160,11 +168,18 @@ std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& make
 void read_annotations(DescribedMotions& out, const DataSources& sources, const DataConfig& config,
                       const RowMaker& maker, ml::Progress progress) {
   const auto file = ml::AnnotationFile::open(sources.annotations);
-  const Split split(sources, config, file.ids());
+  std::vector<std::string> keys = file.ids();  // of the split: an id where there are lists, else the clip, mirrored or not
+  if (sources.splits.empty()) {
+    for (std::string& key : keys) {
+      key = file.load(key).path;
+      if (key.starts_with("M/")) key.erase(0, 2);
+    }
+  }
+  const Split split(sources, config, keys);
   for (std::size_t i = 0; i < file.ids().size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(file.ids()));
     const std::string& id = file.ids()[i];
-    const int part = split.of(id);
+    const int part = split.of(keys[i]);
     if (part < 0) continue;
     const auto motion = file.load(id);
     const auto texts =
@@ -172,6 +187,10 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
     out.left_out += std::ssize(motion.annotations) - std::ssize(texts);
     if (texts.empty()) continue;
     DescribedMotion d{id, motion.path, rows_of_path(sources, maker, motion), {}};
+    if (!all_finite(d.rows)) {
+      out.left_out += std::ssize(texts);
+      continue;
+    }
     for (const auto& a : texts) {
       const auto frames = ml::annotated_frames(a, maker.fps, std::ssize(d.rows) / maker.width);
       if (frames.length >= fewest_rows)

@@ -40,7 +40,7 @@ struct DescribedMotions {
   ml::Index width = 0;
   double fps = 0;
   std::vector<DescribedMotion> training, validation, test;
-  ml::Index left_out = 0;  // texts that are too short or too long
+  ml::Index left_out = 0;  // texts that are too short or too long, or of features with numbers that are not finite
 
   std::array<const std::vector<DescribedMotion>*, 3> parts() const { return {&training, &validation, &test}; }
   /// Training, validation or test. Throws config_error 103.

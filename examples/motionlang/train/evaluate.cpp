@@ -11,7 +11,10 @@ namespace {
 
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
-  const std::string system = ml::read_model_folder(o.model).system;
+  const std::string found = ml::find_run(o.model).system;
+  const std::string system = found.empty() || found == "motionlang" ? ml::read_model_folder(o.model).system
+                             : found == "tmr"                       ? found
+                                                                    : "published " + found;
   if (system == "tmr" && o.moments > 0)
     evaluate_moments(o);
   else if (system == "tmr")
@@ -24,7 +27,7 @@ void run(const EvaluationOptions& o) {
     evaluate_classifier(o);
   else
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
-                                "'; measured are tmr, temos, actor and classifier");
+                                "'; measured are tmr, also as published, temos, actor and classifier");
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }
@@ -34,7 +37,7 @@ void run(const EvaluationOptions& o) {
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
   CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR or classifier of actions by the tables of its paper");
-  c->add_option("model", o->model, "Folder of the model")->required()->check(CLI::ExistingDirectory);
+  c->add_option("model", o->model, "Folder of the model: of our training, or TMR as it was published")->required()->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
   c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training")->check(CLI::ExistingFile);
@@ -56,6 +59,12 @@ void add_evaluate(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--nsim", o->nsim, "TMR: list of ids of dissimilar texts; chosen unless given")
       ->check(CLI::ExistingFile);
+  CLI::Option* synthesis = c->add_flag("--synthesis", o->synthesis,
+                                       "TMR: also whether motions are found that were made for the texts, as long as the recorded ones");
+  c->add_option("--generator", o->generator,
+                "Model that makes these motions, as for generate (--text-encoder is its one too); TMR itself unless given")
+      ->needs(synthesis)
+      ->check(CLI::ExistingPath);
   c->add_option("--moments", o->moments,
                 "TMR: makes so many long motions of several clips each, and measures whether the stretch of each text is found")
       ->check(CLI::Range(1, 1000000));

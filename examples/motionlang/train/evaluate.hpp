@@ -9,7 +9,8 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier;
+      strips, classifier, generator;
+  bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
   ml::Index samples = 10;   // of TEMOS, for each text
@@ -21,7 +22,7 @@ struct EvaluationOptions {
   std::uint64_t seed = 0;
 };
 
-/// Retrieval in both directions by the four protocols.
+/// Retrieval in both directions by the four protocols, of recorded motions and of such that were made for the texts.
 void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
 /// Errors of generated motions, and those of the mean pose and of random clips.
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);

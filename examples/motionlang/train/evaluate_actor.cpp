@@ -141,6 +141,7 @@ void evaluate_actor(const EvaluationOptions& o) {
   }
   if (o.strips.empty()) return;
   std::filesystem::create_directories(o.strips);
+  std::set<std::string> taken;
   for (Index k = 0; k < std::min(kinds, o.count); ++k) {
     auto noise = ml::Philox{.seed = o.seed}.split("strips").split(static_cast<std::uint64_t>(k));
     const std::vector<Index> action{k}, length{clips.num_frames > 0 ? clips.num_frames : clips.min_len};
@@ -148,7 +149,7 @@ void evaluate_actor(const EvaluationOptions& o) {
     const auto rows = made.rows.to_vector();
     auto motion = actor_motion(rows, clips);
     motion.name = file.labels[static_cast<std::size_t>(k)];
-    write_motion(o.strips / (motion.name + ".svg"), motion);
+    write_motion(o.strips / (unique_file_name(motion.name, taken) + ".svg"), motion);
   }
 }
 

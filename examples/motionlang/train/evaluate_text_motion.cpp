@@ -5,6 +5,7 @@
 
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/id_list.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 
 #include "../files/feature_motion.hpp"
@@ -73,12 +74,51 @@ ml::RetrievalTable chance(ml::RetrievalProtocol protocol, const LatentTable& tab
   return ml::detail::mean_table(tables);
 }
 
+/// Motions for the texts of a batch, as long as its own and seen by the model: made by it, or by another.
+class Synthesis {
+ public:
+  Synthesis(const EvaluationOptions& o, const TmrModel<B>& model, const TextMotionFile& file, const ml::EmbeddingCache* states)
+      : model_(model), features_(ml::motion_features(file.config.features)), states_(states), seed_(o.seed) {
+    if (!o.generator.empty()) other_ = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
+  }
+  ml::Sequences<B> operator()(const TextMotionBatch<B>& batch) {
+    const ml::Offsets& lengths = batch.motions.offsets;
+    const std::uint64_t seed = seed_++;
+    if (!other_)
+      return ml::text_to_motion(model_.system, model_.tokens(batch.texts, states_), lengths, ml::Philox{.seed = seed}).front();
+    std::vector<ml::Timeline> timelines;
+    for (Index i = 0; i < lengths.count(); ++i) {
+      const double seconds = static_cast<double>(lengths.length(i)) / features_.fps;
+      const Index frames = std::max<Index>(1, std::lround(seconds * other_->fps()));
+      timelines.push_back({{{batch.texts[static_cast<std::size_t>(i)], 0, frames, ml::BodyParts::all()}}});
+    }
+    std::vector<float> values;
+    std::vector<Index> frames;
+    for (const ml::Motion& motion : other_->run(timelines, {.seed = seed}, {})) {
+      const auto rows = features_.from_motion(ml::resample(on_smpl(motion), features_.fps));
+      values.insert(values.end(), rows.begin(), rows.end());
+      frames.push_back(std::ssize(rows) / features_.width);
+    }
+    const ml::Offsets offsets(frames);
+    return {model_.motion_normalizer.normalize(ml::Tensor<B, 2>::from(values, {offsets.rows(), features_.width})), offsets};
+  }
+
+ private:
+  const TmrModel<B>& model_;
+  const ml::MotionFeatures& features_;
+  const ml::EmbeddingCache* states_;
+  std::uint64_t seed_;
+  std::unique_ptr<Generator> other_;
+};
+
 }  // namespace
 
 void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
   const Measured m(o, file);
   const auto model = load_text_motion<ml::Tmr, B>(o.model, file);
   const auto table = latents_of(model, *m.part, m.token_cache());
+  std::optional<LatentTable> made;
+  if (o.synthesis) made = latents_of(model, *m.part, m.token_cache(), Synthesis(o, model, file, m.token_cache()));
   const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
   const ml::Rows sentences(e.span(), e.size(1));
   ml::RetrievalOptions options{.threshold = o.threshold};
@@ -103,6 +143,9 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
     if (protocol == guo && std::ssize(*m.part) < options.batch) continue;
     if (protocol == nsim && options.nsim_ids.empty()) continue;
     print_retrieval(name, ml::retrieve(protocol, texts, motions, sentences, options));
+    if (made)
+      print_retrieval("  generated", ml::retrieve(protocol, texts, ml::Rows(std::span<const float>(made->motion), made->width),
+                                                  sentences, options));
     print_retrieval("  by chance", chance(protocol, table, sentences, options));
   }
 }
@@ -161,7 +204,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   using Metric = ml::ApeAveMetric<double>;
   const auto n = static_cast<std::size_t>(o.samples);
   std::vector<Metric> of_sample(n, Metric(joints_of_people()));
-  Metric best(joints_of_people()), at_mean(joints_of_people()), pose(joints_of_people()), clip(joints_of_people());
+  Metric best(joints_of_people()), worst(joints_of_people()), at_mean(joints_of_people()), pose(joints_of_people()), clip(joints_of_people());
   const auto still = mean_pose(m.data.training, features);
   auto lot = ml::Philox{.seed = o.seed}.split("random clips");
   std::set<std::string> shown;
@@ -182,6 +225,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
     std::vector<Metric::Joints> all(samples.begin(), samples.end());
     for (std::size_t k = 0; k < n; ++k) of_sample[k].add(all[k], truth);
     best.add_best(all, truth);
+    worst.add_worst(all, truth);
     const auto mean_rows = made(ml::text_to_motion(model.system, tokens, length, rng, 1, {.mean = true}).front());
     at_mean.add(joints_of(features, mean_rows), truth);
     Joints standing;
@@ -209,6 +253,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   if (n > 1) {
     print_errors(ml::concat_text("mean of ", n, " samples").c_str(), ml::mean_errors(results));
     print_errors(ml::concat_text("best of ", n, " samples").c_str(), best.result());
+    print_errors(ml::concat_text("worst of ", n, " samples").c_str(), worst.result());
   }
   print_errors("mean of the latent", at_mean.result());
   print_errors("mean pose", pose.result());

@@ -3,6 +3,8 @@
 //
 //     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces; "about"
 //     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std, log_temperature
+//
+// And TMR as it was published: HumanML3D's features, the states of DistilBERT, statistics in stats/mean.pt and stats/std.pt.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +15,8 @@
 #include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/io/model_folder.hpp>
 #include <motionlang/io/module_file.hpp>
+#include <motionlang/io/text_motion_file.hpp>
+#include <motionlang/io/weight_file.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
@@ -116,8 +120,9 @@ struct TextMotionFile {
   double fps = 0;
   TextMotionConfig config;
   std::optional<ml::WordPiece> pieces;
+  std::optional<ml::RunFolder> published{};  // where it is not of our training
 };
-/// Throws io_error 401, 403, config_error 103, 107.
+/// Of a folder of train-tmr or train-temos, or of a published TMR. Throws io_error 401, 403, config_error 103, 107.
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder);
 
 /// Writes config.json and weights.safetensors, over those that are there.
@@ -133,11 +138,32 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
   if (model.words) file.pieces = model.words->tokenizer;
   write_text_motion(folder, file, about, store);
 }
+/// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another width.
+template <ml::Backend B>
+TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder& run, const ml::MotionFeatures& features) {
+  TmrModel<B> m;
+  m.system = ml::load_tmr<B>(weights, run);
+  const ml::Index width = m.system.config.motion_nfeats;
+  if (width != features.width)
+    ml::raise<ml::config_error>(102, run.folder.string(), ": a model of features of ", width, " numbers, '", features.name,
+                                "' has ", features.width);
+  auto statistics = ml::detail::find_normalizer<B>(ml::detail::statistics_of(run), width, {"stats.", ""});
+  if (!statistics)
+    ml::raise<ml::io_error>(401, run.folder.string(),
+                            ": no statistics of the motions: stats/mean.pt and std.pt are missing");
+  m.motion_normalizer = std::move(*statistics);
+  ml::prepare(m);
+  return m;
+}
 /// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one of the other system.
 template <template <class> class System, ml::Backend B>
 TextMotionModel<B, System> load_text_motion(const ml::TensorSet& weights, const TextMotionFile& file) {
   if (file.system != system_name<System>())
     ml::raise<ml::config_error>(102, weights.name(), ": a model of ", file.system, ", not ", system_name<System>());
+  if constexpr (std::is_same_v<System<B>, ml::Tmr<B>>) {
+    if (file.published)
+      return load_published_tmr<B>(weights, *file.published, ml::motion_features(file.config.features));
+  }
   auto model = make_text_motion<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
                                            ml::Philox{});
   ml::load_module(model, weights);
@@ -147,7 +173,7 @@ TextMotionModel<B, System> load_text_motion(const ml::TensorSet& weights, const 
 /// The model of a folder.
 template <template <class> class System, ml::Backend B>
 TextMotionModel<B, System> load_text_motion(const std::filesystem::path& folder, const TextMotionFile& file) {
-  return load_text_motion<System, B>(ml::SafetensorsFile::open(folder / "weights.safetensors"), file);
+  return load_text_motion<System, B>(ml::open_weights(folder), file);
 }
 
 }  // namespace program

@@ -74,9 +74,10 @@ struct LatentTable {
     width = of_texts.size(1);
   }
 };
-template <template <class> class System, ml::Backend B>
+/// seen(batch)  motions in place of those of the batch, normalised
+template <template <class> class System, ml::Backend B, class Seen>
 LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vector<DescribedMotion>& motions,
-                       const ml::EmbeddingCache* states) {
+                       const ml::EmbeddingCache* states, Seen seen) {
   LatentTable out;
   constexpr ml::Index at_once = 32;
   for (ml::Index at = 0; at < std::ssize(motions); at += at_once) {
@@ -84,9 +85,14 @@ LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vecto
     for (ml::Index i = at; i < std::min(at + at_once, std::ssize(motions)); ++i) which.push_back(i);
     const auto batch = text_motion_batch<B>(motions, which, model.motion_normalizer, [](const auto&) { return 0u; });
     out.add(batch.texts, model.system.encode_text(model.tokens(batch.texts, states)).mu,
-            model.system.encode_motion(batch.motions).mu);
+            model.system.encode_motion(seen(batch)).mu);
   }
   return out;
+}
+template <template <class> class System, ml::Backend B>
+LatentTable latents_of(const TextMotionModel<B, System>& model, const std::vector<DescribedMotion>& motions,
+                       const ml::EmbeddingCache* states) {
+  return latents_of(model, motions, states, [](const TextMotionBatch<B>& batch) { return batch.motions; });
 }
 
 template <template <class> class System>
@@ -131,6 +137,8 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       if (kind == ml::ContrastiveLoss::none && l.contrastive_loss != "none")
         ml::raise<ml::config_error>(103, "losses.contrastive_loss '", l.contrastive_loss,
                                     "' is not info_nce, margin or none");
+      if (!l.cross_modal_kl || !l.gaussian_kl || !l.embedding)
+        ml::raise<ml::config_error>(102, "losses.cross_modal_kl, gaussian_kl and embedding are of TEMOS; TMR has all three terms");
       if (l.learned_temperature && kind != ml::ContrastiveLoss::info_nce)
         ml::raise<ml::config_error>(102, "losses.learned_temperature is for info_nce; losses.contrastive_loss is '",
                                     l.contrastive_loss, "'");

@@ -29,7 +29,7 @@ void add_train_actor(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
       "train-actor", "Trains ACTOR, which makes motions for actions; Ctrl-C saves, the same command goes on");
-  add_training_options(*c, o->common, "actor-published");
+  add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
   c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
   c->add_option("--from", o->from, "Model to begin with: motions of many lengths after those of 60 frames")
       ->check(CLI::ExistingDirectory);

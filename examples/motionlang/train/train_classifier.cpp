@@ -29,7 +29,7 @@ void add_train_classifier(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("train-classifier",
                                    "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
-  add_training_options(*c, o->common, "small");
+  add_training_options(*c, o->common, {"small", "stgcn-published"});
   c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
   c->add_option("--generated", o->generated, "Model of train-actor that makes a part of the motions (generated_share)")
       ->check(CLI::ExistingDirectory);

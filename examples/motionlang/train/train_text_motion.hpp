@@ -42,7 +42,7 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
                      TextMotionConfig (*preset)(const std::string&)) {
   const auto o = std::make_shared<TextMotionOptions>();
   CLI::App* c = app.add_subcommand(name, what);
-  add_training_options(*c, o->common, published);
+  add_training_options(*c, o->common, {published, "small"});
   c->add_option("--captions", o->captions, "Table of the clips: clip, start, end, body parts, captions")
       ->check(CLI::ExistingFile);
   c->add_option("--annotations", o->annotations, "Unified annotation file (JSON); its paths lead into --data")

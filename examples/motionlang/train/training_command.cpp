@@ -1,16 +1,16 @@
 #include "training_command.hpp"
 
-
 namespace program {
 
-void add_training_options(CLI::App& command, TrainingOptions& o, const char* published) {
-  o.preset = published;
-  command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML")
+void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets) {
+  o.preset = presets.front();
+  std::string names = presets.front();
+  for (std::size_t i = 1; i < presets.size(); ++i) names += (i + 1 < presets.size() ? ", " : " or ") + presets[i];
+  command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D")
       ->check(CLI::ExistingDirectory);
   command.add_option("--splits", o.splits, "Folder with train.txt, val.txt, test.txt; by lot unless given")
       ->check(CLI::ExistingDirectory);
-  command.add_option("--preset", o.preset, std::string("Hyperparameters: ") + published + " or small")
-      ->capture_default_str();
+  command.add_option("--preset", o.preset, "Hyperparameters: " + names)->capture_default_str();
   command.add_option("--config", o.config, "JSON with the hyperparameters that differ from the preset")
       ->check(CLI::ExistingFile);
   command.add_option("--set", o.set, "One hyperparameter: optimiser.lr=3e-4; may be repeated")->allow_extra_args(false);

@@ -25,8 +25,8 @@ struct TrainingOptions {
   MachineOptions machine;
 };
 
-/// `published` is the preset that is taken unless another is named.
-void add_training_options(CLI::App& command, TrainingOptions& o, const char* published);
+/// `presets` are their names; the first is taken unless another is named.
+void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
 
 /// Reads the motions and says how many there are.
 DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources, const DataConfig& config,

@@ -49,6 +49,8 @@ inline nlohmann::ordered_json index_about(const MotionIndex& index) {
   for (const IndexedClip& c : index.clips()) {
     nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
                                 {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
+    if (!c.content.empty()) clip["content"] = c.content;
+    if (!c.lines.empty()) clip["lines"] = c.lines;
     if (!c.name.empty()) clip["name"] = c.name;
     if (!c.captions.empty()) clip["captions"] = c.captions;
     if (!c.license.empty()) clip["license"] = c.license;
@@ -75,6 +77,8 @@ inline IndexedClip indexed_clip(const JsonView& v) {
                 .name = v.value_or("name", ""),
                 .modified = v["modified"].as<std::int64_t>(),
                 .bytes = v["bytes"].as<std::int64_t>(),
+                .content = v.value_or("content", ""),
+                .lines = v.value_or("lines", ""),
                 .start = v["start"].as<double>(),
                 .end = v["end"].as<double>(),
                 .fps = v["fps"].as<double>(),

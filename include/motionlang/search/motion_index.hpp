@@ -30,6 +30,8 @@ struct IndexedClip {
   std::string path;                      // of the file
   std::string name{};                    // of the motion in the file, where there are several
   std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
+  std::string content{};                 // of the file then: a checksum, by which it is known under another name; "" in old indices
+  std::string lines{};                   // of a table that say which parts of the file are clips: a checksum, "" if none did
   double start = 0, end = 0;             // seconds in the file
   double fps = 0;                        // of the file
   Index frames = 0;                      // from start to end, in the file
@@ -170,6 +172,12 @@ class MotionIndex {
   void rename(const std::string& from, const std::string& to) {
     for (IndexedClip& c : clips_) {
       if (c.path == from) c.path = to;
+    }
+  }
+  /// All clips of a file have this license.
+  void set_license(const std::string& path, const std::string& license) {
+    for (IndexedClip& c : clips_) {
+      if (c.path == path) c.license = license;
     }
   }
   /// The model is found elsewhere now.

@@ -48,6 +48,25 @@ TEST_CASE(
   CHECK_ERROR(graph.search(std::span(queries).first(5), 1), "[motionlang.shape.205]");
 }
 
+TEST_CASE("VectorGraph: a graph that gets more vectors finds as many as one that is built at once") {
+  constexpr Index width = 24, count = 3000;
+  const auto rows = random_rows(count, width, 1), queries = random_rows(100, width, 2);
+  const auto wanted = ml::VectorScan(rows, width).search(queries, 10);
+  auto graph = ml::VectorGraph::build(std::span(rows).first(width), width);
+  for (const Index have : {Index{40}, Index{41}, Index{2500}, count})
+    graph = ml::VectorGraph::extended(graph.bytes(), graph.count(), std::span(rows).first(static_cast<std::size_t>(have * width)), width);
+  const auto found = graph.search(queries, 10);
+  Index same = 0;
+  for (std::size_t q = 0; q < found.size(); ++q) {
+    for (const auto& n : found[q]) same += std::count(wanted[q].begin(), wanted[q].end(), n);
+  }
+  CHECK(same >= 950);
+  CHECK(ml::VectorGraph::from_bytes(graph.bytes(), rows, width).search(queries, 10) == found);
+  CHECK_ERROR(ml::VectorGraph::extended(graph.bytes(), count - 1, rows, width), "another number of vectors");
+  CHECK_ERROR(ml::VectorGraph::extended(graph.bytes(), count, std::span(rows).first(width), width),
+              "[motionlang.config.101] graph: a graph of 3000 vectors for 1");
+}
+
 TEST_CASE("VectorGraph: a graph that is cut off, changed, or of other vectors is refused or harmless") {
   constexpr Index width = 8, count = 60;
   const auto rows = random_rows(count, width, 3);
@@ -78,11 +97,31 @@ TEST_CASE("index files with graphs: from so many vectors on, and the same answer
   CHECK(ml::motion_graphs(index, 100'000).empty());
   ml::write_motion_index(folder / "index", index, ml::motion_graphs(index, 1));
   const auto file = ml::MotionIndexFile::open(folder / "index");
+  CHECK(ml::has_graphs(file, 1));
   const auto with_graphs = ml::open_motion_search(file), exact = ml::open_motion_search(file, true);
   for (Index a = 0; a < 8; ++a) {
     CHECK(with_graphs.clips(synthetic::action_vector(a), 12) == exact.clips(synthetic::action_vector(a), 12));
     CHECK(with_graphs.moments(synthetic::action_vector(a), 3) == exact.moments(synthetic::action_vector(a), 3));
   }
+
+  CHECK(ml::motion_graphs(index, 1, {}, &file) == ml::motion_graphs(index, 1));  // nothing new: the graphs as they are
+  index.add(synthetic::acted_clip("new.bvh", {{2, 40}}, index.model()));
+  Index least = 1000, most = 0;  // of the vectors that are there when one is put in
+  auto watch = [&](Index done, Index total) {
+    least = std::min(least, done), most = std::max(most, total);
+    return true;
+  };
+  const auto longer = ml::motion_graphs(index, 1, watch, &file);
+  CHECK(least == 12);
+  CHECK(most == std::ssize(index.moments()));
+  ml::write_motion_index(folder / "longer", index, longer);
+  const auto added = ml::MotionIndexFile::open(folder / "longer");
+  CHECK(ml::open_motion_search(added).clips(synthetic::action_vector(2), 13) ==
+        ml::open_motion_search(added, true).clips(synthetic::action_vector(2), 13));
+  index.remove_if([](const auto& c) { return c.path == "0.bvh"; });
+  least = 1000;
+  ml::motion_graphs(index, 1, watch, &added);
+  CHECK(least == 0);  // made anew
 }
 
 #endif
