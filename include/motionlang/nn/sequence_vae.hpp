@@ -159,6 +159,7 @@ template <Backend B>
 Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
   PoolVector<Index> rows;
   for (Index s = 0; s < offsets.count(); ++s) {
+    detail::require_positions("position_queries", positions, offsets.length(s));
     for (Index i = 0; i < offsets.length(s); ++i) rows.push_back(i);
   }
   return {gather(positions, rows), offsets};
