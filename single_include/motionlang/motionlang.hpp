@@ -9901,6 +9901,17 @@ struct PositionGap {
   Index before = 0, rows = 0;
 };
 
+namespace detail {
+
+/// Throws shape_error 203.
+template <Backend B>
+void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wanted) {
+  if (wanted > table.size(0))
+    raise<shape_error>(203, op, ": a sequence of ", wanted, " rows; the model has positions for ", table.size(0));
+}
+
+}  // namespace detail
+
 /// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
 /// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
 template <Backend B>
@@ -9912,7 +9923,9 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   rows.reserve(static_cast<std::size_t>(x.offsets.rows()));
   for (Index s = 0; s < x.count(); ++s) {
     const PositionGap gap = gaps.empty() ? PositionGap{} : gaps[static_cast<std::size_t>(s)];
-    for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
+    const Index length = x.offsets.length(s);
+    detail::require_positions("add_positions", table, length > gap.before ? length + gap.rows : length);
+    for (Index i = 0; i < length; ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
   }
   return x.with(gather(table, rows) + x.rows);
 }
@@ -11022,6 +11035,7 @@ template <Backend B>
 Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
   PoolVector<Index> rows;
   for (Index s = 0; s < offsets.count(); ++s) {
+    detail::require_positions("position_queries", positions, offsets.length(s));
     for (Index i = 0; i < offsets.length(s); ++i) rows.push_back(i);
   }
   return {gather(positions, rows), offsets};
@@ -27037,6 +27051,8 @@ struct IndexedClip {
   std::string path;                      // of the file
   std::string name{};                    // of the motion in the file, where there are several
   std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
+  std::string content{};                 // of the file then: a checksum, by which it is known under another name; "" in old indices
+  std::string lines{};                   // of a table that say which parts of the file are clips: a checksum, "" if none did
   double start = 0, end = 0;             // seconds in the file
   double fps = 0;                        // of the file
   Index frames = 0;                      // from start to end, in the file
@@ -27177,6 +27193,12 @@ class MotionIndex {
   void rename(const std::string& from, const std::string& to) {
     for (IndexedClip& c : clips_) {
       if (c.path == from) c.path = to;
+    }
+  }
+  /// All clips of a file have this license.
+  void set_license(const std::string& path, const std::string& license) {
+    for (IndexedClip& c : clips_) {
+      if (c.path == path) c.license = license;
     }
   }
   /// The model is found elsewhere now.

@@ -13286,6 +13286,8 @@ inline nlohmann::ordered_json index_about(const MotionIndex& index) {
   for (const IndexedClip& c : index.clips()) {
     nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
                                 {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
+    if (!c.content.empty()) clip["content"] = c.content;
+    if (!c.lines.empty()) clip["lines"] = c.lines;
     if (!c.name.empty()) clip["name"] = c.name;
     if (!c.captions.empty()) clip["captions"] = c.captions;
     if (!c.license.empty()) clip["license"] = c.license;
@@ -13312,6 +13314,8 @@ inline IndexedClip indexed_clip(const JsonView& v) {
                 .name = v.value_or("name", ""),
                 .modified = v["modified"].as<std::int64_t>(),
                 .bytes = v["bytes"].as<std::int64_t>(),
+                .content = v.value_or("content", ""),
+                .lines = v.value_or("lines", ""),
                 .start = v["start"].as<double>(),
                 .end = v["end"].as<double>(),
                 .fps = v["fps"].as<double>(),
@@ -14544,6 +14548,7 @@ TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& option
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
+///     graphs = motion_graphs(more, 100'000, {}, &file);                  // these again, with the vectors that were added
 ///
 /// The graph holds numbers of vectors, not the vectors: these are read where the index file has them.
 ///
@@ -14623,6 +14628,7 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
   if (h.count != n || h.capacity != n) wrong("another number of vectors");
   if (h.links < 1 || h.links > most_links || h.links0 != 2 * h.links || h.m != h.links) wrong("wrong numbers of links");
   const std::uint64_t lowest = id + h.links0 * id, upper = id + h.links * id;
+  if (h.effort < h.m || !(std::abs(h.mult * std::log(static_cast<double>(h.m)) - 1) < 1e-6)) wrong("a wrong effort");
   if (h.offset_level0 != 0 || h.data_offset != lowest || h.label_offset != lowest + 8 || h.element != lowest + 16)
     wrong("wrong sizes");
   const std::size_t base = sizeof(Header);
@@ -14691,26 +14697,32 @@ class VectorGraph : public VectorSearch {
     g.graph_ =
         std::make_unique<Graph>(g.space_.get(), static_cast<std::size_t>(std::max<Index>(1, g.count())),
                                 static_cast<std::size_t>(options.links), static_cast<std::size_t>(options.effort));
-    for (Index i = 0; i < g.count(); ++i) {
-      if (i % 256 == 0) progress(i, g.count());
-      const detail::GraphPoint point{i};
-      g.graph_->addPoint(&point, static_cast<hnswlib::labeltype>(i));
-    }
-    progress(g.count(), g.count());
+    g.add_from(0, progress);
     return g;
   }
   /// A graph that was built for these rows. Throws io_error 401, 402, 403.
   static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
                                 const std::string& name = "graph", std::shared_ptr<const void> owner = {}) {
+    return extended(bytes, std::ssize(rows) / width, rows, width, {}, name, std::move(owner));
+  }
+  /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build() makes of all, but
+  /// finds as many. Throws io_error 401, 402, 403, config_error 101.
+  static VectorGraph extended(std::span<const std::byte> bytes, Index known, std::span<const float> rows, Index width,
+                              Progress progress = {}, const std::string& name = "graph",
+                              std::shared_ptr<const void> owner = {}) {
     VectorGraph g(rows, width, std::move(owner));
-    detail::check_graph(bytes, g.count(), name);
+    if (known > g.count()) raise<config_error>(101, name, ": a graph of ", known, " vectors for ", g.count());
+    detail::check_graph(bytes, known, name);
     const detail::ScratchFile file;
     write_file(file.path(), bytes);
     try {
-      g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path());
+      g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
     } catch (const std::exception& e) {
       raise<io_error>(403, name, ": ", e.what());
     }
+    g.graph_->num_deleted_ = 0;                                             // hnswlib leaves it open
+    g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));  // else every addition draws the same levels
+    g.add_from(known, progress);
     return g;
   }
   std::vector<std::byte> bytes() const {
@@ -14729,12 +14741,12 @@ class VectorGraph : public VectorSearch {
     std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
     k = std::min(k, count());
     if (k == 0) return out;
-    graph_->setEf(static_cast<std::size_t>(std::max<Index>(100, 2 * k)));
+    const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));  // hnswlib follows as many as are asked for
     parallel_for(n, [&](Index q) {
       const float* query = units.data() + q * width_;
       const detail::GraphPoint point{-1, query};
       NearestK best(k);
-      for (auto found = graph_->searchKnn(&point, static_cast<std::size_t>(k)); !found.empty(); found.pop()) {
+      for (auto found = graph_->searchKnn(&point, candidates); !found.empty(); found.pop()) {
         const auto row = static_cast<Index>(found.top().second);
         best.offer({row, exact_cosine(query, rows_.data() + row * width_, width_)});
       }
@@ -14751,6 +14763,14 @@ class VectorGraph : public VectorSearch {
     require_unit_rows("VectorGraph", rows, width);
     space_ = std::make_unique<detail::GraphSpace>(rows.data(), width);
   }
+  void add_from(Index first, Progress progress) {
+    for (Index i = first; i < count(); ++i) {
+      if ((i - first) % 256 == 0) progress(i, count());
+      const detail::GraphPoint point{i};
+      graph_->addPoint(&point, static_cast<hnswlib::labeltype>(i));
+    }
+    progress(count(), count());
+  }
 
   std::span<const float> rows_;
   Index width_;
@@ -14761,16 +14781,49 @@ class VectorGraph : public VectorSearch {
 
 #endif
 
-/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib.
+namespace detail {
+
+/// Rows of an index that can have a graph, and its name in the file.
+struct GraphRows {
+  const char* name;
+  std::span<const float> rows;
+};
+/// Those of `least` rows or more.
+inline std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least) {
+  std::vector<GraphRows> out;
+  for (const GraphRows& g : {GraphRows{"graph_clips", index.clip_rows()}, {"graph_moments", index.moment_rows()}})
+    if (std::ssize(g.rows) / index.model().width >= std::max<Index>(1, least)) out.push_back(g);
+  return out;
+}
+
+}  // namespace detail
+
+/// Whether the file has the graphs that motion_graphs would make.
+inline bool has_graphs(const MotionIndexFile& file, Index least) {
+  const auto wanted = detail::graph_rows(file.index(), least);
+  return std::all_of(wanted.begin(), wanted.end(), [&](const auto& g) { return !file.extra(g.name).empty(); });
+}
+
+/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib. Where the rows of
+/// `before` are the first of these, its graph is taken over and gets the others. Throws io_error 401, 402, 403.
 inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[maybe_unused]] Index least,
-                                 [[maybe_unused]] Progress progress = {}) {
+                                 [[maybe_unused]] Progress progress = {},
+                                 [[maybe_unused]] const MotionIndexFile* before = nullptr) {
   IndexExtras out;
 #if MOTIONLANG_HAS_HNSWLIB
   const Index width = index.model().width;
-  for (const auto& [name, rows] :
-       {std::pair{"graph_clips", index.clip_rows()}, {"graph_moments", index.moment_rows()}}) {
-    if (std::ssize(rows) / width >= std::max<Index>(1, least))
-      out[name] = VectorGraph::build(rows, width, {}, progress).bytes();
+  for (const auto& [name, rows] : detail::graph_rows(index, least)) {
+    const auto graph = before != nullptr ? before->extra(name) : std::span<const std::byte>{};
+    std::span<const float> known;
+    if (!graph.empty()) {
+      for (const auto& old : detail::graph_rows(before->index(), 1))
+        if (std::string_view(old.name) == name) known = old.rows;
+    }
+    const bool only_added = !known.empty() && known.size() <= rows.size() && std::ranges::equal(known, rows.first(known.size()));
+    out[name] = (only_added ? VectorGraph::extended(graph, std::ssize(known) / width, rows, width, progress,
+                                                    before->name() + ": " + name)
+                            : VectorGraph::build(rows, width, {}, progress))
+                    .bytes();
   }
 #endif
   return out;

@@ -7901,6 +7901,17 @@ struct PositionGap {
   Index before = 0, rows = 0;
 };
 
+namespace detail {
+
+/// Throws shape_error 203.
+template <Backend B>
+void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wanted) {
+  if (wanted > table.size(0))
+    raise<shape_error>(203, op, ": a sequence of ", wanted, " rows; the model has positions for ", table.size(0));
+}
+
+}  // namespace detail
+
 /// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
 /// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
 template <Backend B>
@@ -7912,7 +7923,9 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   rows.reserve(static_cast<std::size_t>(x.offsets.rows()));
   for (Index s = 0; s < x.count(); ++s) {
     const PositionGap gap = gaps.empty() ? PositionGap{} : gaps[static_cast<std::size_t>(s)];
-    for (Index i = 0; i < x.offsets.length(s); ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
+    const Index length = x.offsets.length(s);
+    detail::require_positions("add_positions", table, length > gap.before ? length + gap.rows : length);
+    for (Index i = 0; i < length; ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
   }
   return x.with(gather(table, rows) + x.rows);
 }

@@ -129,6 +129,30 @@ TEST_CASE("check and info show what a file holds") {
   CHECK(contains(w.run({"info", "two.txt"}).text, "2 texts, 1.00 s"));
 }
 
+TEST_CASE("weights may ask for a sampler and a number of steps; the command line goes first") {
+  const Workplace w;
+  auto made = [&](const std::string& out, const std::vector<std::string>& more) {
+    const auto done = w.generate(out, more);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    return w.files(out).at("two.bvh");
+  };
+  const auto full = made("full", {}), ddim = made("ddim", {"--sampler", "ddim", "--steps", "3"});
+  const auto config = small::config(5);
+  auto save = [&](const std::string& sampling) {
+    ml::save_stmc(w / "model.safetensors", small::model<B>(config), config, {{"license", "MIT"}, {"sampling", sampling}});
+  };
+  save("ddim 3");
+  CHECK(made("asked", {}) == ddim);
+  CHECK(made("asked-full", {"--preset", "full"}) == full);
+  CHECK(made("asked-other", {"--sampler", "ddpm"}) == full);
+  for (const char* wrong : {"ddim", "ddim x", "ddim 3 4", "best 3", " "}) {
+    save(wrong);
+    const auto refused = w.generate("refused", {});
+    CHECK(refused.code == 1);
+    CHECK_MESSAGE(contains(refused.text, "[motionlang.config.10"), refused.text);
+  }
+}
+
 TEST_CASE("generate writes every output, and the same bytes for the same seed") {
   const Workplace w;
   const auto first = w.generate("a", {"--seed", "4", "--threads", "1"});

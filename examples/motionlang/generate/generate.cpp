@@ -26,7 +26,8 @@ struct Options {
   double seconds = 5;  // of the text
   ModelSources sources;
   GenerationSettings settings;
-  std::string preset = "full";
+  std::string preset = "model";
+  bool own_sampling = false;  // --steps or --sampler are given
   std::string reuse;  // a folder or a file
   bool record = false;
   RigOptions rig;
@@ -74,6 +75,7 @@ void run(const Options& o) {
   GenerationNotes notes;
   settings.notes = &notes;
   if (o.preset == "fast") use_fast_preset(settings);
+  if (o.preset == "model" && !o.own_sampling) use_model_preset(settings, o.model);
   if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
   if (o.record || !o.reuse.empty()) {
     std::filesystem::create_directories(o.out);
@@ -155,8 +157,9 @@ void add_generate(CLI::App& app) {
                            ->capture_default_str();
   const auto preset =
       c->add_option("--preset", o->preset,
-                    "fast: " + std::to_string(fast_steps) + " steps of ddim; the README says what that costs (motionlang judge --compare)")
-          ->check(CLI::IsMember({"full", "fast"}))
+                    "model: sampler and steps that the weights ask for; full: all steps of ddpm; fast: " + std::to_string(fast_steps) +
+                        " steps of ddim. The README says what that costs (motionlang judge --compare)")
+          ->check(CLI::IsMember({"model", "full", "fast"}))
           ->excludes(steps)
           ->excludes(sampler)
           ->capture_default_str();
@@ -196,7 +199,10 @@ void add_generate(CLI::App& app) {
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   o->machine.add_to(*c);
-  c->callback([o] { run(*o); });
+  c->callback([o, steps, sampler] {
+    o->own_sampling = steps->count() + sampler->count() > 0;
+    run(*o);
+  });
 }
 
 }  // namespace program

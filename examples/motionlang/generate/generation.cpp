@@ -4,6 +4,7 @@
 
 #include <motionlang/io/mdm_action_run.hpp>
 #include <motionlang/io/run_folder.hpp>
+#include <motionlang/io/stmc_file.hpp>
 
 #include "../commands.hpp"
 
@@ -52,6 +53,22 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
   if (backend == "reference")
     return published ? load_published_reference(model, sources) : load_reference(model_file(model));
   ml::raise<ml::config_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
+}
+
+void use_model_preset(GenerationSettings& settings, const std::filesystem::path& model) {
+  if (std::filesystem::is_directory(model) && !system_of(ml::find_run(model)).empty()) return;
+  const auto file = ml::SafetensorsFile::open(model_file(model));
+  const std::string wanted = ml::detail::metadata_text(file.metadata(), "sampling", "");
+  if (wanted.empty()) return;
+  const std::size_t space = std::min(wanted.find(' '), wanted.size());
+  const std::string number = wanted.substr(std::min(space + 1, wanted.size()));
+  ml::Index steps = 0;
+  const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), steps);
+  if (status != std::errc{} || end != number.data() + number.size() || steps < 0)
+    ml::raise<ml::config_error>(101, file.name(), ": metadata 'sampling' = '", wanted, "' names no number of steps");
+  ml::parse_sampler(wanted.substr(0, space));
+  settings.sampler = wanted.substr(0, space);
+  settings.steps = steps;
 }
 
 const ml::Interval& only_text(const ml::Timeline& timeline) {

@@ -45,6 +45,10 @@ struct GenerationSettings {
 inline constexpr ml::Index fast_steps = 10;
 inline void use_fast_preset(GenerationSettings& s) { s.sampler = "ddim", s.steps = fast_steps; }
 
+/// Sampler and number of steps that a file of ours asks for in its metadata, "sampling" = "ddim 20" (0: all). Nothing happens for files
+/// that ask for none, and for published models. Throws config_error 103 for anything else, 101 for a number that is none.
+void use_model_preset(GenerationSettings& settings, const std::filesystem::path& model);
+
 /// A loaded model. Motions come back in the order of the timelines.
 class Generator {
  public:
