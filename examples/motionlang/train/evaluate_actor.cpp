@@ -149,7 +149,7 @@ void evaluate_actor(const EvaluationOptions& o) {
     const auto rows = made.rows.to_vector();
     auto motion = actor_motion(rows, clips);
     motion.name = file.labels[static_cast<std::size_t>(k)];
-    write_motion(o.strips / (unique_file_name(motion.name, taken) + ".svg"), motion);
+    write_motion(o.strips / (unique(file_name(motion.name), taken) + ".svg"), motion);
   }
 }
 
