@@ -464,7 +464,7 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);
   CHECK(w.run({"doctor", "nowhere"}).code == 2);
   std::filesystem::create_directories(w / "empty");
-  CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz, .npy or .glb file below 'empty'"));
+  CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below 'empty'"));
 }
 
 TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC files with a skeleton from elsewhere") {

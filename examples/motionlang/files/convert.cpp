@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <set>
 
+#include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/amass_sequence.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -28,10 +29,11 @@ struct Options {
   bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
 };
 
-/// Features, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed there.
-bool wants_smpl(const Options& o) {
+/// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed there.
+bool wants_smpl(const Options& o, const ml::Motion& m) {
   const bool on_smpl_body = !o.body.file.empty() && o.body.file != "free";
-  return o.smpl || o.fix_feet || on_smpl_body || !o.features.empty() || kind_of(o.out) == ".npz";
+  const bool others = !o.features.empty() && ml::motion_features(o.features).skeleton().names != m.skeleton.names;
+  return o.smpl || o.fix_feet || on_smpl_body || others || kind_of(o.out) == ".npz";
 }
 
 /// `report` is set if the joints were others than SMPL's and had to become these.
@@ -49,7 +51,7 @@ ml::Motion edited(ml::Motion m, const Options& o, ml::RetargetReport& report) {
   }
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
   if (o.fps > 0) m = ml::resample(m, o.fps);
-  if (wants_smpl(o)) m = on_smpl(m, &report);
+  if (wants_smpl(o, m)) m = on_smpl(m, &report);
   if (o.mirror) m = ml::mirror(m);
   if (o.smooth) m = ml::smooth_motion(m);
   if (o.fix_feet) {
@@ -91,7 +93,8 @@ class Conversion {
   explicit Conversion(const Options& o) : o_(o), motions_(read_motions(o.in, o.read)) {}
 
   void run() {
-    if (!o_.body.file.empty() && o_.body.betas.empty() && kind_of(o_.in) == ".npz") say_what_is_left_out(o_.in);
+    const bool has_shape = !o_.body.file.empty() && o_.body.file != "free";
+    if (has_shape && o_.body.betas.empty() && kind_of(o_.in) == ".npz") say_what_is_left_out(o_.in);
     ml::RetargetReport report;
     for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, report)); });
     if (!report.table.empty()) std::printf("%s\n", to_string(report).c_str());

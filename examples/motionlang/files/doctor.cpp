@@ -31,7 +31,7 @@ class Doctor {
       ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
     const auto files = motion_files_below(folder_, /*arrays=*/true);
     if (files.empty())
-      ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy or .glb file below '", o_.folder, "'");
+      ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");
     {
       ProgressBar bar("inspecting");
       for (std::size_t i = 0; i < files.size(); ++i) {
@@ -48,7 +48,7 @@ class Doctor {
  private:
   void look_at(const fs::path& file) {
     const std::string name = file.lexically_relative(folder_).string();
-    const bool several = kind_of(file) == ".glb";
+    const bool several = is_gltf(file);
     for (const ml::Motion& m : readable_motions(file, name)) {
       ml::Inspection seen = ml::inspect_motion(m);
       char about[96];
@@ -127,7 +127,7 @@ void add_doctor(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
       "doctor", "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, jumps, feet, ...");
-  c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features) and .glb files, searched to "
+  c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to "
                 "the bottom")
       ->required()
       ->check(CLI::ExistingDirectory);

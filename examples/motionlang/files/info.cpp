@@ -48,8 +48,8 @@ void run(const std::string& path) {
   const std::string kind = kind_of(path);
   if (kind == ".npy" && holds_joints(path)) return joints(path);
   const bool motion_file = kind == ".npz" && holds_motion(path);
-  if (!motion_file && kind != ".glb" && is_weights(path)) return show_weights(path);
-  if (kind == ".bvh" || motion_file || kind == ".glb" || kind == ".amc") {
+  if (!motion_file && !is_gltf(path) && is_weights(path)) return show_weights(path);
+  if (kind == ".bvh" || motion_file || is_gltf(path) || kind == ".amc") {
     const auto motions = read_motions(path);
     if (motions.size() > 1) {
       std::printf("%zu animations\n", motions.size());

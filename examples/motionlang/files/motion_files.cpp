@@ -21,6 +21,11 @@ std::string kind_of(const std::filesystem::path& path) {
   return kind;
 }
 
+bool is_gltf(const std::filesystem::path& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".glb" || kind == ".vrm" || kind == ".vrma";
+}
+
 bool is_motion_file(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
   return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb" || kind == ".vrma";
@@ -90,7 +95,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
     motions.push_back(ml::read_motion_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
                                                                   : options.up == "z" ? ml::UpAxis::z
                                                                                       : ml::UpAxis::found}));
-  else if (kind == ".glb" || kind == ".vrm" || kind == ".vrma")
+  else if (is_gltf(path))
     motions = every_animation(path, options.fps);
   else
     ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy, .glb, .vrm and .vrma, not '",

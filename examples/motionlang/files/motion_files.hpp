@@ -25,7 +25,9 @@ struct MotionReadOptions {
 /// Extension of a file, in lower case: ".bvh".
 std::string kind_of(const std::filesystem::path& path);
 
-/// Whether read_motions knows the extension.
+/// Whether a file holds glTF, with any number of animations: .glb, .vrm, .vrma.
+bool is_gltf(const std::filesystem::path& path);
+/// Whether a file of this kind is made to hold motions: .bvh, .amc, .npz, .glb, .vrma. (read_motions knows .npy and .vrm as well.)
 bool is_motion_file(const std::filesystem::path& path);
 
 /// The motion files in a folder and in those below it, in order; `arrays`: .npy files, too.
@@ -52,7 +54,7 @@ bool holds_several(const std::filesystem::path& path);
 /// Such a file; in GLB all motions are on one skeleton.
 void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions);
 
-/// The motion's features as the systems have them, one row for each frame, to an .npy file: on SMPL's joints, at `fps` frames per
+/// The motion's features as the systems have them, one row for each frame, to an .npy file: on the joints of the features or on SMPL's, at `fps` frames per
 /// second (0: the rate of the features). Says what it wrote. Throws config_error 103 for a name that is none (motion_features) and
 /// for another extension.
 void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);

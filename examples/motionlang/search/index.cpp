@@ -159,7 +159,7 @@ class Indexer {
     LicenseFiles licenses(folder);
     licenses_ = &licenses;
     const auto files = file_states(folder);
-    if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz or .glb file below %s\n", folder.c_str());
+    if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz, .glb or .vrma file below %s\n", folder.c_str());
     const auto fresh = changed_files(files, folder);
     bool stopped = false;
     {
@@ -245,8 +245,13 @@ class Indexer {
     for (const FileState& f : files) {
       const std::string path = f.path.string();
       const auto before = known.find(path);
-      const auto from = o_.again || before != known.end() || moved.empty() ? moved.end()
-                                                                           : moved.find({f.modified, checksum(f.path)});
+      auto from = moved.end();
+      if (!o_.again && before == known.end() && !moved.empty()) {
+        try {
+          from = moved.find({f.modified, checksum(f.path)});
+        } catch (const ml::io_error&) {  // said when it is read
+        }
+      }
       if (!o_.again && before != known.end() && before->second.modified == f.modified && before->second.bytes == f.bytes &&
           has_lines(before->second, path)) {
         ++unchanged_;
@@ -396,7 +401,7 @@ void add_index(CLI::App& app) {
   CLI::App* c =
       app.add_subcommand("index", "Makes or updates a file in which `motionlang search` finds motions by words");
   c->add_option("folder", o->folder,
-                "Folder with .bvh, .amc, .npz (AMASS) and .glb files, searched to the bottom; files that have not "
+                "Folder with .bvh, .amc, .npz (AMASS), .glb and .vrma files, searched to the bottom; files that have not "
                 "changed are not read again")
       ->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out, "The index")->required();

@@ -15,6 +15,8 @@ void run(const EvaluationOptions& o) {
   const std::string system = found.empty() || found == "motionlang" ? ml::read_model_folder(o.model).system
                              : found == "tmr"                       ? found
                                                                     : "published " + found;
+  if (system != "tmr" && o.synthesis)
+    ml::raise<ml::config_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
   if (system == "tmr" && o.moments > 0)
     evaluate_moments(o);
   else if (system == "tmr")
@@ -67,6 +69,7 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingPath);
   c->add_option("--moments", o->moments,
                 "TMR: makes so many long motions of several clips each, and measures whether the stretch of each text is found")
+      ->excludes(synthesis)
       ->check(CLI::Range(1, 1000000));
   c->add_option("--joined", o->joined, "Clips in each of them, all of different texts")->check(CLI::Range(2, 100))->capture_default_str();
   c->add_option("--windows", o->windows, "Seconds of the stretches that are compared with a text")

@@ -1,6 +1,7 @@
 // motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones, over
 // several seeds, by a classifier that was trained on the training part.
 #include <cstdio>
+#include <set>
 
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>

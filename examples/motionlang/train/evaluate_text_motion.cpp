@@ -79,7 +79,9 @@ class Synthesis {
  public:
   Synthesis(const EvaluationOptions& o, const TmrModel<B>& model, const TextMotionFile& file, const ml::EmbeddingCache* states)
       : model_(model), features_(ml::motion_features(file.config.features)), states_(states), seed_(o.seed) {
-    if (!o.generator.empty()) other_ = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
+    if (o.generator.empty()) return;
+    other_ = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
+    use_model_preset(settings_, o.generator);
   }
   ml::Sequences<B> operator()(const TextMotionBatch<B>& batch) {
     const ml::Offsets& lengths = batch.motions.offsets;
@@ -94,7 +96,8 @@ class Synthesis {
     }
     std::vector<float> values;
     std::vector<Index> frames;
-    for (const ml::Motion& motion : other_->run(timelines, {.seed = seed}, {})) {
+    settings_.seed = seed;
+    for (const ml::Motion& motion : other_->run(timelines, settings_, {})) {
       const auto rows = features_.from_motion(ml::resample(on_smpl(motion), features_.fps));
       values.insert(values.end(), rows.begin(), rows.end());
       frames.push_back(std::ssize(rows) / features_.width);
@@ -109,6 +112,7 @@ class Synthesis {
   const ml::EmbeddingCache* states_;
   std::uint64_t seed_;
   std::unique_ptr<Generator> other_;
+  GenerationSettings settings_;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <array>        // tables
 #include <string>       // paths
 #include <string_view>  // names
+#include <utility>      // move
 #include <vector>       // paths
 
 #include <motionlang/version.hpp>

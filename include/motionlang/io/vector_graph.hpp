@@ -164,10 +164,10 @@ class VectorGraph : public VectorSearch {
     g.add_from(0, progress);
     return g;
   }
-  /// A graph that was built for these rows. Throws io_error 401, 402, 403.
+  /// A graph that was built for these rows. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
                                 const std::string& name = "graph", std::shared_ptr<const void> owner = {}) {
-    return extended(bytes, std::ssize(rows) / width, rows, width, {}, name, std::move(owner));
+    return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name, std::move(owner));
   }
   /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build() makes of all, but
   /// finds as many. Throws io_error 401, 402, 403, config_error 101.
