@@ -18,6 +18,7 @@
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/fields.hpp>
 #include <motionlang/core/half.hpp>
+#include <motionlang/core/instruction_set.hpp>
 #include <motionlang/core/lane.hpp>
 #include <motionlang/core/lane_rows.hpp>
 #include <motionlang/core/large_table.hpp>

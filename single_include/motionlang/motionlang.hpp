@@ -494,7 +494,7 @@ struct Context;
 struct Philox;
 template <Scalar S>
 struct Dual;
-template <Scalar S>
+template <Scalar S, int bytes>
 struct Lane;
 
 // tensor
@@ -1250,27 +1250,132 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP  // <motionlang/core/instruction_set.hpp>
+#define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP
+/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all processors.
+///
+/// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
+
+#if defined(__x86_64__)
+#include <cpuid.h>  // what the processor has
+#if defined(__linux__)
+#include <sys/syscall.h>  // arch_prctl
+#include <unistd.h>       // syscall
+#endif
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
+enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
+
+#if defined(__x86_64__)
+/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
+inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
+  unsigned r[4] = {};
+  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
+}
+inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
+inline bool may_use_amx() {
+#if defined(__linux__)
+  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
+#else
+  return false;
+#endif
+}
+#endif
+
+inline bool processor_has(Isa isa) {
+#if defined(__x86_64__)
+  switch (isa) {
+    case Isa::avx2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    case Isa::avx512:
+      return processor_has(Isa::avx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+    case Isa::avx512_bf16: return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
+    case Isa::amx: return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
+    default: return true;
+  }
+#else
+  return isa == Isa::portable || isa == Isa::best;
+#endif
+}
+
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+inline Isa wanted_isa() {
+  static const Isa wanted = [] {
+    const char* name = std::getenv("MOTIONLANG_KERNELS");
+    if (name == nullptr || *name == 0) return Isa::best;
+    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto isa = static_cast<Isa>(i);
+      if (std::strcmp(name, names[i]) == 0 && processor_has(isa)) return isa;
+    }
+    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
+                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
+  }();
+  return wanted;
+}
+
+// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
+#if defined(__x86_64__) && !defined(__clang__)
+#define MOTIONLANG_WIDER_COPIES
+/// avx512, avx2 or portable: what code with vectors only can be told apart by.
+inline Isa widest_vectors() {
+  for (const Isa isa : {Isa::avx512, Isa::avx2}) {
+    if (wanted_isa() >= isa && processor_has(isa)) return isa;
+  }
+  return Isa::portable;
+}
+template <class F>
+__attribute__((target("avx2,fma"), flatten)) void with_avx2(const F& f) {
+  f();
+}
+template <class F>
+__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma"), flatten)) void with_avx512(const F& f) {
+  f();
+}
+#endif
+
+}  // namespace detail
+
+/// f(), by GCC compiled a second time with all that it calls for vectors of 32 bytes and used where the processor has them.
+template <class F>
+void with_wide_vectors(const F& f) {
+#if defined(MOTIONLANG_WIDER_COPIES)
+  static const bool wide = detail::widest_vectors() != detail::Isa::portable;
+  if (wide) return detail::with_avx2(f);
+#endif
+  f();
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_LANE_HPP  // <motionlang/core/lane.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_HPP
 /// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one. The compiler's vector
-/// types are used, so the code is the same on every processor. Square roots are refined from an estimate (error below 2
-/// ulp).
+/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with `with_widest_lanes`
+/// as many as a register of this processor holds. The compiler's vector types are used, so the code is the same on every
+/// processor. Square roots are refined from an estimate (error below 2 ulp).
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 // Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-template <Scalar S>
+template <Scalar S, int bytes = 32>
 struct Lane {
-  static constexpr int size = 32 / static_cast<int>(sizeof(S));
-  typedef S Register __attribute__((vector_size(32)));
+  static constexpr int size = bytes / static_cast<int>(sizeof(S));
+  typedef S Register __attribute__((vector_size(bytes)));
   using Bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef Bits BitRegister __attribute__((vector_size(32)));
+  typedef Bits BitRegister __attribute__((vector_size(bytes)));
 
-  Register v{};
+  alignas(bytes) Register v{};  // said, since GCC aligns it less where such registers are not switched on
 
   Lane() = default;
   /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
@@ -1330,41 +1435,85 @@ static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
 
+/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all that
+/// it calls.
+template <Scalar S, class F>
+void with_widest_lanes(const F& f) {
+#if defined(MOTIONLANG_WIDER_COPIES)
+  static const detail::Isa isa = detail::widest_vectors();
+  if (isa == detail::Isa::avx512) return detail::with_avx512([&] { f.template operator()<Lane<S, 64>>(); });
+  if (isa == detail::Isa::avx2) return detail::with_avx2([&] { f.template operator()<Lane<S, 32>>(); });
+#endif
+  f.template operator()<Lane<S, 16>>();
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_ROWS_HPP  // <motionlang/core/lane_rows.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_ROWS_HPP
-/// Numbers of several lanes back into rows, one for each lane.
+/// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+
+#include <algorithm>  // min
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// Number k of lane i goes to to[i * width + k], width = numbers.size(), for the first `count` lanes. Whole lanes of float go in
-/// blocks of four by four.
-template <Scalar S>
-void store_rows(std::span<const Lane<S>> numbers, int count, S* to) {
-  const std::size_t width = numbers.size();
-  std::size_t first = 0;
-  if constexpr (sizeof(S) == 4) {
-    typedef S Four __attribute__((vector_size(16)));
-    constexpr std::size_t bytes = sizeof(Four);
-    for (; first + 4 <= width && count == Lane<S>::size; first += 4) {
-      for (std::size_t i = 0; i < static_cast<std::size_t>(Lane<S>::size); i += 4) {
-        Four in[4];
-        for (std::size_t k = 0; k < 4; ++k) {
-          std::memcpy(&in[k], reinterpret_cast<const char*>(&numbers[first + k].v) + i * sizeof(S), bytes);
-        }
-        const Four low_a = __builtin_shufflevector(in[0], in[1], 0, 4, 1, 5),
-                   low_b = __builtin_shufflevector(in[2], in[3], 0, 4, 1, 5),
-                   high_a = __builtin_shufflevector(in[0], in[1], 2, 6, 3, 7),
-                   high_b = __builtin_shufflevector(in[2], in[3], 2, 6, 3, 7);
-        const Four out[4] = {
-            __builtin_shufflevector(low_a, low_b, 0, 1, 4, 5), __builtin_shufflevector(low_a, low_b, 2, 3, 6, 7),
-            __builtin_shufflevector(high_a, high_b, 0, 1, 4, 5), __builtin_shufflevector(high_a, high_b, 2, 3, 6, 7)};
-        for (std::size_t k = 0; k < 4; ++k) std::memcpy(to + (i + k) * width + first, &out[k], bytes);
-      }
-    }
+namespace detail {
+
+/// Four numbers of four rows: in[i][k] becomes in[k][i].
+struct FourByFour {
+  typedef float Four __attribute__((vector_size(16)));
+  Four in[4];
+
+  void transpose() {
+    const Four low_a = __builtin_shufflevector(in[0], in[1], 0, 4, 1, 5), low_b = __builtin_shufflevector(in[2], in[3], 0, 4, 1, 5),
+               high_a = __builtin_shufflevector(in[0], in[1], 2, 6, 3, 7), high_b = __builtin_shufflevector(in[2], in[3], 2, 6, 3, 7);
+    in[0] = __builtin_shufflevector(low_a, low_b, 0, 1, 4, 5), in[1] = __builtin_shufflevector(low_a, low_b, 2, 3, 6, 7);
+    in[2] = __builtin_shufflevector(high_a, high_b, 0, 1, 4, 5), in[3] = __builtin_shufflevector(high_a, high_b, 2, 3, 6, 7);
   }
+};
+
+/// Calls move(i, k) for the first lane and the first number of every block of four by four, and returns how many numbers are in
+/// blocks: only whole lanes of float are.
+template <class L, class F>
+std::size_t for_blocks_of_four(std::size_t width, int count, F move) {
+  if (sizeof(L) != 4 * L::size || count != L::size) return 0;
+  const std::size_t whole = width / 4 * 4;
+  for (std::size_t k = 0; k < whole; k += 4) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); i += 4) move(i, k);
+  }
+  return whole;
+}
+
+}  // namespace detail
+
+/// Lane i of number k is from[i * width + k], width = numbers.size(), for the first `count` lanes (at least one); further lanes are as
+/// the last of these.
+template <Scalar S, int bytes>
+void load_rows(const S* from, int count, std::span<Lane<S, bytes>> numbers) {
+  const std::size_t width = numbers.size();
+  const std::size_t first = detail::for_blocks_of_four<Lane<S, bytes>>(width, count, [&](std::size_t i, std::size_t k) {
+    detail::FourByFour block;
+    for (std::size_t r = 0; r < 4; ++r) std::memcpy(&block.in[r], from + (i + r) * width + k, 16);
+    block.transpose();
+    for (std::size_t r = 0; r < 4; ++r) std::memcpy(reinterpret_cast<S*>(&numbers[k + r].v) + i, &block.in[r], 16);
+  });
+  for (int i = 0; i < Lane<S, bytes>::size; ++i) {
+    const S* const row = from + static_cast<std::size_t>(std::min(i, count - 1)) * width;
+    for (std::size_t k = first; k < width; ++k) numbers[k][i] = row[k];
+  }
+}
+
+/// Number k of lane i goes to to[i * width + k], width = numbers.size(), for the first `count` lanes.
+template <Scalar S, int bytes>
+void store_rows(std::span<const Lane<S, bytes>> numbers, int count, S* to) {
+  const std::size_t width = numbers.size();
+  const std::size_t first = detail::for_blocks_of_four<Lane<S, bytes>>(width, count, [&](std::size_t i, std::size_t k) {
+    detail::FourByFour block;
+    for (std::size_t r = 0; r < 4; ++r) std::memcpy(&block.in[r], reinterpret_cast<const S*>(&numbers[k + r].v) + i, 16);
+    block.transpose();
+    for (std::size_t r = 0; r < 4; ++r) std::memcpy(to + (i + r) * width + k, &block.in[r], 16);
+  });
   for (int i = 0; i < count; ++i) {
     for (std::size_t k = first; k < width; ++k) to[static_cast<std::size_t>(i) * width + k] = numbers[k][i];
   }
@@ -1622,7 +1771,6 @@ class Offsets {
 /// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
 /// program costs nothing.
 
-#include <algorithm>           // clamp
 #include <condition_variable>  // sleeping workers
 #include <exception>           // exception_ptr: errors in tasks reach the caller
 #include <mutex>               // sleeping workers
@@ -5059,7 +5207,7 @@ inline std::vector<std::string> other_side(const std::string& name) {
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for eight poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+/// derivatives (Dual), for several poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
@@ -5684,8 +5832,8 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 #define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// On a bare backend the chain goes pose by pose and vertices through the kernel of skinning.hpp, on all threads (`prepare` the
-/// model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
+/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned while
+/// it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
 /// so that vertices and joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
@@ -5701,7 +5849,7 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
 /// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Transforms are columns of four
-/// numbers, which fit a register of every processor.
+/// numbers, two of which fill a register.
 /// Source    Loper et al. (2015), eq. 2
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -5714,6 +5862,7 @@ class SkinWeights {
     int joint;
     S weight;
   };
+  SkinWeights() = default;
   /// From all of them, (vertices, joints).
   SkinWeights(std::span<const S> dense, Index joints) {
     for (std::size_t at = 0; at < dense.size(); at += static_cast<std::size_t>(joints)) {
@@ -5739,36 +5888,37 @@ class SkinWeights {
 /// Numbers of a joint's transform: three columns of R and t, each with a fourth number that is ignored.
 inline constexpr Index skin_transform_size = 16;
 
-/// posed        (poses, vertices, 3): the vertices before they are moved
+/// Vertices first ... last - 1 of all poses.
+/// posed        (poses, last - first, 3): the vertices before they are moved
 /// transforms   (poses, joints, 16)
-/// vertices     (poses, vertices, 3); may be `posed`
+/// vertices     (poses, all vertices, 3)
 template <Scalar S>
-void skin_vertices(const SkinWeights<S>& weights, const S* posed, const S* transforms, Index poses, Index joints,
-                   S* vertices) {
-  typedef S Four __attribute__((vector_size(4 * sizeof(S)), aligned(alignof(S)), may_alias));
+void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const S* transforms, Index poses,
+                   Index joints, S* vertices) {
+  typedef S Four __attribute__((vector_size(4 * sizeof(S))));
+  typedef S Eight __attribute__((vector_size(8 * sizeof(S)), aligned(alignof(S)), may_alias));  // two columns
   constexpr Index block = 8;  // poses whose transforms stay in the first cache while the vertices go by
-  const Index count = weights.vertices(), row = 3 * count;
-  parallel_for((poses + block - 1) / block, [&](Index b) {
-    const Index first = b * block, last = std::min(poses, first + block);
-    for (Index v = 0; v < count; ++v) {
+  const Index row = 3 * (last - first), whole_row = 3 * weights.vertices();
+  for (Index top = 0; top < poses; top += block) {
+    for (Index v = first; v < last; ++v) {
       const auto entries = weights.of(v);
-      for (Index pose = first; pose < last; ++pose) {
+      for (Index pose = top; pose < std::min(poses, top + block); ++pose) {
         const S* const own = transforms + pose * joints * skin_transform_size;
-        Four x{}, y{}, z{}, t{};
+        Eight xy{}, zt{};
         for (const auto& e : entries) {
-          const Four* const columns = reinterpret_cast<const Four*>(own + e.joint * skin_transform_size);
-          x += e.weight * columns[0];
-          y += e.weight * columns[1];
-          z += e.weight * columns[2];
-          t += e.weight * columns[3];
+          const Eight* const columns = reinterpret_cast<const Eight*>(own + e.joint * skin_transform_size);
+          xy += e.weight * columns[0];
+          zt += e.weight * columns[1];
         }
-        const S* const from = posed + pose * row + 3 * v;
-        const Four p = x * from[0] + y * from[1] + z * from[2] + t;
-        S* const to = vertices + pose * row + 3 * v;
+        const S* const from = posed + pose * row + 3 * (v - first);
+        const S x = from[0], y = from[1], z = from[2];
+        const Eight sum = xy * Eight{x, x, x, x, y, y, y, y} + zt * Eight{z, z, z, z, 1, 1, 1, 1};
+        const Four p = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) + __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
+        S* const to = vertices + pose * whole_row + 3 * v;
         to[0] = p[0], to[1] = p[1], to[2] = p[2];
       }
     }
-  });
+  }
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5865,6 +6015,18 @@ struct BodyModel {
   std::vector<int> parents;  // -1 for the root
   std::vector<Index> extra;  // vertex numbers of the extra joints
 
+  /// Blend shapes in blocks of vertices, packed; the weights that are not 0.
+  struct Surface {
+    struct Block {
+      Index first, last;
+      Tensor<B, 2> directions;
+      Tensor<B, 1> mean;
+    };
+    std::vector<Block> blocks;
+    SkinWeights<typename B::scalar> weights;
+  };
+  std::shared_ptr<const Surface> packed{};  // by `prepare`
+
   static constexpr auto fields() {
     using M = BodyModel;
     return motionlang::fields("v_template", &M::v_template, "shapedirs", &M::shapedirs, "posedirs", &M::posedirs,
@@ -5912,24 +6074,32 @@ struct BodyModel {
                           const Tensor<B, 2>& translation) const {
     check(betas, rotations, translation);
     const auto rest = rest_joints(betas);
-    const auto before = blended_shapes(betas, rotations);
+    const auto coefficients = blend_coefficients(betas, rotations);
     PosedBody<B> out;
     if constexpr (AutodiffBackend<B>) {
       const Chain chain = posed_chain(rest, rotations);
       const auto tau = reshape<3>(translation, {translation.size(0), 1, 3});
-      out.vertices = skinned(before, chain.transforms) + tau;
+      out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
       const Chain chain = posed_chain(rest, rotations, translation);
-      const Index n = rotations.size(0);
       out.joints = chain.positions;
-      out.vertices = detail::written_tensor<B, 3>({n, vertices(), 3}, [&](auto* to) {
-        skin_vertices(SkinWeights(weights.span(), joints()), before.span().data(), chain.transforms.span().data(), n,
-                      joints(), to);
-      });
+      out.vertices = surface(coefficients, chain.transforms);
     }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
+  }
+
+  /// What `prepare` does: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
+  void pack_surface() {
+    if constexpr (!AutodiffBackend<B>) {
+      Surface made = empty_surface();
+      for (Index i = 0; i < blocks(); ++i) {
+        made.blocks.push_back(block(i));
+        if constexpr (requires { B::prepare(made.blocks[0].directions.data()); }) B::prepare(made.blocks.back().directions.data());
+      }
+      packed = std::make_shared<const Surface>(std::move(made));
+    }
   }
 
   /// Joints only: no vertex is touched. (N, J, 3)
@@ -5963,16 +6133,48 @@ struct BodyModel {
     return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
   }
 
-  /// The vertices in the rest pose with blend shapes: (N, 3 V).
-  Tensor<B, 2> blended_shapes(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
-    const Index n = rotations.size(0), j = joints(), v = vertices();
-    const auto mean = reshape<1>(v_template, {3 * v});
-    const auto shaped = shapedirs.size(1) == 0 ? reshape<2>(mean, {1, 3 * v}) + Tensor<B, 2>::zeros({n, 1})
-                                               : linear(betas, shapedirs, &mean);
-    if (posedirs.size(1) == 0) return shaped;
-    const auto feature = reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)});
-    const Tensor<B, 1>* const no_bias = nullptr;
-    return linear(feature, posedirs, no_bias, Activation::none, &shaped);
+  /// Factors of the shape directions and, if there are any, of the pose directions: (N, K + 9 (J - 1)).
+  Tensor<B, 2> blend_coefficients(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
+    if (posedirs.size(1) == 0) return betas;
+    const Index n = rotations.size(0), j = joints();
+    return concat(1, betas, reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)}));
+  }
+  /// A copy of both directions side by side, of vertices first ... last - 1: (3 (last - first), K + 9 (J - 1)).
+  Tensor<B, 2> directions(Index first, Index last) const {
+    return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
+  }
+  Tensor<B, 1> mean(Index first, Index last) const { return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)}); }
+  /// Vertices in the rest pose with blend shapes, (N, 3 vertices).
+  static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions, const Tensor<B, 1>& mean) {
+    if (coefficients.size(1) == 0)
+      return reshape<2>(mean, {1, mean.size(0)}) + Tensor<B, 2>::zeros({coefficients.size(0), 1});
+    return linear(coefficients, directions, &mean);
+  }
+
+  static constexpr Index block_vertices = 256, block_poses = 256;  // both and the directions between them fit the second cache
+  Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
+  typename Surface::Block block(Index i) const {
+    const Index first = i * block_vertices, last = std::min(vertices(), first + block_vertices);
+    return {first, last, directions(first, last), mean(first, last)};
+  }
+  Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints())}; }
+
+  /// The vertices of all poses, (N, V, 3).
+  Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const Tensor<B, 3>& transforms) const {
+    const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
+    const Index n = coefficients.size(0), size = joints() * skin_transform_size;
+    const S* const from = transforms.span().data();
+    return detail::written_tensor<B, 3>({n, vertices(), 3}, [&](S* to) {
+      parallel_for(blocks() * ((n + block_poses - 1) / block_poses), [&](Index task) {
+        const Index i = task % blocks(), top = task / blocks() * block_poses, end = std::min(n, top + block_poses);
+        const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
+        const auto posed = blended(slice(coefficients, 0, top, end), b.directions, b.mean);
+        with_wide_vectors([&] {
+          skin_vertices(made->weights, b.first, b.last, posed.span().data(), from + top * size, end - top, joints(),
+                        to + top * 3 * vertices());
+        });
+      });
+    });
   }
 
   /// All poses at once: every number is a tensor (N, 1).
@@ -6058,6 +6260,12 @@ struct BodyModel {
     return chain;
   }
 };
+
+/// Makes a body ready for use. The model must not be changed afterwards.
+template <Backend B>
+void prepare(BodyModel<B>& model) {
+  model.pack_surface();
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -7544,8 +7752,8 @@ inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_le
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
 ///
-/// On a bare backend eight poses at a time go through SIMD registers (Lane), on all threads. On an Autodiff backend every number
-/// is a tensor over batch and time, so that the result can be differentiated.
+/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an Autodiff
+/// backend every number is a tensor over batch and time, so that the result can be differentiated.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -7566,30 +7774,19 @@ LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
 
 namespace detail {
 
-/// Lane::size poses from pose `first` on; poses behind `count` repeat the last one and are not stored.
-template <Scalar S>
+/// Up to L::size poses from pose `first` on.
+template <class L, Scalar S>
 void forward_kinematics_lane(const Skeleton& skeleton, const S* rot6d, const S* root, Index first, Index count,
-                             S* joints, std::vector<Rotation6dRows<Lane<S>>>& local, JointTransforms<Lane<S>>& world) {
+                             S* joints, std::vector<Rotation6dRows<L>>& local, JointTransforms<L>& world) {
   const auto n = static_cast<std::size_t>(skeleton.size());
+  const int poses = static_cast<int>(std::min<Index>(L::size, count - first));
   local.resize(n);
-  Vec3<Lane<S>> place;
-  auto coordinates = [](auto& v) { return std::array{&v.x, &v.y, &v.z}; };
-  for (int i = 0; i < Lane<S>::size; ++i) {
-    const Index pose = std::min(first + i, count - 1);
-    const S* at = rot6d + pose * static_cast<Index>(6 * n);
-    for (std::size_t j = 0; j < n; ++j, at += 6) {
-      const auto a = coordinates(local[j].a), b = coordinates(local[j].b);
-      for (std::size_t c = 0; c < 3; ++c) (*a[c])[i] = at[c], (*b[c])[i] = at[3 + c];
-    }
-    const auto p = coordinates(place);
-    for (std::size_t c = 0; c < 3; ++c) (*p[c])[i] = root[3 * pose + static_cast<Index>(c)];
-  }
-  forward_kinematics(skeleton, std::span<const Rotation6dRows<Lane<S>>>(local), place, world);
-  for (int i = 0; i < Lane<S>::size && first + i < count; ++i) {
-    S* to = joints + (first + i) * static_cast<Index>(3 * n);
-    for (std::size_t j = 0; j < n; ++j, to += 3)
-      to[0] = world.position[j].x[i], to[1] = world.position[j].y[i], to[2] = world.position[j].z[i];
-  }
+  Vec3<L> place;
+  static_assert(sizeof(local[0]) == 6 * sizeof(L) && sizeof(place) == 3 * sizeof(L));
+  load_rows(rot6d + first * static_cast<Index>(6 * n), poses, std::span<L>(&local[0].a.x, 6 * n));
+  load_rows(root + first * 3, poses, std::span<L>(&place.x, 3));
+  forward_kinematics(skeleton, std::span<const Rotation6dRows<L>>(local), place, world);
+  store_rows(std::span<const L>(&world.position[0].x, 3 * n), poses, joints + first * static_cast<Index>(3 * n));
 }
 
 }  // namespace detail
@@ -7604,13 +7801,15 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
     raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
                        joints.size(), " joint values for ", n, " joints");
   }
-  constexpr Index block = 64 * Lane<S>::size;
+  constexpr Index block = 512;
   parallel_for((poses + block - 1) / block, [&](Index b) {
-    std::vector<Rotation6dRows<Lane<S>>> local;
-    JointTransforms<Lane<S>> world;
-    for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += Lane<S>::size) {
-      detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
-    }
+    with_widest_lanes<S>([&]<class L>() {
+      std::vector<Rotation6dRows<L>> local;
+      JointTransforms<L> world;
+      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) {
+        detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
+      }
+    });
   });
 }
 
@@ -11845,6 +12044,141 @@ inline std::vector<std::string> action_labels(std::string_view dataset, Index cl
 /// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
 ///         spec actor.md 4.1, 4.2
 
+#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
+#define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
+/// Which numbers of a feature vector belong to which body part. Composition needs nothing else from a representation.
+///
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
+///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Half-open range of positions.
+struct IndexRange {
+  Index begin = 0, end = 0;
+  Index size() const { return end - begin; }
+  bool operator==(const IndexRange&) const = default;
+};
+
+/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
+/// and their ranges, or `from_owner`:
+///
+///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
+struct FeatureLayout {
+  std::string name;
+  Index size = 0;                                              // numbers of one frame
+  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
+
+  /// From a function position -> BodyPart.
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, F owner) {
+    FeatureLayout layout{std::move(name), size, {}};
+    for (Index i = 0; i < size; ++i) {
+      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
+      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
+      ranges.back().end = i + 1;
+    }
+    return layout;
+  }
+
+  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
+
+  /// All positions of a part, ascending.
+  std::vector<Index> indices(BodyPart part) const {
+    std::vector<Index> out;
+    for (const IndexRange& r : ranges(part)) {
+      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+    }
+    return out;
+  }
+
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
+  void validate() const {
+    std::vector<int> owners(static_cast<std::size_t>(size), 0);
+    for (int p = 0; p < body_part_count; ++p) {
+      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+        if (r.begin < 0 || r.end < r.begin || r.end > size) {
+          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                              static_cast<BodyPart>(p), " is not inside 0:", size);
+        }
+        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+      }
+    }
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] != 1) {
+        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+      }
+    }
+  }
+  bool operator==(const FeatureLayout&) const = default;
+};
+
+/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
+/// 205 for SMPL.
+inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                      Index rotations = 22) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
+    if (i < 4) return BodyPart::legs;
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  std::vector<IndexRange> groups() const {
+    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
+inline FeatureLayout guoh3dfeats_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
+/// joints and with `kit_part_of_joint` TEMOS's 64.
+inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
@@ -11924,6 +12258,17 @@ struct ActorFeatureOptions {
 };
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
+inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                  const ActorFeatureOptions& options = {}) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
+  });
+}
 
 /// What ACTOR's networks read, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices
@@ -12491,162 +12836,6 @@ inline FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start,
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
 ///         recover_from_rot; spec humanml3d-features.md 7
 /// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
-
-#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
-#define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part. Composition needs nothing else from a representation.
-///
-/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Half-open range of positions.
-struct IndexRange {
-  Index begin = 0, end = 0;
-  Index size() const { return end - begin; }
-  bool operator==(const IndexRange&) const = default;
-};
-
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
-///
-///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
-struct FeatureLayout {
-  std::string name;
-  Index size = 0;                                              // numbers of one frame
-  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
-
-  /// From a function position -> BodyPart.
-  template <class F>
-  static FeatureLayout from_owner(std::string name, Index size, F owner) {
-    FeatureLayout layout{std::move(name), size, {}};
-    for (Index i = 0; i < size; ++i) {
-      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
-      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
-      ranges.back().end = i + 1;
-    }
-    return layout;
-  }
-
-  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
-
-  /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const {
-    std::vector<Index> out;
-    for (const IndexRange& r : ranges(part)) {
-      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-    }
-    return out;
-  }
-
-  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const {
-    std::vector<int> owners(static_cast<std::size_t>(size), 0);
-    for (int p = 0; p < body_part_count; ++p) {
-      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-        if (r.begin < 0 || r.end < r.begin || r.end > size) {
-          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                              static_cast<BodyPart>(p), " is not inside 0:", size);
-        }
-        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-      }
-    }
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] != 1) {
-        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-      }
-    }
-  }
-  bool operator==(const FeatureLayout&) const = default;
-};
-
-/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
-/// 205 for SMPL.
-inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                      Index rotations = 22) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
-///
-///     0              turn of the heading to the next frame: half the angle, radians
-///     1:3            velocity of the root along x and z, seen from the body of the next frame
-///     3              height of the root
-///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
-///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
-///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
-///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
-struct Guoh3dSlots {
-  Index joints = 22;
-
-  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
-  std::vector<IndexRange> groups() const {
-    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
-  }
-};
-
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-inline FeatureLayout guoh3dfeats_layout(
-    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
-/// joints and with `kit_part_of_joint` TEMOS's 64.
-inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
-  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
-    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
-    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
-
-/// smplvelp: the root's height and velocity, then a rotation of each joint (see smplvelp.hpp): 135 for 22 joints in 6D.
-inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
-  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
-  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
-    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
-  });
-}
-
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
-inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                  const ActorFeatureOptions& options = {}) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
-  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
-    const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
-  });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -13638,6 +13827,16 @@ struct SmplVelpMotion {
   std::vector<Matrix3<S>> rotations;  // (frames, joints); joint 0 in the world
   std::vector<Vec3<S>> trans;         // (frames)
 };
+
+/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
+  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
+    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  });
+}
 
 /// rotations  (frames, joints); joint 0 in the world
 /// trans      (frames)
@@ -16632,6 +16831,9 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
+inline std::string_view to_string(SamplingOptions::Sampler sampler) {
+  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
+}
 /// "ddpm" or "ddim". Throws config_error 103.
 inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
@@ -22082,6 +22284,21 @@ struct TimedText {
 
 namespace detail {
 
+/// Throws timeline_error with a message that begins "name:line:column: ".
+template <class... T>
+[[noreturn]] void fail_at(int id, std::string_view name, const TextPlace& place, const T&... what) {
+  raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
+}
+
+/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+inline std::optional<double> parse_seconds(std::string_view text) {
+  double t = 0;
+  const char* last = text.data() + text.size();
+  const auto [end, status] = std::from_chars(text.data(), last, t);
+  const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
+  return good ? std::optional(t) : std::nullopt;
+}
+
 /// One line of a file, split at '#'. Knows where it stands.
 class TimelineLine {
  public:
@@ -22099,7 +22316,7 @@ class TimelineLine {
   /// Throws timeline_error at the beginning of a field (past the last one: at the end of the line).
   template <class... T>
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
-    raise<timeline_error>(id, name_, ":", number_, ":", place(field).column, ": ", what...);
+    fail_at(id, name_, place(field), what...);
   }
   /// Of the beginning of a field.
   TextPlace place(std::size_t field) const {
@@ -22118,12 +22335,9 @@ class TimelineLine {
   double seconds(std::size_t i) const {
     std::string_view s = fields_[i];
     if (s.size() > 1 && s[0] == '+' && s[1] != '-') s.remove_prefix(1);
-    double t = 0;
-    const auto [end, status] = std::from_chars(s.data(), s.data() + s.size(), t);
-    if (s.empty() || status != std::errc{} || end != s.data() + s.size() || !(std::abs(t) <= double(latest_time))) {
-      fail(502, i, "'", fields_[i], "' is not a time in seconds");
-    }
-    return t;
+    const auto t = parse_seconds(s);
+    if (!t) fail(502, i, "'", fields_[i], "' is not a time in seconds");
+    return *t;
   }
 
   BodyParts parts(std::size_t first) const {
@@ -22182,7 +22396,7 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
     shift_to_zero(timeline);
     for (const auto& i : timeline.intervals) {
       if (i.end <= static_cast<T>(latest_time)) continue;
-      raise<timeline_error>(502, options.name, ":", i.place.line, ":", i.place.column, ": a timeline that lasts ", i.end, " is too long");
+      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
     }
   }
   return out;
@@ -22218,10 +22432,8 @@ inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_vie
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1) {
-    const TextPlace second = all[1].intervals.front().place;
-    raise<timeline_error>(509, options.name, ":", second.line, ":", second.column, ": ", all.size(), " timelines where one is expected");
-  }
+  if (all.size() > 1)
+    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
   return std::move(all.front());
 }
 
@@ -26039,7 +26251,7 @@ enum class StmcMode { stmc, sinc, sinc_lerp };
 struct StmcOptions {
   Index overlap = 10;                // frames around a cut, in total
   std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
-  Index steps = 0;                   // of sampling; 0: all of the process
+  std::optional<Index> steps{};      // of sampling, 0: all of the process; the model's own unless given
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
@@ -26061,6 +26273,7 @@ struct Stmc {
   FeatureLayout layout = smplrifke_layout();
   double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
   SamplingOptions sampling{};  // the same
+  Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
   static constexpr auto fields() {
@@ -26092,8 +26305,8 @@ struct Stmc {
   /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with `steps` steps evenly kept; all when 0.
-  GaussianDiffusion process(Index steps) const;
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error 105.
+  GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
   /// Features of the text of every interval, and of "". Each text goes through the encoder once.
@@ -26167,12 +26380,12 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  const GaussianDiffusion steps = process(options.steps);
+  const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
-    return clean_motion(c, steps, traits.prediction, x, t);
+    return clean_motion(c, kept, traits.prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
-      steps, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
       options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
@@ -26194,8 +26407,8 @@ Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& sh
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
-  return with_steps(diffusion, steps);
+GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
+  return with_steps(diffusion, wanted.value_or(steps));
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -26248,6 +26461,7 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .layout = m.layout,
           .guidance = m.guidance,
           .sampling = m.sampling,
+          .steps = m.steps,
           .fps = m.fps};
 }
 
@@ -27404,14 +27618,6 @@ extern template struct motionlang::detail::RowScan<float>;
 /// `kernels<S>()` is the table of the best one that this processor has. A program built without any -march therefore
 /// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
 /// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
-
-#if defined(__x86_64__) && defined(__OPTIMIZE__)
-#include <cpuid.h>  // what the processor has
-#if defined(__linux__)
-#include <sys/syscall.h>  // arch_prctl
-#include <unistd.h>       // syscall
-#endif
-#endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
@@ -31074,38 +31280,13 @@ MOTIONLANG_TARGET_POP
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// Instruction sets, each with those before it; the last two differ from avx512 in products of bfloat16 only.
-enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
-
-#if defined(MOTIONLANG_WIDE_KERNELS)
-/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
-inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
-  unsigned r[4] = {};
-  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
-}
-inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
-/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
-inline bool may_use_amx() {
-#if defined(__linux__)
-  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
-#else
-  return false;
-#endif
-}
-#endif
-
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
 const Kernels<S>* kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::table<S>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
-  if (isa == Isa::avx2)
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
-  if (isa != Isa::best) {
-    const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                     __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    return has ? &avx512::table<S>() : nullptr;
-  }
+  if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
+  if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
   if (isa != Isa::best) return nullptr;
   for (Isa better : {Isa::avx512, Isa::avx2}) {
@@ -31118,13 +31299,11 @@ const Kernels<S>* kernels_for(Isa isa) {
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
-  if (isa == Isa::avx2) return kernels_for<float>(isa) ? &avx2::bf16_table<avx2::WideningTile>() : nullptr;
-  if (isa != Isa::best) {
-    if (kernels_for<float>(Isa::avx512) == nullptr) return nullptr;
-    if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
-    if (isa == Isa::avx512_bf16) return cpuid_bit(1, 0, 5) ? &avx512::bf16_table<avx512::DotTile>() : nullptr;
-    return has_amx_bf16() && may_use_amx() ? &avx512::bf16_table<avx512::AmxTile>() : nullptr;
-  }
+  if (!processor_has(isa)) return nullptr;
+  if (isa == Isa::avx2) return &avx2::bf16_table<avx2::WideningTile>();
+  if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
+  if (isa == Isa::avx512_bf16) return &avx512::bf16_table<avx512::DotTile>();
+  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile>();
   if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
   if (!has_amx_bf16()) {
     if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
@@ -31137,26 +31316,18 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   return bf16_kernels_for(Isa::portable);
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
-inline Isa wanted_isa() {
-  static const Isa wanted = [] {
-    const char* name = std::getenv("MOTIONLANG_KERNELS");
-    if (name == nullptr || *name == 0) return Isa::best;
-    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto isa = static_cast<Isa>(i);
-      if (std::strcmp(name, names[i]) == 0 && bf16_kernels_for(isa) != nullptr) return isa;
-    }
-    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
-                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
-  }();
-  return wanted;
+/// `kernels`, if this build has them. Throws config_error 103.
+template <class K>
+const K* present(const K* kernels) {
+  if (kernels == nullptr)
+    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+  return kernels;
 }
 
 /// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
 template <class S>
 const Kernels<S>*& current_kernels() {
-  static const Kernels<S>* chosen = kernels_for<S>(wanted_isa());
+  static const Kernels<S>* chosen = present(kernels_for<S>(wanted_isa()));
   return chosen;
 }
 template <class S>
@@ -31164,7 +31335,7 @@ const Kernels<S>& kernels() {
   return *current_kernels<S>();
 }
 inline const Bf16Kernels*& current_bf16_kernels() {
-  static const Bf16Kernels* chosen = bf16_kernels_for(wanted_isa());
+  static const Bf16Kernels* chosen = present(bf16_kernels_for(wanted_isa()));
   return chosen;
 }
 

@@ -239,14 +239,6 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 /// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
 /// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
 
-#if defined(__x86_64__) && defined(__OPTIMIZE__)
-#include <cpuid.h>  // what the processor has
-#if defined(__linux__)
-#include <sys/syscall.h>  // arch_prctl
-#include <unistd.h>       // syscall
-#endif
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
@@ -3908,38 +3900,13 @@ MOTIONLANG_TARGET_POP
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// Instruction sets, each with those before it; the last two differ from avx512 in products of bfloat16 only.
-enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
-
-#if defined(MOTIONLANG_WIDE_KERNELS)
-/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
-inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
-  unsigned r[4] = {};
-  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
-}
-inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
-/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
-inline bool may_use_amx() {
-#if defined(__linux__)
-  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
-#else
-  return false;
-#endif
-}
-#endif
-
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
 const Kernels<S>* kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::table<S>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
-  if (isa == Isa::avx2)
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
-  if (isa != Isa::best) {
-    const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                     __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    return has ? &avx512::table<S>() : nullptr;
-  }
+  if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
+  if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
   if (isa != Isa::best) return nullptr;
   for (Isa better : {Isa::avx512, Isa::avx2}) {
@@ -3952,13 +3919,11 @@ const Kernels<S>* kernels_for(Isa isa) {
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
-  if (isa == Isa::avx2) return kernels_for<float>(isa) ? &avx2::bf16_table<avx2::WideningTile>() : nullptr;
-  if (isa != Isa::best) {
-    if (kernels_for<float>(Isa::avx512) == nullptr) return nullptr;
-    if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
-    if (isa == Isa::avx512_bf16) return cpuid_bit(1, 0, 5) ? &avx512::bf16_table<avx512::DotTile>() : nullptr;
-    return has_amx_bf16() && may_use_amx() ? &avx512::bf16_table<avx512::AmxTile>() : nullptr;
-  }
+  if (!processor_has(isa)) return nullptr;
+  if (isa == Isa::avx2) return &avx2::bf16_table<avx2::WideningTile>();
+  if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
+  if (isa == Isa::avx512_bf16) return &avx512::bf16_table<avx512::DotTile>();
+  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile>();
   if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
   if (!has_amx_bf16()) {
     if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
@@ -3971,26 +3936,18 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   return bf16_kernels_for(Isa::portable);
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
-inline Isa wanted_isa() {
-  static const Isa wanted = [] {
-    const char* name = std::getenv("MOTIONLANG_KERNELS");
-    if (name == nullptr || *name == 0) return Isa::best;
-    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto isa = static_cast<Isa>(i);
-      if (std::strcmp(name, names[i]) == 0 && bf16_kernels_for(isa) != nullptr) return isa;
-    }
-    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
-                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
-  }();
-  return wanted;
+/// `kernels`, if this build has them. Throws config_error 103.
+template <class K>
+const K* present(const K* kernels) {
+  if (kernels == nullptr)
+    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+  return kernels;
 }
 
 /// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
 template <class S>
 const Kernels<S>*& current_kernels() {
-  static const Kernels<S>* chosen = kernels_for<S>(wanted_isa());
+  static const Kernels<S>* chosen = present(kernels_for<S>(wanted_isa()));
   return chosen;
 }
 template <class S>
@@ -3998,7 +3955,7 @@ const Kernels<S>& kernels() {
   return *current_kernels<S>();
 }
 inline const Bf16Kernels*& current_bf16_kernels() {
-  static const Bf16Kernels* chosen = bf16_kernels_for(wanted_isa());
+  static const Bf16Kernels* chosen = present(bf16_kernels_for(wanted_isa()));
   return chosen;
 }
 

@@ -486,7 +486,7 @@ struct Context;
 struct Philox;
 template <Scalar S>
 struct Dual;
-template <Scalar S>
+template <Scalar S, int bytes>
 struct Lane;
 
 // tensor

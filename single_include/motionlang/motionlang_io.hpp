@@ -1010,6 +1010,18 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
     return prefix + path;
 }
 
+namespace detail {
+/// By the bits of the exponent, which are all set in NaN and infinity: compilers make such a loop wide.
+template <Scalar S>
+bool all_finite(std::span<const S> numbers) {
+  using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+  constexpr Bits exponent = std::bit_cast<Bits>(std::numeric_limits<S>::infinity());
+  Bits wrong = 0;
+  for (const S x : numbers) wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
+  return wrong == 0;
+}
+}  // namespace detail
+
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
 /// A variable stays the variable it was. Throws io_error 407 if the shape is another, numeric_error 301 if a number is NaN
 /// or infinite.
@@ -1025,7 +1037,6 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
     const std::vector<S> values = values_of<S>(view);
-    MappedFile::forget_if_mapped(view.bytes);
     return C::from_span(std::span<const S>(values), view.shape);
   };
   if constexpr (AutodiffBackend<B>) {
@@ -1034,10 +1045,9 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
   const auto numbers = tensor.span();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!std::isfinite(numbers[i]))
-      raise<numeric_error>(301, where, ": number ", i, " of tensor '", view.name, "' is ", numbers[i]);
-  }
+  if (detail::all_finite(numbers)) return MappedFile::forget_if_mapped(view.bytes);  // until it is needed
+  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
+  raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
 namespace detail {
@@ -1159,21 +1169,26 @@ class TensorStore {
 };
 
 namespace detail {
-struct ReleasePacked {
+struct PrepareLoaded {
   template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
+  void operator()(const std::string& name, Tensor<B, R>& t) const {
+    PrepareWeights{}(name, t);
     if constexpr (requires { t.data().attached(); }) {
-      if (t.data().attached() != nullptr) MappedFile::forget_if_mapped(std::as_bytes(t.span()));
+      const MappedFile* const file = MappedFile::that_holds(std::as_bytes(t.span()));
+      if (file == nullptr) return;
+      constexpr std::size_t small = 1 << 14;  // numbers: for a bias the system may keep two megabytes of the file in memory
+      if (t.data().attached() == nullptr && t.span().size() < small) t = Tensor<B, R>::from(t.span(), t.shape());
+      file->forget(file->bytes());
     }
   }
 };
 }  // namespace detail
 
-/// After `prepare`: the memory of packed weights in a mapped file is given back, so that no weight is there twice. Whoever still reads
-/// them gets them from the file again.
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
+/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
 template <Module M>
-void release_packed(M& model) {
-  visit_tensors(model, detail::ReleasePacked{});
+void prepare_loaded(M& model) {
+  visit_tensors(model, detail::PrepareLoaded{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -10283,8 +10298,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.mdm_smpl) detail::load_denoiser(*denoiser.mdm_smpl, weights, about.prefix);
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
-  prepare(denoiser);
-  release_packed(denoiser);
+  prepare_loaded(denoiser);
   return {.denoiser = std::move(denoiser),
           .text_encoder = std::move(encoder),
           .motion_normalizer = std::move(motion),
@@ -13166,8 +13180,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
       .features = features,
       .labels = action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
-  prepare(out.model.denoiser);
-  release_packed(out.model.denoiser);
+  prepare_loaded(out.model.denoiser);
   return out;
 }
 
@@ -13688,8 +13701,9 @@ inline std::string search_html(std::span<const FoundMotion> found, std::string_v
 #define MOTIONLANG_HAS_IO_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; and, for people: license,
-///             provenance, data, command, commit. Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be sampled: guidance and
+///             sampling ("ddpm 20": sampler and steps, all without a number); and, for people: license, provenance, data, command, commit.
+///             Nothing in the file is executed.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -13698,7 +13712,10 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  NoiseScale noise_scale = NoiseScale::posterior_std;  // what the model should be sampled with
+  // What the model should be sampled with:
+  NoiseScale noise_scale = NoiseScale::posterior_std;
+  SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
+  Index sampling_steps = 0;  // 0: all
   double guidance = 2.5;
   double fps = 20;
 };
@@ -13708,16 +13725,19 @@ namespace detail {
 using Metadata = std::map<std::string, std::string>;
 
 template <class N>
-N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
   N value{};
-  const std::string& text = found->second;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
     raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
   }
   return value;
+}
+template <class N>
+N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+  return number_in_metadata<N>(found->second, key, file);
 }
 inline std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise) {
   const auto found = metadata.find(key);
@@ -13738,6 +13758,27 @@ inline double metadata_real(const Metadata& metadata, const std::string& key, do
   return x;
 }
 
+/// "ddpm 20"; the number is left out for all steps.
+inline std::string sampling_text(const StmcModelConfig& c) {
+  const std::string_view sampler = to_string(c.sampler);
+  return c.sampling_steps == 0 ? std::string(sampler) : concat_text(sampler, ' ', c.sampling_steps);
+}
+inline void check_sampling_steps(const StmcModelConfig& c, const std::string& where) {
+  if (c.sampling_steps < 0 || c.sampling_steps > c.diffusion_steps)
+    raise<config_error>(101, where, ": ", c.sampling_steps, " steps of sampling, the process has ", c.diffusion_steps);
+}
+inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
+  const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
+  const std::size_t space = std::min(wanted.find(' '), wanted.size());
+  const std::string sampler = wanted.substr(0, space);
+  if (sampler != "ddpm" && sampler != "ddim")
+    raise<config_error>(103, file, ": metadata 'sampling' = '", wanted, "' begins with neither ddpm nor ddim");
+  c.sampler = sampler == "ddim" ? SamplingOptions::Sampler::ddim : SamplingOptions::Sampler::ddpm;
+  if (space == wanted.size()) return;
+  c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
+  check_sampling_steps(c, file);
+}
+
 inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
   const auto found = metadata.find("text.vocabulary");
   if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
@@ -13752,8 +13793,9 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer.
+/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there are.
 inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
+  detail::check_sampling_steps(c, "stmc_metadata");
   std::string vocabulary;
   for (const std::string& piece : tokenizer.vocabulary()) vocabulary += (vocabulary.empty() ? "" : "\n") + piece;
   auto text = [](auto n) { return concat_text(n); };
@@ -13780,6 +13822,7 @@ inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c
       {"diffusion.schedule", "cosine"},
       {"diffusion.steps", text(c.diffusion_steps)},
       {"diffusion.noise_scale", c.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
+      {"sampling", detail::sampling_text(c)},
       {"guidance", text(c.guidance)}};
 }
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
@@ -13833,6 +13876,7 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
   c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
+  detail::read_sampling(m, c, name);
   return c;
 }
 
@@ -13848,7 +13892,8 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
           .layout = smplrifke_layout(),
           .guidance = c.guidance,
-          .sampling = {.noise_scale = c.noise_scale},
+          .sampling = {.sampler = c.sampler, .noise_scale = c.noise_scale},
+          .steps = c.sampling_steps,
           .fps = c.fps};
 }
 
@@ -13885,8 +13930,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
-  prepare(model);
-  release_packed(model.denoiser);
+  prepare_loaded(model);
   return model;
 }
 template <Backend B>
@@ -13968,7 +14012,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
       {"exact", record.exact ? "1" : "0"},
       {"overlap", text(o.overlap)},
       {"guidance", detail::metadata_real_text(o.guidance.value_or(stmc.guidance))},
-      {"sampler", sampling.sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm"},
+      {"sampler", std::string(to_string(sampling.sampler))},
       {"eta", detail::metadata_real_text(sampling.eta)},
       {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
       {"clip", sampling.clip ? "1" : "0"},
@@ -14023,7 +14067,7 @@ inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Inde
 }  // namespace detail
 
 /// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error 101, 102 (made
-/// with other weights or another precision), 103 (no record), 107.
+/// with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
   const auto& m = file.metadata();
@@ -14043,17 +14087,16 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   out.options = {.overlap = detail::metadata_number<Index>(m, "overlap", name),
                  .guidance = real("guidance"),
                  .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
-                 .sampling = SamplingOptions{.eta = real("eta"), .clip = word("clip") == "1"},
+                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler")), .eta = real("eta"), .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
-  if (word("sampler") == "ddim") out.options.sampling->sampler = SamplingOptions::Sampler::ddim;
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
   const Index timelines = detail::metadata_size(m, "timelines", latest_time, name);
   for (Index i = 0; i < timelines; ++i) {
     out.timelines.push_back(detail::record_timeline(file, static_cast<std::size_t>(i), out.rows));
   }
   const Shape shape{timelines * out.rows, stmc.layout.size};
-  for (Index k = 0; k < out.options.steps; ++k) {
+  for (Index k = 0; k < *out.options.steps; ++k) {
     const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
     if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
@@ -14363,10 +14406,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
                     ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
   statistics->eps = 0;
   out.model.statistics = std::move(*statistics);
-  prepare(out.model.t2m_model);
-  prepare(out.model.tokenizer);
-  release_packed(out.model.t2m_model);
-  release_packed(out.model.tokenizer);
+  prepare_loaded(out.model.t2m_model);
+  prepare_loaded(out.model.tokenizer);
   return out;
 }
 
@@ -14466,8 +14507,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
                         weights.name(), " has ", out.model.config.njoints);
   out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
-  prepare(out.model);
-  release_packed(out.model);
+  prepare_loaded(out.model);
   return out;
 }
 template <Backend B>
@@ -14502,8 +14542,7 @@ TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& w
                               .normalizer = std::move(*normalizer),
                               .text_encoder = temos_text_encoder<B>(run, weights, options),
                               .fps = r.real("data/framerate", fps)};
-  prepare(out.model);
-  release_packed(out.model);
+  prepare_loaded(out.model);
   return out;
 }
 inline WeightFile lightning_weights(const RunFolder& run, const char* system) {

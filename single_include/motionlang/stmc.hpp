@@ -2053,12 +2053,109 @@ extern template struct motionlang::KernelOps<double>;
 /// runs as fast as one built for the machine. Other processors use the first table, in 16-byte vectors of the compiler
 /// (SSE2, NEON, ...). Nothing here knows about tensors or threads: pointers, sizes, and ranges of rows.
 
-#if defined(__x86_64__) && defined(__OPTIMIZE__)
+#ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP  // <motionlang/core/instruction_set.hpp>
+#define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP
+/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all processors.
+///
+/// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
+
+#if defined(__x86_64__)
 #include <cpuid.h>  // what the processor has
 #if defined(__linux__)
 #include <sys/syscall.h>  // arch_prctl
 #include <unistd.h>       // syscall
 #endif
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
+enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
+
+#if defined(__x86_64__)
+/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
+inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
+  unsigned r[4] = {};
+  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
+}
+inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
+inline bool may_use_amx() {
+#if defined(__linux__)
+  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
+#else
+  return false;
+#endif
+}
+#endif
+
+inline bool processor_has(Isa isa) {
+#if defined(__x86_64__)
+  switch (isa) {
+    case Isa::avx2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    case Isa::avx512:
+      return processor_has(Isa::avx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+    case Isa::avx512_bf16: return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
+    case Isa::amx: return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
+    default: return true;
+  }
+#else
+  return isa == Isa::portable || isa == Isa::best;
+#endif
+}
+
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+inline Isa wanted_isa() {
+  static const Isa wanted = [] {
+    const char* name = std::getenv("MOTIONLANG_KERNELS");
+    if (name == nullptr || *name == 0) return Isa::best;
+    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto isa = static_cast<Isa>(i);
+      if (std::strcmp(name, names[i]) == 0 && processor_has(isa)) return isa;
+    }
+    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
+                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
+  }();
+  return wanted;
+}
+
+// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
+#if defined(__x86_64__) && !defined(__clang__)
+#define MOTIONLANG_WIDER_COPIES
+/// avx512, avx2 or portable: what code with vectors only can be told apart by.
+inline Isa widest_vectors() {
+  for (const Isa isa : {Isa::avx512, Isa::avx2}) {
+    if (wanted_isa() >= isa && processor_has(isa)) return isa;
+  }
+  return Isa::portable;
+}
+template <class F>
+__attribute__((target("avx2,fma"), flatten)) void with_avx2(const F& f) {
+  f();
+}
+template <class F>
+__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma"), flatten)) void with_avx512(const F& f) {
+  f();
+}
+#endif
+
+}  // namespace detail
+
+/// f(), by GCC compiled a second time with all that it calls for vectors of 32 bytes and used where the processor has them.
+template <class F>
+void with_wide_vectors(const F& f) {
+#if defined(MOTIONLANG_WIDER_COPIES)
+  static const bool wide = detail::widest_vectors() != detail::Isa::portable;
+  if (wide) return detail::with_avx2(f);
+#endif
+  f();
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
@@ -5722,38 +5819,13 @@ MOTIONLANG_TARGET_POP
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// Instruction sets, each with those before it; the last two differ from avx512 in products of bfloat16 only.
-enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
-
-#if defined(MOTIONLANG_WIDE_KERNELS)
-/// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
-inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
-  unsigned r[4] = {};
-  return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
-}
-inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
-/// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
-inline bool may_use_amx() {
-#if defined(__linux__)
-  return syscall(SYS_arch_prctl, 0x1023, 18) == 0;
-#else
-  return false;
-#endif
-}
-#endif
-
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
 const Kernels<S>* kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::table<S>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
-  if (isa == Isa::avx2)
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &avx2::table<S>() : nullptr;
-  if (isa != Isa::best) {
-    const bool has = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                     __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    return has ? &avx512::table<S>() : nullptr;
-  }
+  if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
+  if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
   if (isa != Isa::best) return nullptr;
   for (Isa better : {Isa::avx512, Isa::avx2}) {
@@ -5766,13 +5838,11 @@ const Kernels<S>* kernels_for(Isa isa) {
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
-  if (isa == Isa::avx2) return kernels_for<float>(isa) ? &avx2::bf16_table<avx2::WideningTile>() : nullptr;
-  if (isa != Isa::best) {
-    if (kernels_for<float>(Isa::avx512) == nullptr) return nullptr;
-    if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
-    if (isa == Isa::avx512_bf16) return cpuid_bit(1, 0, 5) ? &avx512::bf16_table<avx512::DotTile>() : nullptr;
-    return has_amx_bf16() && may_use_amx() ? &avx512::bf16_table<avx512::AmxTile>() : nullptr;
-  }
+  if (!processor_has(isa)) return nullptr;
+  if (isa == Isa::avx2) return &avx2::bf16_table<avx2::WideningTile>();
+  if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
+  if (isa == Isa::avx512_bf16) return &avx512::bf16_table<avx512::DotTile>();
+  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile>();
   if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
   if (!has_amx_bf16()) {
     if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
@@ -5785,26 +5855,18 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   return bf16_kernels_for(Isa::portable);
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
-inline Isa wanted_isa() {
-  static const Isa wanted = [] {
-    const char* name = std::getenv("MOTIONLANG_KERNELS");
-    if (name == nullptr || *name == 0) return Isa::best;
-    constexpr std::array<const char*, 5> names{"portable", "avx2", "avx512", "avx512_bf16", "amx"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto isa = static_cast<Isa>(i);
-      if (std::strcmp(name, names[i]) == 0 && bf16_kernels_for(isa) != nullptr) return isa;
-    }
-    raise<config_error>(103, "MOTIONLANG_KERNELS=", name,
-                        " is not one of portable, avx2, avx512, avx512_bf16, amx, or not in this processor");
-  }();
-  return wanted;
+/// `kernels`, if this build has them. Throws config_error 103.
+template <class K>
+const K* present(const K* kernels) {
+  if (kernels == nullptr)
+    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+  return kernels;
 }
 
 /// The table in use. Chosen once; tests and benchmarks may point it elsewhere.
 template <class S>
 const Kernels<S>*& current_kernels() {
-  static const Kernels<S>* chosen = kernels_for<S>(wanted_isa());
+  static const Kernels<S>* chosen = present(kernels_for<S>(wanted_isa()));
   return chosen;
 }
 template <class S>
@@ -5812,7 +5874,7 @@ const Kernels<S>& kernels() {
   return *current_kernels<S>();
 }
 inline const Bf16Kernels*& current_bf16_kernels() {
-  static const Bf16Kernels* chosen = bf16_kernels_for(wanted_isa());
+  static const Bf16Kernels* chosen = present(bf16_kernels_for(wanted_isa()));
   return chosen;
 }
 
@@ -6565,6 +6627,8 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
 ///          whole of a timeline is found when it is planned, and named by line and column of an interval
 
+#include <optional>     // times
+
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP  // <motionlang/compose/timeline.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP
 /// A timeline: texts, each with its time and its body parts. Reading and writing is in timeline_text.hpp.
@@ -6575,8 +6639,6 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP
 /// Named body parts: the five of STMC, and the joints of each on a skeleton.
-
-#include <optional>  // unknown names
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP  // <motionlang/kinematics/skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP
@@ -6993,6 +7055,21 @@ struct TimedText {
 
 namespace detail {
 
+/// Throws timeline_error with a message that begins "name:line:column: ".
+template <class... T>
+[[noreturn]] void fail_at(int id, std::string_view name, const TextPlace& place, const T&... what) {
+  raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
+}
+
+/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+inline std::optional<double> parse_seconds(std::string_view text) {
+  double t = 0;
+  const char* last = text.data() + text.size();
+  const auto [end, status] = std::from_chars(text.data(), last, t);
+  const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
+  return good ? std::optional(t) : std::nullopt;
+}
+
 /// One line of a file, split at '#'. Knows where it stands.
 class TimelineLine {
  public:
@@ -7010,7 +7087,7 @@ class TimelineLine {
   /// Throws timeline_error at the beginning of a field (past the last one: at the end of the line).
   template <class... T>
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
-    raise<timeline_error>(id, name_, ":", number_, ":", place(field).column, ": ", what...);
+    fail_at(id, name_, place(field), what...);
   }
   /// Of the beginning of a field.
   TextPlace place(std::size_t field) const {
@@ -7029,12 +7106,9 @@ class TimelineLine {
   double seconds(std::size_t i) const {
     std::string_view s = fields_[i];
     if (s.size() > 1 && s[0] == '+' && s[1] != '-') s.remove_prefix(1);
-    double t = 0;
-    const auto [end, status] = std::from_chars(s.data(), s.data() + s.size(), t);
-    if (s.empty() || status != std::errc{} || end != s.data() + s.size() || !(std::abs(t) <= double(latest_time))) {
-      fail(502, i, "'", fields_[i], "' is not a time in seconds");
-    }
-    return t;
+    const auto t = parse_seconds(s);
+    if (!t) fail(502, i, "'", fields_[i], "' is not a time in seconds");
+    return *t;
   }
 
   BodyParts parts(std::size_t first) const {
@@ -7093,7 +7167,7 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
     shift_to_zero(timeline);
     for (const auto& i : timeline.intervals) {
       if (i.end <= static_cast<T>(latest_time)) continue;
-      raise<timeline_error>(502, options.name, ":", i.place.line, ":", i.place.column, ": a timeline that lasts ", i.end, " is too long");
+      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
     }
   }
   return out;
@@ -7129,10 +7203,8 @@ inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_vie
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1) {
-    const TextPlace second = all[1].intervals.front().place;
-    raise<timeline_error>(509, options.name, ":", second.line, ":", second.column, ": ", all.size(), " timelines where one is expected");
-  }
+  if (all.size() > 1)
+    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
   return std::move(all.front());
 }
 
@@ -8768,6 +8840,9 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
+inline std::string_view to_string(SamplingOptions::Sampler sampler) {
+  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
+}
 /// "ddpm" or "ddim". Throws config_error 103.
 inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
@@ -8942,27 +9017,183 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 /// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
 ///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
 
-#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
-#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
-/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
-/// of them.
-///
-///     rotvec   3   rotation vector, radians
-///     rotquat  4   quaternion, w first
-///     rotmat   9   matrix, row by row
-///     rot6d    6   first two rows of the matrix; what all published models use
-///
-/// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
-///         spec actor.md 4.1, 4.2
+namespace motionlang::inline MOTIONLANG_ABI {
 
-#ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
-#define MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP
-/// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
-/// features.
+/// Half-open range of positions.
+struct IndexRange {
+  Index begin = 0, end = 0;
+  Index size() const { return end - begin; }
+  bool operator==(const IndexRange&) const = default;
+};
+
+/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
+/// and their ranges, or `from_owner`:
 ///
-/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
-/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
-/// shorter way round. Use them to reproduce published numbers, not otherwise.
+///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
+struct FeatureLayout {
+  std::string name;
+  Index size = 0;                                              // numbers of one frame
+  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
+
+  /// From a function position -> BodyPart.
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, F owner) {
+    FeatureLayout layout{std::move(name), size, {}};
+    for (Index i = 0; i < size; ++i) {
+      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
+      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
+      ranges.back().end = i + 1;
+    }
+    return layout;
+  }
+
+  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
+
+  /// All positions of a part, ascending.
+  std::vector<Index> indices(BodyPart part) const {
+    std::vector<Index> out;
+    for (const IndexRange& r : ranges(part)) {
+      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+    }
+    return out;
+  }
+
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
+  void validate() const {
+    std::vector<int> owners(static_cast<std::size_t>(size), 0);
+    for (int p = 0; p < body_part_count; ++p) {
+      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+        if (r.begin < 0 || r.end < r.begin || r.end > size) {
+          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                              static_cast<BodyPart>(p), " is not inside 0:", size);
+        }
+        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+      }
+    }
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] != 1) {
+        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+      }
+    }
+  }
+  bool operator==(const FeatureLayout&) const = default;
+};
+
+/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
+/// 205 for SMPL.
+inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                      Index rotations = 22) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
+    if (i < 4) return BodyPart::legs;
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  std::vector<IndexRange> groups() const {
+    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
+inline FeatureLayout guoh3dfeats_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
+/// joints and with `kit_part_of_joint` TEMOS's 64.
+inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
+#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
+/// Features to zero mean and unit deviation, and back.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
+/// Statistics are saved with a model but not trained. eps matters only where std is 0.
+template <Backend B>
+struct Normalizer {
+  static constexpr bool trainable = false;
+  Tensor<B, 1> mean, std;  // (features)
+  double eps = 1e-12;
+
+  static constexpr auto fields() {
+    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
+  }
+  /// Statistics that change nothing.
+  static Normalizer identity(Index features) {
+    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
+  }
+
+  template <int R>
+  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
+    return (x - mean) / (std + eps);
+  }
+  template <int R>
+  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
+    return x * (std + eps) + mean;
+  }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
+/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
+///
+/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
+/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
+/// to the last printed digit.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
+/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
+/// derivatives (Dual), for several poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+///
+///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP  // <motionlang/geometry/axis_angle.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP
@@ -9186,460 +9417,6 @@ static_assert(Rotation<AxisAngle<double>>);
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
-
-#ifndef MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP  // <motionlang/geometry/rotation6d.hpp>
-#define MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP
-/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
-///
-/// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
-/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
-/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-template <class S>
-struct Rotation6dRows {
-  Vec3<S> a{}, b{};
-};
-template <class S>
-struct Rotation6dColumns {
-  Vec3<S> a{}, b{};
-};
-
-/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
-template <class S>
-Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
-  const Vec3<S> b1 = normalized(r.a);
-  const Vec3<S> b2 = normalized(r.b - dot(b1, r.b) * b1);
-  return Matrix3<S>::from_rows(b1, b2, cross(b1, b2));
-}
-/// By cross products: x = a / |a|, z = x x b normalised, y = z x x. The same as Gram-Schmidt, up to rounding.
-template <class S>
-Matrix3<S> to_matrix(const Rotation6dColumns<S>& r) {
-  const Vec3<S> x = normalized(r.a);
-  const Vec3<S> z = normalized(cross(x, r.b));
-  return Matrix3<S>::from_columns(x, cross(z, x), z);
-}
-template <Rotation R>
-auto to_rotation6d_rows(const R& r) {
-  const auto m = to_matrix(r);
-  return Rotation6dRows<std::remove_cvref_t<decltype(m.m[0])>>{m.row(0), m.row(1)};
-}
-template <Rotation R>
-auto to_rotation6d_columns(const R& r) {
-  const auto m = to_matrix(r);
-  return Rotation6dColumns<std::remove_cvref_t<decltype(m.m[0])>>{m.column(0), m.column(1)};
-}
-static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
-
-/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
-/// +).
-template <class S>
-Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
-  const S zero = S(0), one = S(1);
-  auto half_root = [&](const S& s) { return S(0.5) * sqrt(where_less(s, zero, zero, s)); };
-  auto with_sign = [&](const S& size, const S& sign) { return where_less(sign, zero, -size, size); };
-  return {half_root(one + m(0, 0) + m(1, 1) + m(2, 2)),
-          with_sign(half_root(one + m(0, 0) - m(1, 1) - m(2, 2)), m(2, 1) - m(1, 2)),
-          with_sign(half_root(one - m(0, 0) + m(1, 1) - m(2, 2)), m(0, 2) - m(2, 0)),
-          with_sign(half_root(one - m(0, 0) - m(1, 1) + m(2, 2)), m(1, 0) - m(0, 1))};
-}
-
-/// v = (x, y, z) / (sin(h) / 2h), h = atan2(|(x, y, z)|, w); the divisor is 1/2 - (2h)^2/48 for |2h| < 1e-6.
-template <class S>
-Vec3<S> quaternion_to_axis_angle(const Quaternion<S>& q) {
-  const S h = atan2(norm(q.vec()), q.w), angle = S(2) * h, size = where_less(angle, S(0), -angle, angle),
-          small = S(1e-6);
-  const S safe = where_less(size, small, S(1), angle);
-  const S divisor = where_less(size, small, S(0.5) - angle * angle / S(48), sin(h) / safe);
-  return {q.x / divisor, q.y / divisor, q.z / divisor};
-}
-template <class S>
-Vec3<S> matrix_to_axis_angle(const Matrix3<S>& m) {
-  return quaternion_to_axis_angle(matrix_to_quaternion(m));
-}
-/// The body models' formula: angle = |v + 1e-8|, axis = v / angle, R = I + sin K + (1 - cos) K^2.
-template <class S>
-Matrix3<S> rodrigues(const Vec3<S>& v) {
-  const S e = S(1e-8), angle = norm(v + Vec3<S>{e, e, e}), s = sin(angle), c = S(1) - cos(angle);
-  const Vec3<S> a{v.x / angle, v.y / angle, v.z / angle};
-  const Matrix3<S> k{{S(0), -a.z, a.y, a.z, S(0), -a.x, -a.y, a.x, S(0)}}, kk = k * k;
-  Matrix3<S> r = Matrix3<S>::identity();
-  for (std::size_t i = 0; i < 9; ++i) r.m[i] = r.m[i] + s * k.m[i] + c * kk.m[i];
-  return r;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
-inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
-
-/// Numbers of one rotation.
-constexpr Index size(PoseRepresentation r) {
-  constexpr Index sizes[] = {3, 4, 9, 6};
-  return sizes[static_cast<int>(r)];
-}
-/// Throws config_error 103.
-inline PoseRepresentation parse_pose_representation(std::string_view name) {
-  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
-    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
-  }
-  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
-}
-
-namespace detail {
-
-template <Scalar S>
-void append_vector(std::vector<S>& out, const Vec3<S>& v) {
-  out.insert(out.end(), {v.x, v.y, v.z});
-}
-template <Scalar S>
-void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
-  out.insert(out.end(), {q.w, q.x, q.y, q.z});
-}
-
-}  // namespace detail
-
-/// Appends the numbers of a matrix.
-template <Scalar S>
-void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
-  switch (r) {
-    case PoseRepresentation::rotvec:
-      return detail::append_vector(out, pytorch3d::matrix_to_axis_angle(m));
-    case PoseRepresentation::rotquat:
-      return detail::append_quaternion(out, pytorch3d::matrix_to_quaternion(m));
-    default:
-      out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
-  }
-}
-/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
-template <Scalar S>
-void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
-  if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
-  if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
-  append_rotation(out, r, to_matrix(v));
-}
-/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
-template <ScalarLike S>
-Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
-  if (std::ssize(n) != size(r)) {
-    raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",
-                       pose_representation_names[static_cast<std::size_t>(r)], "' of ", size(r));
-  }
-  switch (r) {
-    case PoseRepresentation::rotvec:
-      return to_matrix(AxisAngle<S>{{n[0], n[1], n[2]}});
-    case PoseRepresentation::rotquat:
-      return to_matrix(Quaternion<S>{n[0], n[1], n[2], n[3]});
-    case PoseRepresentation::rotmat:
-      return {{n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]}};
-    default:
-      return to_matrix(Rotation6dRows<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
-  }
-}
-
-struct ActorFeatureOptions {
-  PoseRepresentation rotations = PoseRepresentation::rot6d;
-  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
-  bool global = true;       // false: without joint 0
-
-  /// Rows of a frame of so many joints.
-  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
-};
-/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
-inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
-
-/// What ACTOR's networks read, frame by frame.
-/// poses    (frames, joints): rotation vectors or matrices
-/// root     (frames), the pelvis; read if `translation` is on
-/// result   (frames, rows numbers): a row for each joint, then the root's
-/// Throws   shape_error 205 if the sizes do not fit
-template <class R, Scalar S>
-std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
-                                    const ActorFeatureOptions& options = {}) {
-  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
-  if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
-    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
-                       " root positions");
-  }
-  std::vector<S> out;
-  for (Index t = 0; t < frames; ++t) {
-    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
-      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
-    }
-    if (!options.translation) continue;
-    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
-    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
-  }
-  return out;
-}
-/// The same with time last, as its repository has it: (rows, numbers, frames).
-template <class R, Scalar S>
-std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
-                              const ActorFeatureOptions& options = {}) {
-  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
-  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
-  std::vector<S> out(by_frame.size());
-  if (width == 0) return out;
-  const std::size_t frames = out.size() / width;
-  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
-  return out;
-}
-
-template <Scalar S>
-struct ActorMotion {
-  std::vector<Matrix3<S>> rotations;  // (frames, joints)
-  std::vector<Vec3<S>> root;          // (frames), since frame 0
-};
-
-/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
-/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
-/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
-template <Scalar S>
-ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
-  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
-  const auto numbers = static_cast<std::size_t>(size(options.rotations));
-  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
-  if (width == 0 || features.size() % width != 0)
-    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
-  ActorMotion<S> out;
-  for (std::size_t at = 0; at < features.size(); at += width) {
-    std::size_t from = at;
-    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
-    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
-      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
-    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
-                                           : Vec3<S>{});
-  }
-  return out;
-}
-
-/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
-/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
-template <Scalar S>
-std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
-  if (joints < 1 || std::ssize(positions) % joints != 0) {
-    raise<shape_error>(205, "actor_joint_features: ", positions.size(), " positions for frames of ", joints);
-  }
-  const std::size_t n = static_cast<std::size_t>(joints), frames = positions.size() / n;
-  std::vector<S> out(3 * positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Vec3<S> p = positions[i] - positions[0];
-    S* to = &out[3 * (i % n) * frames + i / n];
-    to[0] = p.x, to[frames] = p.y, to[2 * frames] = p.z;
-  }
-  return out;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Half-open range of positions.
-struct IndexRange {
-  Index begin = 0, end = 0;
-  Index size() const { return end - begin; }
-  bool operator==(const IndexRange&) const = default;
-};
-
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
-///
-///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
-struct FeatureLayout {
-  std::string name;
-  Index size = 0;                                              // numbers of one frame
-  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
-
-  /// From a function position -> BodyPart.
-  template <class F>
-  static FeatureLayout from_owner(std::string name, Index size, F owner) {
-    FeatureLayout layout{std::move(name), size, {}};
-    for (Index i = 0; i < size; ++i) {
-      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
-      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
-      ranges.back().end = i + 1;
-    }
-    return layout;
-  }
-
-  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
-
-  /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const {
-    std::vector<Index> out;
-    for (const IndexRange& r : ranges(part)) {
-      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-    }
-    return out;
-  }
-
-  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const {
-    std::vector<int> owners(static_cast<std::size_t>(size), 0);
-    for (int p = 0; p < body_part_count; ++p) {
-      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-        if (r.begin < 0 || r.end < r.begin || r.end > size) {
-          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                              static_cast<BodyPart>(p), " is not inside 0:", size);
-        }
-        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-      }
-    }
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] != 1) {
-        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-      }
-    }
-  }
-  bool operator==(const FeatureLayout&) const = default;
-};
-
-/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
-/// 205 for SMPL.
-inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                      Index rotations = 22) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
-///
-///     0              turn of the heading to the next frame: half the angle, radians
-///     1:3            velocity of the root along x and z, seen from the body of the next frame
-///     3              height of the root
-///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
-///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
-///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
-///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
-struct Guoh3dSlots {
-  Index joints = 22;
-
-  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
-  std::vector<IndexRange> groups() const {
-    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
-  }
-};
-
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-inline FeatureLayout guoh3dfeats_layout(
-    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
-/// joints and with `kit_part_of_joint` TEMOS's 64.
-inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
-  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
-    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
-    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
-
-/// smplvelp: the root's height and velocity, then a rotation of each joint (see smplvelp.hpp): 135 for 22 joints in 6D.
-inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
-  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
-  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
-    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
-  });
-}
-
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
-inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                  const ActorFeatureOptions& options = {}) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
-  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
-    const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
-  });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
-#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Features to zero mean and unit deviation, and back.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only where std is 0.
-template <Backend B>
-struct Normalizer {
-  static constexpr bool trainable = false;
-  Tensor<B, 1> mean, std;  // (features)
-  double eps = 1e-12;
-
-  static constexpr auto fields() {
-    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
-  }
-  /// Statistics that change nothing.
-  static Normalizer identity(Index features) {
-    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
-  }
-
-  template <int R>
-  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
-    return (x - mean) / (std + eps);
-  }
-  template <int R>
-  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
-    return x * (std + eps) + mean;
-  }
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
-/// A clip of motion: a skeleton, a frame rate, and for each frame the root position and all local rotations.
-///
-/// Inside the library every clip is Y up, right-handed, in metres, and a rest pose faces +Z. Readers and writers
-/// convert at the edge (BVH files in centimetres, AMASS with Z up, ...). Double precision: files and features are exact
-/// to the last printed digit.
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
-/// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for eight poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
-///
-///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -10052,7 +9829,7 @@ enum class StmcMode { stmc, sinc, sinc_lerp };
 struct StmcOptions {
   Index overlap = 10;                // frames around a cut, in total
   std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
-  Index steps = 0;                   // of sampling; 0: all of the process
+  std::optional<Index> steps{};      // of sampling, 0: all of the process; the model's own unless given
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
@@ -10074,6 +9851,7 @@ struct Stmc {
   FeatureLayout layout = smplrifke_layout();
   double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
   SamplingOptions sampling{};  // the same
+  Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
   static constexpr auto fields() {
@@ -10105,8 +9883,8 @@ struct Stmc {
   /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with `steps` steps evenly kept; all when 0.
-  GaussianDiffusion process(Index steps) const;
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error 105.
+  GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
   /// Features of the text of every interval, and of "". Each text goes through the encoder once.
@@ -10143,15 +9921,17 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 #define MOTIONLANG_HAS_IO_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; and, for people: license,
-///             provenance, data, command, commit. Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be sampled: guidance and
+///             sampling ("ddpm 20": sampler and steps, all without a number); and, for people: license, provenance, data, command, commit.
+///             Nothing in the file is executed.
 
 #ifndef MOTIONLANG_HAS_IO_MODULE_FILE_HPP  // <motionlang/io/module_file.hpp>
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
 /// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
 /// WeightFile.
 
-#include <set>    // names
+#include <limits>     // infinity
+#include <set>        // names
 
 #ifndef MOTIONLANG_HAS_IO_KEY_REPORT_HPP  // <motionlang/io/key_report.hpp>
 #define MOTIONLANG_HAS_IO_KEY_REPORT_HPP
@@ -11175,6 +10955,18 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
     return prefix + path;
 }
 
+namespace detail {
+/// By the bits of the exponent, which are all set in NaN and infinity: compilers make such a loop wide.
+template <Scalar S>
+bool all_finite(std::span<const S> numbers) {
+  using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+  constexpr Bits exponent = std::bit_cast<Bits>(std::numeric_limits<S>::infinity());
+  Bits wrong = 0;
+  for (const S x : numbers) wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
+  return wrong == 0;
+}
+}  // namespace detail
+
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
 /// A variable stays the variable it was. Throws io_error 407 if the shape is another, numeric_error 301 if a number is NaN
 /// or infinite.
@@ -11190,7 +10982,6 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
     const std::vector<S> values = values_of<S>(view);
-    MappedFile::forget_if_mapped(view.bytes);
     return C::from_span(std::span<const S>(values), view.shape);
   };
   if constexpr (AutodiffBackend<B>) {
@@ -11199,10 +10990,9 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
   const auto numbers = tensor.span();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!std::isfinite(numbers[i]))
-      raise<numeric_error>(301, where, ": number ", i, " of tensor '", view.name, "' is ", numbers[i]);
-  }
+  if (detail::all_finite(numbers)) return MappedFile::forget_if_mapped(view.bytes);  // until it is needed
+  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
+  raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
 namespace detail {
@@ -11324,21 +11114,26 @@ class TensorStore {
 };
 
 namespace detail {
-struct ReleasePacked {
+struct PrepareLoaded {
   template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
+  void operator()(const std::string& name, Tensor<B, R>& t) const {
+    PrepareWeights{}(name, t);
     if constexpr (requires { t.data().attached(); }) {
-      if (t.data().attached() != nullptr) MappedFile::forget_if_mapped(std::as_bytes(t.span()));
+      const MappedFile* const file = MappedFile::that_holds(std::as_bytes(t.span()));
+      if (file == nullptr) return;
+      constexpr std::size_t small = 1 << 14;  // numbers: for a bias the system may keep two megabytes of the file in memory
+      if (t.data().attached() == nullptr && t.span().size() < small) t = Tensor<B, R>::from(t.span(), t.shape());
+      file->forget(file->bytes());
     }
   }
 };
 }  // namespace detail
 
-/// After `prepare`: the memory of packed weights in a mapped file is given back, so that no weight is there twice. Whoever still reads
-/// them gets them from the file again.
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
+/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
 template <Module M>
-void release_packed(M& model) {
-  visit_tensors(model, detail::ReleasePacked{});
+void prepare_loaded(M& model) {
+  visit_tensors(model, detail::PrepareLoaded{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -11375,8 +11170,6 @@ void release_packed(M& model) {
 ///            and transition crops are both on or both off; see net_weights
 /// Differs    from the reference, where told to: gaps are filled with the unconditional text "" (the reference stops),
 ///            and transitions at which no part changes can be left out
-
-#include <limits>       // net weights
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
 #define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
@@ -12273,6 +12066,105 @@ static_assert(Rotation<EulerAngles<double>>);
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP
+/// The rotation formulas that the published systems share (an old version of pytorch3d), for parity with their
+/// features.
+///
+/// They differ from quaternion.hpp and axis_angle.hpp where those are more accurate: matrix_to_quaternion loses half of
+/// the digits near 0 and near pi and is wrong at pi for axes of mixed signs; quaternion_to_axis_angle does not take the
+/// shorter way round. Use them to reproduce published numbers, not otherwise.
+
+#ifndef MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP  // <motionlang/geometry/rotation6d.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_ROTATION6D_HPP
+/// Six numbers for a rotation: two of the three rows, or two of the three columns, of its matrix.
+///
+/// Source   Zhou et al., "On the continuity of rotation representations in neural networks" (CVPR 2019), section B.
+/// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
+/// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <class S>
+struct Rotation6dRows {
+  Vec3<S> a{}, b{};
+};
+template <class S>
+struct Rotation6dColumns {
+  Vec3<S> a{}, b{};
+};
+
+/// Gram-Schmidt: b1 = a / |a|, b2 = (b - (b1 . b) b1) normalised, b3 = b1 x b2; norms are floored at 1e-12.
+template <class S>
+Matrix3<S> to_matrix(const Rotation6dRows<S>& r) {
+  const Vec3<S> b1 = normalized(r.a);
+  const Vec3<S> b2 = normalized(r.b - dot(b1, r.b) * b1);
+  return Matrix3<S>::from_rows(b1, b2, cross(b1, b2));
+}
+/// By cross products: x = a / |a|, z = x x b normalised, y = z x x. The same as Gram-Schmidt, up to rounding.
+template <class S>
+Matrix3<S> to_matrix(const Rotation6dColumns<S>& r) {
+  const Vec3<S> x = normalized(r.a);
+  const Vec3<S> z = normalized(cross(x, r.b));
+  return Matrix3<S>::from_columns(x, cross(z, x), z);
+}
+template <Rotation R>
+auto to_rotation6d_rows(const R& r) {
+  const auto m = to_matrix(r);
+  return Rotation6dRows<std::remove_cvref_t<decltype(m.m[0])>>{m.row(0), m.row(1)};
+}
+template <Rotation R>
+auto to_rotation6d_columns(const R& r) {
+  const auto m = to_matrix(r);
+  return Rotation6dColumns<std::remove_cvref_t<decltype(m.m[0])>>{m.column(0), m.column(1)};
+}
+static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
+
+/// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
+/// +).
+template <class S>
+Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
+  const S zero = S(0), one = S(1);
+  auto half_root = [&](const S& s) { return S(0.5) * sqrt(where_less(s, zero, zero, s)); };
+  auto with_sign = [&](const S& size, const S& sign) { return where_less(sign, zero, -size, size); };
+  return {half_root(one + m(0, 0) + m(1, 1) + m(2, 2)),
+          with_sign(half_root(one + m(0, 0) - m(1, 1) - m(2, 2)), m(2, 1) - m(1, 2)),
+          with_sign(half_root(one - m(0, 0) + m(1, 1) - m(2, 2)), m(0, 2) - m(2, 0)),
+          with_sign(half_root(one - m(0, 0) - m(1, 1) + m(2, 2)), m(1, 0) - m(0, 1))};
+}
+
+/// v = (x, y, z) / (sin(h) / 2h), h = atan2(|(x, y, z)|, w); the divisor is 1/2 - (2h)^2/48 for |2h| < 1e-6.
+template <class S>
+Vec3<S> quaternion_to_axis_angle(const Quaternion<S>& q) {
+  const S h = atan2(norm(q.vec()), q.w), angle = S(2) * h, size = where_less(angle, S(0), -angle, angle),
+          small = S(1e-6);
+  const S safe = where_less(size, small, S(1), angle);
+  const S divisor = where_less(size, small, S(0.5) - angle * angle / S(48), sin(h) / safe);
+  return {q.x / divisor, q.y / divisor, q.z / divisor};
+}
+template <class S>
+Vec3<S> matrix_to_axis_angle(const Matrix3<S>& m) {
+  return quaternion_to_axis_angle(matrix_to_quaternion(m));
+}
+/// The body models' formula: angle = |v + 1e-8|, axis = v / angle, R = I + sin K + (1 - cos) K^2.
+template <class S>
+Matrix3<S> rodrigues(const Vec3<S>& v) {
+  const S e = S(1e-8), angle = norm(v + Vec3<S>{e, e, e}), s = sin(angle), c = S(1) - cos(angle);
+  const Vec3<S> a{v.x / angle, v.y / angle, v.z / angle};
+  const Matrix3<S> k{{S(0), -a.z, a.y, a.z, S(0), -a.x, -a.y, a.x, S(0)}}, kk = k * k;
+  Matrix3<S> r = Matrix3<S>::identity();
+  for (std::size_t i = 0; i < 9; ++i) r.m[i] = r.m[i] + s * k.m[i] + c * kk.m[i];
+  return r;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
+#endif
+
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
 /// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
@@ -12659,12 +12551,12 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  const GaussianDiffusion steps = process(options.steps);
+  const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
-    return clean_motion(c, steps, traits.prediction, x, t);
+    return clean_motion(c, kept, traits.prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
-      steps, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
       options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
@@ -12686,8 +12578,8 @@ Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& sh
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
-  return with_steps(diffusion, steps);
+GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
+  return with_steps(diffusion, wanted.value_or(steps));
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -12740,6 +12632,7 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .layout = m.layout,
           .guidance = m.guidance,
           .sampling = m.sampling,
+          .steps = m.steps,
           .fps = m.fps};
 }
 
@@ -12760,7 +12653,10 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  NoiseScale noise_scale = NoiseScale::posterior_std;  // what the model should be sampled with
+  // What the model should be sampled with:
+  NoiseScale noise_scale = NoiseScale::posterior_std;
+  SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
+  Index sampling_steps = 0;  // 0: all
   double guidance = 2.5;
   double fps = 20;
 };
@@ -12770,16 +12666,19 @@ namespace detail {
 using Metadata = std::map<std::string, std::string>;
 
 template <class N>
-N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
   N value{};
-  const std::string& text = found->second;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
     raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
   }
   return value;
+}
+template <class N>
+N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+  return number_in_metadata<N>(found->second, key, file);
 }
 inline std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise) {
   const auto found = metadata.find(key);
@@ -12800,6 +12699,27 @@ inline double metadata_real(const Metadata& metadata, const std::string& key, do
   return x;
 }
 
+/// "ddpm 20"; the number is left out for all steps.
+inline std::string sampling_text(const StmcModelConfig& c) {
+  const std::string_view sampler = to_string(c.sampler);
+  return c.sampling_steps == 0 ? std::string(sampler) : concat_text(sampler, ' ', c.sampling_steps);
+}
+inline void check_sampling_steps(const StmcModelConfig& c, const std::string& where) {
+  if (c.sampling_steps < 0 || c.sampling_steps > c.diffusion_steps)
+    raise<config_error>(101, where, ": ", c.sampling_steps, " steps of sampling, the process has ", c.diffusion_steps);
+}
+inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
+  const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
+  const std::size_t space = std::min(wanted.find(' '), wanted.size());
+  const std::string sampler = wanted.substr(0, space);
+  if (sampler != "ddpm" && sampler != "ddim")
+    raise<config_error>(103, file, ": metadata 'sampling' = '", wanted, "' begins with neither ddpm nor ddim");
+  c.sampler = sampler == "ddim" ? SamplingOptions::Sampler::ddim : SamplingOptions::Sampler::ddpm;
+  if (space == wanted.size()) return;
+  c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
+  check_sampling_steps(c, file);
+}
+
 inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
   const auto found = metadata.find("text.vocabulary");
   if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
@@ -12814,8 +12734,9 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer.
+/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there are.
 inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
+  detail::check_sampling_steps(c, "stmc_metadata");
   std::string vocabulary;
   for (const std::string& piece : tokenizer.vocabulary()) vocabulary += (vocabulary.empty() ? "" : "\n") + piece;
   auto text = [](auto n) { return concat_text(n); };
@@ -12842,6 +12763,7 @@ inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c
       {"diffusion.schedule", "cosine"},
       {"diffusion.steps", text(c.diffusion_steps)},
       {"diffusion.noise_scale", c.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
+      {"sampling", detail::sampling_text(c)},
       {"guidance", text(c.guidance)}};
 }
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
@@ -12895,6 +12817,7 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
   c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
+  detail::read_sampling(m, c, name);
   return c;
 }
 
@@ -12910,7 +12833,8 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
           .layout = smplrifke_layout(),
           .guidance = c.guidance,
-          .sampling = {.noise_scale = c.noise_scale},
+          .sampling = {.sampler = c.sampler, .noise_scale = c.noise_scale},
+          .steps = c.sampling_steps,
           .fps = c.fps};
 }
 
@@ -12947,8 +12871,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
-  prepare(model);
-  release_packed(model.denoiser);
+  prepare_loaded(model);
   return model;
 }
 template <Backend B>

@@ -31,6 +31,6 @@ int main() {
     double sum = 0;  // the same on both sides
     for (const float x : ml::guoh3d_features(ml::humanml3d_chains(), view)) sum += std::abs(x);
     const std::string config = std::to_string(frames) + " frames sum " + std::to_string(sum);
-    bench::report("humanml3d", config, "motionlang", 0, [&] { ml::guoh3d_features(ml::humanml3d_chains(), view); });
+    bench::report("humanml3d", config, 0, [&] { ml::guoh3d_features(ml::humanml3d_chains(), view); });
   }
 }

@@ -36,7 +36,7 @@ void generate(const std::string& work, const fs::path& path, double start) {
       "walk forward # 0.0 # 7.0 # legs\n"
       "raise both arms # 2.0 # 6.0 # left arm # right arm\n"
       "turn around # 7.0 # 12.0 # legs # spine\n");
-  const auto features = stmc.generate(timeline, ml::Philox{.seed = 7});
+  const auto features = stmc.generate(timeline, ml::Philox{.seed = 7}, {.steps = 0});
   const double length = static_cast<double>(features.size(0)) / stmc.fps;
   report_value(work, "real-time factor", (now() - start) / length);
   report_value(work, "MB beyond the weights", peak_memory() - static_cast<double>(fs::file_size(path)) * 1e-6);
@@ -46,7 +46,7 @@ void first_step(const fs::path& path, double start) {
   ml::NoInit no_init;
   ml::MdmSmplDenoiser<B> model(mdm, no_init);
   ml::load_module(model, ml::SafetensorsFile::open(path));
-  ml::prepare(model);
+  ml::prepare_loaded(model);
   const MdmBatch<B> batch(equal(2, 200), {.seed = 1});
   model(batch.x, batch.t, batch.text);
   report_value("start", "ms to the end of the first step", (now() - start) * 1e3);

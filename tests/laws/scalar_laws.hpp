@@ -48,18 +48,19 @@ struct Numbers<ml::Dual<S>> {
     return {static_cast<double>(x.value), static_cast<double>(x.derivative)};
   }
 };
-template <ml::Scalar S>
-struct Numbers<ml::Lane<S>> {
+template <ml::Scalar S, int bytes>
+struct Numbers<ml::Lane<S, bytes>> {
   using scalar = S;
-  static std::vector<ml::Lane<S>> pack(const std::vector<double>& x) {
-    std::vector<ml::Lane<S>> out(x.size() / ml::Lane<S>::size);
-    for (std::size_t i = 0; i < out.size() * ml::Lane<S>::size; ++i)
-      out[i / ml::Lane<S>::size][static_cast<int>(i % ml::Lane<S>::size)] = static_cast<S>(x[i]);
+  using L = ml::Lane<S, bytes>;
+  static std::vector<L> pack(const std::vector<double>& x) {
+    std::vector<L> out(x.size() / L::size);
+    for (std::size_t i = 0; i < out.size() * L::size; ++i)
+      out[i / L::size][static_cast<int>(i % L::size)] = static_cast<S>(x[i]);
     return out;
   }
-  static std::vector<double> unpack(const ml::Lane<S>& x) {
+  static std::vector<double> unpack(const L& x) {
     std::vector<double> out;
-    for (int i = 0; i < ml::Lane<S>::size; ++i) out.push_back(static_cast<double>(x[i]));
+    for (int i = 0; i < L::size; ++i) out.push_back(static_cast<double>(x[i]));
     return out;
   }
 };

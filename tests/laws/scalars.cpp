@@ -9,7 +9,7 @@
 namespace ml = motionlang;
 
 TEST_CASE_TEMPLATE("laws of scalars: numbers, duals, registers", S, float, double, ml::Dual<float>, ml::Dual<double>,
-                   ml::Lane<float>, ml::Lane<double>) {
+                   ml::Lane<float>, ml::Lane<double>, ml::Lane<float, 16>, ml::Lane<float, 64>) {
   laws::scalar_laws<S>();
 }
 

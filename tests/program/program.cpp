@@ -69,7 +69,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"info", {"file"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
-        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate"}},
+        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as"}},
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--asf", "--all"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
@@ -137,20 +137,13 @@ TEST_CASE("weights may ask for a sampler and a number of steps; the command line
     return w.files(out).at("two.bvh");
   };
   const auto full = made("full", {}), ddim = made("ddim", {"--sampler", "ddim", "--steps", "3"});
-  const auto config = small::config(5);
-  auto save = [&](const std::string& sampling) {
-    ml::save_stmc(w / "model.safetensors", small::model<B>(config), config, {{"license", "MIT"}, {"sampling", sampling}});
-  };
-  save("ddim 3");
+  auto config = small::config(5);
+  config.sampler = ml::SamplingOptions::Sampler::ddim, config.sampling_steps = 3;
+  ml::save_stmc(w / "model.safetensors", small::model<B>(config), config, {{"license", "MIT"}});
   CHECK(made("asked", {}) == ddim);
   CHECK(made("asked-full", {"--preset", "full"}) == full);
-  CHECK(made("asked-other", {"--sampler", "ddpm"}) == full);
-  for (const char* wrong : {"ddim", "ddim x", "ddim 3 4", "best 3", " "}) {
-    save(wrong);
-    const auto refused = w.generate("refused", {});
-    CHECK(refused.code == 1);
-    CHECK_MESSAGE(contains(refused.text, "[motionlang.config.10"), refused.text);
-  }
+  CHECK(made("asked-steps", {"--steps", "5"}) == made("full-ddim", {"--sampler", "ddim", "--steps", "0"}));
+  CHECK(made("asked-sampler", {"--sampler", "ddpm"}) == made("other", {"--sampler", "ddpm", "--steps", "3"}));
 }
 
 TEST_CASE("generate writes every output, and the same bytes for the same seed") {
@@ -226,6 +219,50 @@ TEST_CASE("trembling is taken away, and then feet are put right, unless that is 
   const auto on = ml::read_amass(w / "on/two.npz").motion, own = ml::read_amass(w / "own/two.npz").motion;
   CHECK(synthetic::largest_distance(on, ml::fix_feet(ml::smooth_motion(own))) < 1e-3);
   CHECK(synthetic::largest_distance(on, ml::fix_feet(own)) > 1e-3);
+}
+
+TEST_CASE("convert, strip: whole folders, and the files that fail are named") {
+  const Workplace w;
+  const auto walk = synthetic::walk({.frames = 40});
+  std::filesystem::create_directories(w / "in/a/b");
+  ml::write_bvh(w / "in/walk.bvh", walk);
+  ml::write_bvh(w / "in/a/walk.bvh", walk);
+  REQUIRE(w.run({"convert", "in/walk.bvh", "in/a/walk.npz"}).code == 0);  // the same name beside it
+  REQUIRE(w.run({"convert", "in/walk.bvh", "in/a/b/walk.glb"}).code == 0);
+  const auto out = w.run({"convert", "in", "out", "--as", ".bvh", "--mirror"});
+  CHECK_MESSAGE(out.code == 0, out.text);
+  CHECK_MESSAGE(contains(out.text, "out: 4 of 4 files converted"), out.text);
+  const auto expected = ml::mirror(ml::read_bvh_motion(w / "in/walk.bvh"));
+  for (const std::string name : {"out/walk.bvh", "out/a/walk.bvh"})
+    CHECK_MESSAGE(synthetic::largest_distance(ml::read_bvh_motion(w / name), expected) < 1e-3, name);
+  for (const char* name : {"out/a/walk_2.bvh", "out/a/b/walk.bvh"}) CHECK(std::filesystem::exists(w / name));
+
+  ml::write_file(w / "in/broken.bvh", std::string_view("HIERARCHY\nROOT"));
+  const auto some = w.run({"convert", "in", "strips", "--as", ".svg"});
+  CHECK(some.code == 1);
+  CHECK_MESSAGE(contains(some.text, "in/broken.bvh: [motionlang."), some.text);
+  CHECK_MESSAGE(contains(some.text, "strips: 4 of 5 files converted"), some.text);
+  std::filesystem::remove(w / "in/broken.bvh");
+  CHECK(w.run({"strip", "in"}).code == 0);
+  CHECK(ml::read_file(w / "in/a/b/walk.svg").starts_with("<svg"));
+  const auto set = w.run({"convert", "in", "set", "--features", "guoh3d"});
+  CHECK_MESSAGE(contains(set.text, "set: 4 of 4 files converted"), set.text);
+  CHECK(ml::read_ids(w / "set/all.txt").size() == 4);
+
+  std::filesystem::create_symlink(w / "in/walk.bvh", w / "in/a/linked.bvh");  // stays in its place
+  CHECK(w.run({"convert", "in/", "npz", "--as", ".npz"}).code == 0);
+  CHECK(std::filesystem::exists(w / "npz/a/linked.npz"));
+
+  const auto no_kind = w.run({"convert", "in", "out"}), no_folder = w.run({"convert", "in/walk.bvh", "x.bvh", "--as", ".bvh"});
+  CHECK(no_kind.code == 2);
+  CHECK_MESSAGE(contains(no_kind.text, "in is a folder"), no_kind.text);
+  CHECK(no_folder.code == 2);
+  for (const char* inside : {"in", "in/new", "./in/../in"}) {
+    const auto refused = w.run({"convert", "in", inside, "--as", ".bvh"});
+    CHECK(refused.code == 1);
+    CHECK_MESSAGE(contains(refused.text, "[motionlang.config.102]"), refused.text);
+  }
+  CHECK(w.run({"convert", "in", "in2", "--as", ".bvh"}).code == 0);
 }
 
 TEST_CASE("convert makes loops in place") {

@@ -98,6 +98,29 @@ TEST_CASE("save and load: the same bits, the same motion") {
   CHECK(config.fps == 20);
   CHECK(config.guidance == 2.5);
   CHECK(config.noise_scale == ml::NoiseScale::posterior_std);
+  CHECK(config.sampler == ml::SamplingOptions::Sampler::ddpm);
+  CHECK(config.sampling_steps == 0);
+}
+
+TEST_CASE("a model is sampled as its file asks, unless the caller says how") {
+  const TemporaryFolder folder;
+  using Sampler = ml::SamplingOptions::Sampler;
+  auto wanted = small::config();
+  wanted.sampler = Sampler::ddim, wanted.sampling_steps = 3;
+  const auto model = small::model<B>();
+  ml::save_stmc(folder / "model.safetensors", model, wanted, {}, DType::F32);
+  const auto again = ml::load_stmc<B>(folder / "model.safetensors");
+  CHECK(ml::SafetensorsFile::open(folder / "model.safetensors").metadata().at("sampling") == "ddim 3");
+  const auto timeline = small::one_track();
+  const auto made = [&](const ml::Stmc<B>& m, const ml::StmcOptions& o) { return small::numbers(m.generate(timeline, {.seed = 1}, o)); };
+  auto ddim = model.sampling;
+  ddim.sampler = Sampler::ddim;
+  CHECK(made(again, {}) == made(model, {.steps = 3, .sampling = ddim}));
+  CHECK(made(again, {.steps = 0, .sampling = model.sampling}) == made(model, {}));
+  CHECK(made(again, {.steps = 2}) == made(model, {.steps = 2, .sampling = ddim}));
+  wanted.sampling_steps = 9;
+  CHECK_THROWS_WITH_AS(ml::save_stmc(folder / "model.safetensors", model, wanted, {}),
+                       doctest::Contains("[motionlang.config.101]"), ml::config_error);
 }
 
 TEST_CASE("half precision: every weight within its rounding, saved again it is the same file") {
@@ -196,7 +219,7 @@ TEST_CASE("metadata: every key is needed and checked") {
   const Parts good;
   for (const auto& [key, value] : good.metadata) {
     if (key == "diffusion.noise_scale" || key == "denoiser.activation" || key == "denoiser.max_len" ||
-        key == "text.longest")
+        key == "text.longest" || key == "sampling")
       continue;  // have defaults
     Parts parts;
     parts.metadata.erase(key);
@@ -222,6 +245,10 @@ TEST_CASE("metadata: every key is needed and checked") {
   check_metadata("diffusion.steps", "5000", 101, {"'diffusion.steps' = 5000 is not in 1 ... 1024"});
   check_metadata("denoiser.activation", "sine", 103, {"'sine'"});
   check_metadata("guidance", "nan", 101, {"'guidance' = nan"});
+  check_metadata("sampling", "ddim -3", 101, {"-3 steps of sampling, the process has 8"});
+  check_metadata("sampling", "ddpm 9", 101, {"9 steps of sampling, the process has 8"});
+  check_metadata("sampling", "ddpm many", 107, {"'sampling' = 'many'"});
+  for (const char* sampler : {"", "euler 5", "DDPM"}) check_metadata("sampling", sampler, 103, {"neither ddpm nor ddim"});
 }
 
 TEST_CASE("hostile sizes are refused before memory is taken") {

@@ -13,6 +13,8 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
+#include "../progress_bar.hpp"
 #include "motion_files.hpp"
 #include "weights.hpp"
 
@@ -20,8 +22,12 @@ namespace program {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Options {
   std::string in, out, tensors, features;
+  std::string as;         // of a folder: extension of what its files become
+  bool data_set = false;  // clips go into a folder of HumanML3D's form
   MotionReadOptions read;
   RigOptions rig;
   BodyOptions body;
@@ -66,13 +72,14 @@ ml::Motion edited(ml::Motion m, const Options& o, ml::RetargetReport& report) {
   return m;
 }
 
-/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk".
-std::filesystem::path name_of(const std::filesystem::path& out, const std::string& name, std::set<std::string>& taken) {
-  return out.parent_path() / (out.stem().string() + "_" + unique(file_name(name), taken) + out.extension().string());
+/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". taken: such files without extension.
+fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& taken) {
+  const std::string extension = out.extension().string();
+  return unique(out.replace_extension().string() + "_" + file_name(name), taken) + extension;
 }
 
-/// An AMASS file is read as the movement of 22 joints: what else it has, and a body could show, is named.
-void say_what_is_left_out(const std::string& path) {
+/// An AMASS file is read as the movement of 22 joints: what else it has, and a body could show, in words.
+std::string what_is_left_out(const std::string& path) {
   const auto file = ml::read_amass_sequence(path);
   const auto not_zero = [](double x) { return x != 0; };
   bool fingers = false;
@@ -80,29 +87,33 @@ void say_what_is_left_out(const std::string& path) {
     const auto pose = file.poses.begin() + static_cast<std::ptrdiff_t>(at);
     fingers = fingers || std::any_of(pose + 66, pose + file.columns, not_zero);
   }
-  if (fingers) std::printf("%s: its hands and face are left out, the body's stand as they do at rest\n", path.c_str());
-  if (std::none_of(file.betas.begin(), file.betas.end(), not_zero)) return;
+  std::string told;
+  if (fingers) told = path + ": its hands and face are left out, the body's stand as they do at rest\n";
+  if (std::none_of(file.betas.begin(), file.betas.end(), not_zero)) return told;
   std::string betas;
   for (const double b : file.betas) betas += ml::concat_text(betas.empty() ? "" : ",", static_cast<float>(b));
-  std::printf("%s: its shape (gender %s) is left out unless it is given: --betas=%s\n", path.c_str(), file.gender.c_str(),
-              betas.c_str());
+  return told + ml::concat_text(path, ": its shape (gender ", file.gender, ") is left out unless it is given: --betas=", betas, "\n");
 }
 
+/// One file into others. What is told about it is collected, for a caller who wants to show it.
 class Conversion {
  public:
-  explicit Conversion(const Options& o) : o_(o), motions_(read_motions(o.in, o.read)) {}
+  /// rig: null without --rig. taken: names that clips of a data set have already, or files.
+  Conversion(const Options& o, const RigWriter& rig, std::set<std::string>& taken)
+      : o_(o), rig_(rig), motions_(read_motions(o.in, o.read)), taken_(taken) {}
 
   void run() {
     const bool has_shape = !o_.body.file.empty() && o_.body.file != "free";
-    if (has_shape && o_.body.betas.empty() && kind_of(o_.in) == ".npz") say_what_is_left_out(o_.in);
+    if (has_shape && o_.body.betas.empty() && kind_of(o_.in) == ".npz") told_ += what_is_left_out(o_.in);
     ml::RetargetReport report;
     for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, report)); });
-    if (!report.table.empty()) std::printf("%s\n", to_string(report).c_str());
+    if (!report.table.empty()) told_ += to_string(report) + "\n";
     if (!made_.empty()) write();
     if (failures_ > 0)
       ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", motions_.size(), " motions of ", o_.in,
-                                  " could not be made");
+                                  " could not be made:", reasons_);
   }
+  const std::string& told() const { return told_; }
 
  private:
   /// Of several motions one that fails is named and stops no other.
@@ -112,54 +123,134 @@ class Conversion {
       work();
     } catch (const ml::error& e) {
       if (motions_.size() == 1) throw;
-      std::fprintf(stderr, "%s: %s\n", name.c_str(), e.what());
+      reasons_ += "\n" + name + ": " + e.what();
       ++failures_;
     }
   }
 
   void write() {
-    if (!o_.rig.file.empty()) return rig_writer(o_.rig)(o_.out, made_);
-    if (!o_.body.file.empty()) return write_on_body(o_.out, made_, o_.body);
-    if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
+    if (rig_) {
+      told_ += rig_(o_.out, made_);
+    } else if (!o_.body.file.empty()) {
+      told_ += write_on_body(o_.out, made_, o_.body);
+    } else if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
       write_motions(o_.out, made_);
-      std::printf("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
-      return;
-    }
-    std::set<std::string> taken;
-    if (o_.features == "guoh3d" && !std::filesystem::path(o_.out).has_extension()) {
+      told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
+    } else if (o_.data_set) {
       for (const ml::Motion& m : made_)
-        attempt(m.name, [&] { write_humanml3d(o_.out, unique(file_name(m.name), taken), m, o_.fps); });
-      return;
-    }
-    for (const ml::Motion& m : made_) {
-      const auto path = motions_.size() == 1 ? std::filesystem::path(o_.out) : name_of(o_.out, m.name, taken);
-      attempt(m.name, [&] { write_one(path, m); });
+        attempt(m.name, [&] { told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, o_.fps); });
+    } else {
+      for (const ml::Motion& m : made_) {
+        const auto path = motions_.size() == 1 ? fs::path(o_.out) : name_of(o_.out, m.name, taken_);
+        attempt(m.name, [&] { told_ += write_one(path, m); });
+      }
     }
   }
 
-  void write_one(const std::filesystem::path& path, const ml::Motion& m) const {
+  std::string write_one(const fs::path& path, const ml::Motion& m) const {
     if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
     write_motion(path, m, o_.scale);
-    std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
-                m.skeleton.size());
+    return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
+                     m.skeleton.size());
   }
 
   const Options& o_;
+  const RigWriter& rig_;
   const std::vector<ml::Motion> motions_;
+  std::set<std::string>& taken_;
   std::vector<ml::Motion> made_;
+  std::string told_, reasons_;
   std::size_t failures_ = 0;
 };
 
-void run(const Options& o) {
+/// Every motion file of a folder and of those below it, to the same place below another folder, or into a data set. One that fails is
+/// named and stops no other.
+class FolderConversion {
+ public:
+  explicit FolderConversion(const Options& o) : o_(o), rig_(rig_writer(o.rig)) {}
+
+  void run() {
+    refuse_to_overwrite();
+    const auto files = motion_files_below(o_.in, true);
+    if (files.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o_.in);
+    ProgressBar bar("converting");
+    std::size_t done = 0;
+    for (const fs::path& file : files) {
+      convert(file);
+      if (!bar(static_cast<std::ptrdiff_t>(++done), std::ssize(files)) && done < files.size()) break;
+    }
+    bar.finish();
+    for (const std::string& f : failures_) std::fprintf(stderr, "%s\n", f.c_str());
+    std::printf("%s: %zu of %zu files converted\n", o_.out.c_str(), done - failures_.size(), files.size());
+    if (done < files.size()) throw ml::cancelled();
+    if (!failures_.empty())
+      ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", files.size(), " files of ", o_.in,
+                                  " could not be converted");
+  }
+
+ private:
+  /// What is written must not stand among what is read: it could be in the place of a file that is still to be read, and a second run
+  /// would read it as well.
+  void refuse_to_overwrite() const {
+    const std::string kind = o_.data_set ? ".npy" : o_.as;
+    const bool is_read = is_motion_file("a" + kind) || kind == ".npy";
+    const fs::path inside = fs::weakly_canonical(o_.out).lexically_relative(fs::weakly_canonical(o_.in));
+    if (is_read && !inside.empty() && *inside.begin() != "..")
+      ml::raise<ml::config_error>(102, "convert: ", kind, " files of ", o_.in, " into ", o_.out,
+                                  ", which is inside of it: name another folder");
+  }
+
+  void convert(const fs::path& file) {
+    try {
+      Options one = o_;
+      one.in = file.string();
+      if (!o_.data_set) {
+        const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
+        fs::create_directories(place.parent_path());
+        one.out = unique(place.string(), taken_) + o_.as;
+      }
+      Conversion(one, rig_, taken_).run();
+    } catch (const std::exception& e) {
+      failures_.push_back(file.string() + ": " + e.what());
+    }
+  }
+
+  const Options& o_;
+  const RigWriter rig_;
+  std::set<std::string> taken_;
+  std::vector<std::string> failures_;
+};
+
+void convert_file(const Options& o) {
+  const RigWriter rig = rig_writer(o.rig);
+  std::set<std::string> taken;
+  Conversion one(o, rig, taken);
+  const auto tell = [&] { std::printf("%s", one.told().c_str()); };
+  try {
+    one.run();
+  } catch (...) {
+    tell();
+    throw;
+  }
+  tell();
+}
+
+void run(Options o) {
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors);
-  Conversion(o).run();
+  const bool folder = fs::is_directory(o.in);
+  o.data_set = o.features == "guoh3d" && (folder ? o.as.empty() : !fs::path(o.out).has_extension());
+  if (folder && o.as.empty() && !o.data_set)
+    throw CLI::ValidationError("input", o.in + " is a folder: say with --as what its files become (.bvh, .glb, .npz, ...)");
+  if (!folder && !o.as.empty()) throw CLI::ValidationError("--as", "is for folders; " + o.in + " is a file");
+  if (folder) return FolderConversion(o).run();
+  convert_file(o);
 }
 
 void add_input(CLI::App& c, Options& o) {
   c.add_option(
        "input", o.in,
-       "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); for convert also "
-       "weights. Folders: file by file")
+       "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or a folder of them "
+       "(.vrm, mostly avatars, are passed over there); for convert also weights")
       ->required()
       ->check(CLI::ExistingPath);
   c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
@@ -188,9 +279,13 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(name, about);
   add_input(*c, *o);
-  c->add_option("output,-o,--output", o->out, "The picture; beside the motion unless given");
+  c->add_option("output,-o,--output", o->out, "The result; of a folder the folder of the results; beside the motion unless given");
   c->callback([o, extension] {
-    if (o->out.empty()) o->out = std::filesystem::path(o->in).replace_extension(extension).string();
+    if (fs::is_directory(o->in)) {
+      o->as = extension;
+      if (o->out.empty()) o->out = o->in;
+    }
+    if (o->out.empty()) o->out = fs::path(o->in).replace_extension(extension).string();
     run(*o);
   });
   if (extension == ".html") add_body(*c, *o);
@@ -206,8 +301,11 @@ void add_convert(CLI::App& app) {
   add_input(*c, *o);
   c->add_option("output", o->out,
                 "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg or .png (film "
-                "strip), with --body .obj; of weights .safetensors")
+                "strip), with --body .obj; of weights .safetensors; of a folder a folder (--as)")
       ->required();
+  c->add_option("--as", o->as,
+                "Of a folder: what the motion files in it and below become, .bvh for instance; the result is a folder, too")
+      ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png"}));
   c->add_option("--tensors", o->tensors,
                 "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
   c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")

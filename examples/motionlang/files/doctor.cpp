@@ -61,10 +61,9 @@ class Doctor {
     }
   }
 
-  /// None of a file that cannot be read, which is noted, and of an array with one axis: mean and deviation of a data set.
+  /// None of a file that cannot be read, which is noted.
   std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
-      if (kind_of(file) == ".npy" && ml::read_npy(file).shape.size() < 2) return {};
       MotionReadOptions read = o_.read;
       if (kind_of(file) == ".amc" && fs::exists(asf_beside(file))) read.asf.clear();
       return read_motions(file, read);

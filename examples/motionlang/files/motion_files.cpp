@@ -1,7 +1,6 @@
 #include "motion_files.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
@@ -12,6 +11,8 @@
 #include <motionlang/io/motion_npy.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+
+#include "../formatted.hpp"
 
 namespace program {
 
@@ -31,11 +32,23 @@ bool is_motion_file(const std::filesystem::path& path) {
   return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb" || kind == ".vrma";
 }
 
+namespace {
+/// Files that cannot be read count: their reader says why.
+bool has_frames(const std::filesystem::path& npy) {
+  try {
+    return ml::read_npy(npy).shape.size() >= 2;
+  } catch (const ml::error&) {
+    return true;
+  }
+}
+}  // namespace
+
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder, bool arrays) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    const bool wanted = is_motion_file(entry.path()) || (arrays && kind_of(entry.path()) == ".npy");
-    if (wanted && entry.is_regular_file()) files.push_back(entry.path());
+    if (!entry.is_regular_file()) continue;
+    const bool array = arrays && kind_of(entry.path()) == ".npy" && has_frames(entry.path());
+    if (is_motion_file(entry.path()) || array) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -145,24 +158,23 @@ struct FeatureRows {
 };
 FeatureRows feature_rows(const ml::Motion& motion, const ml::MotionFeatures& f, double fps) {
   if (fps == 0) fps = f.fps;
-  const bool there = motion.skeleton.names == f.skeleton().names;
-  const std::vector<double> values = f.from_motion(ml::resample(there ? motion : on_smpl(motion), fps));
+  const std::vector<double> values = f.from_motion(ml::resample(motion, fps));
   return {{values.begin(), values.end()}, std::ssize(values) / f.width, fps};
 }
 
 }  // namespace
 
-void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps) {
+std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps) {
   if (kind_of(path) != ".npy")
     ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
   const FeatureRows made = feature_rows(motion, f, fps);
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(made.values), {made.rows, f.width}));
-  std::printf("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.c_str(), made.rows, f.width, made.fps,
-              static_cast<double>(made.rows) / made.fps);
+  return formatted("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.c_str(), made.rows, f.width, made.fps,
+                   static_cast<double>(made.rows) / made.fps);
 }
 
-void write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps) {
+std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps) {
   const ml::MotionFeatures& f = ml::motion_features("guoh3d");
   FeatureRows made = feature_rows(motion, f, fps);
   ml::HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
@@ -176,11 +188,12 @@ void write_humanml3d(const std::filesystem::path& folder, const std::string& id,
   auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
   ml::write_ids(list, ids);
-  std::printf("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.c_str(), id.c_str(), clip.frames, made.fps,
-              clip.captions.size());
+  return formatted("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.c_str(), id.c_str(), clip.frames, made.fps,
+                   clip.captions.size());
 }
 
 RigWriter rig_writer(const RigOptions& options) {
+  if (options.file.empty()) return {};
   return [rig = ml::GlbRig::open(options.file), options](const std::filesystem::path& path,
                                                          std::span<const ml::Motion> motions) {
     if (kind_of(path) != ".glb")
@@ -195,7 +208,7 @@ RigWriter rig_writer(const RigOptions& options) {
                                                     : ml::retarget(m, rig.skeleton()));
     }
     ml::write_glb(path, rig, on_rig, {.keep_animations = !options.drop_animations});
-    std::printf("%s on %s\n%s\n", path.c_str(), options.file.c_str(), to_string(map.report()).c_str());
+    return ml::concat_text(path.string(), " on ", options.file, "\n", to_string(map.report()), "\n");
   };
 }
 

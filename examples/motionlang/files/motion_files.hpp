@@ -30,7 +30,8 @@ bool is_gltf(const std::filesystem::path& path);
 /// Whether a file of this kind is made to hold motions: .bvh, .amc, .npz, .glb, .vrma. (read_motions knows .npy and .vrm as well.)
 bool is_motion_file(const std::filesystem::path& path);
 
-/// The motion files in a folder and in those below it, in order; `arrays`: .npy files, too.
+/// The motion files in a folder and in those below it, in order; `arrays`: .npy files, too, but not those with one axis, which are mean
+/// and deviation of a data set.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder, bool arrays = false);
 
 /// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
@@ -54,23 +55,23 @@ bool holds_several(const std::filesystem::path& path);
 /// Such a file; in GLB all motions are on one skeleton.
 void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions);
 
-/// The motion's features as the systems have them, one row for each frame, to an .npy file: on the joints of the features or on SMPL's, at `fps` frames per
-/// second (0: the rate of the features). Says what it wrote. Throws config_error 103 for a name that is none (motion_features) and
-/// for another extension.
-void write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
+/// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy file: at `fps`
+/// frames per second (0: the rate of the features). Returns a line about what it wrote. Throws config_error 103 for a name that is none
+/// (motion_features), for other joints and for another extension.
+std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
 
 /// A clip of a data set in HumanML3D's form (humanml3d_folder.hpp): features, joints, its captions if there are any already, its
-/// id in all.txt. Says so. Throws what write_humanml3d_clip throws.
-void write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps = 0);
+/// id in all.txt. Returns a line about it. Throws what write_humanml3d_clip throws.
+std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps = 0);
 
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {
-  std::string file{};
+  std::string file{};            // "": none, and no writer
   bool drop_animations = false;  // of the character's file
 };
-/// Writes a GLB file: the character with one animation for every motion; says how its skeleton follows. The character
+/// Writes a GLB file: the character with one animation for every motion; returns lines about how its skeleton follows. The character
 /// is read at once. Throws what GlbRig throws; writing: config_error 103 for another extension than .glb.
-using RigWriter = std::function<void(const std::filesystem::path&, std::span<const ml::Motion>)>;
+using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const ml::Motion>)>;
 RigWriter rig_writer(const RigOptions& options);
 
 /// A body to show motions on: --body.
@@ -78,9 +79,10 @@ struct BodyOptions {
   std::string file{};           // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
   std::vector<double> betas{};  // its shape; the others are 0
 };
-/// Motions on a body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one motion). Motions on other
-/// joints than SMPL's are retargeted. Throws config_error 103 for another extension, and what the readers and writers throw.
-void write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options);
+/// Motions on a body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one motion). Motions
+/// on other joints than SMPL's are retargeted. Returns a line about what it wrote. Throws config_error 103 for another
+/// extension, and what the readers and writers throw.
+std::string write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options);
 
 /// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
 /// only put in SMPL's order and bones keep their length; otherwise `report`, if there is one, is set.

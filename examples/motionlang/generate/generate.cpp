@@ -27,7 +27,6 @@ struct Options {
   ModelSources sources;
   GenerationSettings settings;
   std::string preset = "model";
-  bool own_sampling = false;  // --steps or --sampler are given
   std::string reuse;  // a folder or a file
   bool record = false;
   RigOptions rig;
@@ -67,7 +66,7 @@ std::string wanted_name(const Options& o) {
 
 void run(const Options& o) {
   o.machine.apply();
-  const RigWriter write_on_rig = o.rig.file.empty() ? RigWriter() : rig_writer(o.rig);
+  const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   const auto timelines = wanted_timelines(o, generator->fps());
   const std::string name = wanted_name(o);
@@ -75,7 +74,7 @@ void run(const Options& o) {
   GenerationNotes notes;
   settings.notes = &notes;
   if (o.preset == "fast") use_fast_preset(settings);
-  if (o.preset == "model" && !o.own_sampling) use_model_preset(settings, o.model);
+  if (o.preset == "full") use_full_preset(settings);
   if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
   if (o.record || !o.reuse.empty()) {
     std::filesystem::create_directories(o.out);
@@ -98,7 +97,7 @@ void run(const Options& o) {
     const auto tracks = tracks_of(timelines[m], generator->fps());
     ml::write_bvh(base.string() + ".bvh", motions[m]);
     if (write_on_rig)
-      write_on_rig(base.string() + ".glb", std::span(&motions[m], 1));
+      std::printf("%s", write_on_rig(base.string() + ".glb", std::span(&motions[m], 1)).c_str());
     else
       ml::write_glb(base.string() + ".glb", motions[m]);
     ml::write_amass(base.string() + ".npz", on_smpl(motions[m]));
@@ -150,11 +149,11 @@ void add_generate(CLI::App& app) {
       ->check(CLI::ExistingFile);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
   const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")->capture_default_str();
-  const auto steps = c->add_option("--steps", o->settings.steps, "Denoising steps, evenly kept of the model's; 0: all")
-                         ->capture_default_str();
-  const auto sampler = c->add_option("--sampler", o->settings.sampler, "How to sample")
-                           ->check(CLI::IsMember({"ddpm", "ddim"}))
-                           ->capture_default_str();
+  const auto steps = c->add_option("--steps", o->settings.steps,
+                                   "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
+                         ->check(CLI::NonNegativeNumber);
+  const auto sampler = c->add_option("--sampler", o->settings.sampler, "How to sample; as the weights ask unless given")
+                           ->check(CLI::IsMember({"ddpm", "ddim"}));
   const auto preset =
       c->add_option("--preset", o->preset,
                     "model: sampler and steps that the weights ask for; full: all steps of ddpm; fast: " + std::to_string(fast_steps) +
@@ -199,10 +198,7 @@ void add_generate(CLI::App& app) {
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   o->machine.add_to(*c);
-  c->callback([o, steps, sampler] {
-    o->own_sampling = steps->count() + sampler->count() > 0;
-    run(*o);
-  });
+  c->callback([o] { run(*o); });
 }
 
 }  // namespace program

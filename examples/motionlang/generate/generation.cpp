@@ -55,22 +55,6 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
   ml::raise<ml::config_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
 }
 
-void use_model_preset(GenerationSettings& settings, const std::filesystem::path& model) {
-  if (std::filesystem::is_directory(model) && !system_of(ml::find_run(model)).empty()) return;
-  const auto file = ml::SafetensorsFile::open(model_file(model));
-  const std::string wanted = ml::detail::metadata_text(file.metadata(), "sampling", "");
-  if (wanted.empty()) return;
-  const std::size_t space = std::min(wanted.find(' '), wanted.size());
-  const std::string number = wanted.substr(std::min(space + 1, wanted.size()));
-  ml::Index steps = 0;
-  const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), steps);
-  if (status != std::errc{} || end != number.data() + number.size() || steps < 0)
-    ml::raise<ml::config_error>(101, file.name(), ": metadata 'sampling' = '", wanted, "' names no number of steps");
-  ml::parse_sampler(wanted.substr(0, space));
-  settings.sampler = wanted.substr(0, space);
-  settings.steps = steps;
-}
-
 const ml::Interval& only_text(const ml::Timeline& timeline) {
   if (timeline.intervals.size() != 1)
     ml::raise<ml::timeline_error>(509, timeline.intervals.size(), " texts in a timeline; this model takes one, with a duration");

@@ -27,8 +27,8 @@ struct GenerationNotes {
 
 struct GenerationSettings {
   std::uint64_t seed = 0;
-  ml::Index steps = 0;               // 0: all
-  std::string sampler = "ddpm";      // or ddim
+  std::optional<ml::Index> steps{};  // 0: all; the model's own unless given
+  std::string sampler{};             // ddpm or ddim; the model's own unless given
   std::optional<double> guidance{};  // the model's own unless given
   double overlap = 0.5;              // seconds around a cut
   bool cut_texts = true;             // where another text takes body parts from them or gives them back
@@ -44,10 +44,7 @@ struct GenerationSettings {
 /// Few steps that still do as many prompts as all of them, as `motionlang judge --compare` measures it (README).
 inline constexpr ml::Index fast_steps = 10;
 inline void use_fast_preset(GenerationSettings& s) { s.sampler = "ddim", s.steps = fast_steps; }
-
-/// Sampler and number of steps that a file of ours asks for in its metadata, "sampling" = "ddim 20" (0: all). Nothing happens for files
-/// that ask for none, and for published models. Throws config_error 103 for anything else, 101 for a number that is none.
-void use_model_preset(GenerationSettings& settings, const std::filesystem::path& model);
+inline void use_full_preset(GenerationSettings& s) { s.sampler = "ddpm", s.steps = 0; }
 
 /// A loaded model. Motions come back in the order of the timelines.
 class Generator {

@@ -24,7 +24,7 @@ class GeneratorOver final : public Generator {
     options.guidance = s.guidance;
     options.steps = s.steps;
     options.sampling = model_.sampling;
-    options.sampling->sampler = ml::parse_sampler(s.sampler);
+    if (!s.sampler.empty()) options.sampling->sampler = ml::parse_sampler(s.sampler);
     options.progress = progress;
     if (s.notes != nullptr) *s.notes = {.layout = model_.layout.name};
     const auto features = !s.reuse_file.empty()    ? again(timelines, s, progress)

@@ -27,7 +27,6 @@ struct Options {
   GenerationSettings settings;
   int seeds = 10;
   bool details = false;
-  bool own_sampling = false;   // --steps or --sampler are given
   std::vector<Index> compare;  // numbers of steps
   MachineOptions machine;
 };
@@ -140,11 +139,9 @@ void run(const Options& o) {
   o.machine.apply();
   const auto generator = load_generator(o.backend, model_file(o.model));
   if (!o.compare.empty()) return compare(*generator, o);
-  GenerationSettings settings = o.settings;
-  if (!o.own_sampling) use_model_preset(settings, o.model);
   const Judgement j = [&] {
     ProgressBar bar("judging");
-    return judge(*generator, settings, o.seeds, bar);
+    return judge(*generator, o.settings, o.seeds, bar);
   }();
   std::printf("%-28s %-8s %s\n", "prompt", "done", "what counts");
   for (std::size_t i = 0; i < prompts().size(); ++i) {
@@ -186,13 +183,12 @@ void add_judge(CLI::App& app) {
   c->add_option("--seeds", o->seeds, "Motions per prompt")->check(CLI::PositiveNumber)->capture_default_str();
   c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
       ->check(CLI::Range(0.0, 100.0));
-  const auto steps = c->add_option("--steps", o->settings.steps, "Denoising steps; 0: all. Without --steps and --sampler: as the weights ask")
-                         ->excludes(compare)
-                         ->capture_default_str();
-  const auto sampler = c->add_option("--sampler", o->settings.sampler, "ddpm or ddim")
-                           ->check(CLI::IsMember({"ddpm", "ddim"}))
-                           ->excludes(compare)
-                           ->capture_default_str();
+  c->add_option("--steps", o->settings.steps, "Denoising steps, 0: all; as the weights ask unless given")
+      ->check(CLI::NonNegativeNumber)
+      ->excludes(compare);
+  c->add_option("--sampler", o->settings.sampler, "ddpm or ddim; as the weights ask unless given")
+      ->check(CLI::IsMember({"ddpm", "ddim"}))
+      ->excludes(compare);
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away; on unless switched off");
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Feet that stand do not slide; on unless switched off")
       ->capture_default_str();
@@ -201,10 +197,7 @@ void add_judge(CLI::App& app) {
       ->capture_default_str();
   c->add_flag("--details", o->details, "Print the measurements of every motion");
   o->machine.add_to(*c);
-  c->callback([o, steps, sampler] {
-    o->own_sampling = steps->count() + sampler->count() > 0;
-    run(*o);
-  });
+  c->callback([o] { run(*o); });
 }
 
 }  // namespace program

@@ -1,7 +1,6 @@
 #include "clip_lines.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/features/amass_releases.hpp>
@@ -48,14 +47,13 @@ std::vector<ClipLine> read_table(const std::filesystem::path& path, std::size_t 
     const auto fields = split(row, "\t");
     if (fields.size() != columns) wrong(line, ml::concat_text("expected ", expected, ", separated by tabs"));
     line.clip = fields[0];
-    auto seconds = [&](const std::string& field, double& value) {
-      const char* last = field.data() + field.size();
-      const auto [end, status] = std::from_chars(field.data(), last, value);
-      if (status != std::errc{} || end != last || !(std::abs(value) <= static_cast<double>(ml::latest_time)))
-        wrong(line, "'" + field + "' is not a time");
+    const auto seconds = [&](const std::string& field) {
+      const auto value = ml::detail::parse_seconds(field);
+      if (!value) wrong(line, "'" + field + "' is not a time");
+      return *value;
     };
-    seconds(fields[1], line.start);
-    seconds(fields[2], line.end);
+    line.start = seconds(fields[1]);
+    line.end = seconds(fields[2]);
     if (!(line.end > line.start)) wrong(line, "the segment is empty");
     fill(line, fields);
     for (const std::string& t : line.texts) {

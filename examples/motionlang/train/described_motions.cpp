@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <set>
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
@@ -231,6 +232,16 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
   if (out.training.empty())
     ml::raise<ml::io_error>(403, sources.data.string(), ": nothing to train on (", out.left_out, " left out)");
   return out;
+}
+
+std::vector<std::string> all_texts(const DescribedMotions& data) {
+  std::set<std::string> texts;
+  for (const auto* part : data.parts()) {
+    for (const DescribedMotion& m : *part) {
+      for (const DescribedText& t : m.texts) texts.insert(t.text);
+    }
+  }
+  return {texts.begin(), texts.end()};
 }
 
 }  // namespace program

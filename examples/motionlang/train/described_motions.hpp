@@ -47,6 +47,8 @@ struct DescribedMotions {
   const std::vector<DescribedMotion>& part(const std::string& name) const;
 };
 
+std::vector<std::string> all_texts(const DescribedMotions& data);  // different ones
+
 /// Where the motions are. One of `captions`, `labels` and `annotations`, or a `data` that is a folder in the form of
 /// HumanML3D.
 struct DataSources {

@@ -39,9 +39,8 @@ struct Measured {
         part(&data.part(o.part)),
         sentences(0) {
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-    const auto texts = all_texts(data);
-    if (!o.text_encoder.empty()) states = token_states(o.text_encoder, texts);
-    sentences = sentence_vectors(o.sentence_encoder, texts);
+    if (!o.text_encoder.empty()) states = token_states(o.text_encoder, all_texts(data));
+    sentences = sentence_vectors(o.sentence_encoder, data);
     std::printf("%zu motions of the %s part\n", part->size(), o.part.c_str());
   }
   const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
@@ -81,7 +80,6 @@ class Synthesis {
       : model_(model), features_(ml::motion_features(file.config.features)), states_(states), seed_(o.seed) {
     if (o.generator.empty()) return;
     other_ = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
-    use_model_preset(settings_, o.generator);
   }
   ml::Sequences<B> operator()(const TextMotionBatch<B>& batch) {
     const ml::Offsets& lengths = batch.motions.offsets;

@@ -208,6 +208,7 @@ void StmcTask::update(const ml::Gradients<A>& gradients, Index step) {
 std::map<std::string, std::string> StmcTask::settings() const {
   auto out = ml::stmc_metadata(config_.model, learner_.average.text_encoder.tokenizer);
   out["model"] = "stmc training";
+  out.erase("sampling");  // decides nothing here
   auto add = [&](const std::string& name, auto value) { out["training." + name] = ml::concat_text(value); };
   add("data", data_->fingerprint());
   add("batch", config_.batch);

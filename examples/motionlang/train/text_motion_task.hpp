@@ -12,17 +12,6 @@
 
 namespace program {
 
-/// All different texts.
-inline std::vector<std::string> all_texts(const DescribedMotions& data) {
-  std::set<std::string> texts;
-  for (const auto* part : data.parts()) {
-    for (const DescribedMotion& m : *part) {
-      for (const DescribedText& t : m.texts) texts.insert(t.text);
-    }
-  }
-  return {texts.begin(), texts.end()};
-}
-
 /// Mean and unbiased deviation of every feature over the frames of all motions; 1 where a feature never changes.
 inline ml::Normalizer<TrainingBackend> statistics_of(const std::vector<DescribedMotion>& motions, ml::Index width) {
   ml::FeatureStatistics statistics;

@@ -1,5 +1,8 @@
 #include "text_sources.hpp"
 
+#include <map>
+#include <set>
+
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/text/bag_of_words.hpp>
@@ -29,14 +32,46 @@ ml::EmbeddingCache states_from(const std::filesystem::path& from, std::span<cons
   return states_of(ml::EmbeddingCache::read(from.parent_path(), from.stem().string()), texts);
 }
 
+/// The bag of words of a text and of those that are about the same frames.
+class WordsTogether {
+ public:
+  WordsTogether(const DescribedMotions& data, std::span<const std::string> texts) : words_(texts) {
+    std::map<std::string, std::set<std::string>> beside;
+    for (const auto* part : data.parts()) {
+      for (const DescribedMotion& m : *part) {
+        for (const DescribedText& a : m.texts) {
+          for (const DescribedText& b : m.texts) {
+            if (a.frames == b.frames) beside[a.text].insert(b.text);
+          }
+        }
+      }
+    }
+    for (const auto& [text, all] : beside) {
+      std::string& joined = joined_[text];
+      for (const std::string& other : all) joined += other + "\n";
+    }
+  }
+  template <ml::Backend C>
+  ml::TextFeatures<C> encode(std::span<const std::string> texts) const {
+    std::vector<std::string> joined;
+    for (const std::string& t : texts) joined.push_back(joined_.at(t));
+    return words_.encode<C>(joined);
+  }
+
+ private:
+  ml::BagOfWords words_;
+  std::map<std::string, std::string> joined_;
+};
+
 }  // namespace
 
 ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts) {
   return states_from(from, texts, {});
 }
 
-ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, std::span<const std::string> texts) {
-  if (from.empty()) return states_of(ml::BagOfWords(texts), texts);
+ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, const DescribedMotions& data) {
+  const auto texts = all_texts(data);
+  if (from.empty()) return states_of(WordsTogether(data, texts), texts);
   return states_from(from, texts, {.text = {.pooling = ml::Pooling::mean, .normalize = true}});
 }
 

@@ -8,6 +8,8 @@
 
 #include <motionlang/io/embedding_cache.hpp>
 
+#include "described_motions.hpp"
+
 namespace program {
 
 namespace ml = motionlang;
@@ -16,8 +18,8 @@ namespace ml = motionlang;
 /// has to have them. Throws what the readers throw, config_error 103 for a text that a cache lacks.
 ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts);
 
-/// A unit vector for each of `texts`: of a sentence encoder (a folder of MPNet) or a cache as above; "": of the bag of its
-/// words.
-ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, std::span<const std::string> texts);
+/// A unit vector for each text of the data: of a sentence encoder (a folder of MPNet) or a cache as above; "": of the bag of words of
+/// all texts that somewhere are about the same frames, so that wordings of one thing are alike.
+ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, const DescribedMotions& data);
 
 }  // namespace program

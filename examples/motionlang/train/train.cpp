@@ -58,7 +58,6 @@ void run(const Options& o) {
                              ml::concat_text(std::floor(data.seconds() / 6) / 10) + " minutes"},
                 {"command", command_line},
                 {"commit", o.commit},
-                {"sampling", "ddpm 20"},  // the judge finds most done so, and it takes a fifth of the time of all steps
                 {"version", MOTIONLANG_VERSION}});
   trainer.task().export_model(weights, about);
   std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n", weights.c_str(),

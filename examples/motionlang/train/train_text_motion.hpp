@@ -29,7 +29,7 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
   std::printf("%zu different texts\n", texts.size());
   std::optional<ml::EmbeddingCache> states;
   if (!pieces) states = token_states(o.text_encoder, texts);
-  const auto sentences = sentence_vectors(o.sentence_encoder, texts);
+  const auto sentences = sentence_vectors(o.sentence_encoder, data);
   Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
@@ -50,7 +50,8 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
   c->add_option("--text-encoder", o->text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->sentence_encoder,
-                "MPNet, which tells texts that mean the same: a folder or a cache; words are compared unless given")
+                "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the same frames are "
+                "compared unless given")
       ->check(CLI::ExistingPath);
   c->callback([o, preset] { run_text_motion<System>(*o, preset(o->common.preset)); });
 }

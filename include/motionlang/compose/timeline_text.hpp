@@ -16,6 +16,7 @@
 
 #include <charconv>     // numbers
 #include <cmath>        // abs
+#include <optional>     // times
 #include <span>         // several timelines
 #include <string_view>  // input
 #include <type_traits>  // frames or seconds
@@ -42,6 +43,21 @@ struct TimedText {
 
 namespace detail {
 
+/// Throws timeline_error with a message that begins "name:line:column: ".
+template <class... T>
+[[noreturn]] void fail_at(int id, std::string_view name, const TextPlace& place, const T&... what) {
+  raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
+}
+
+/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+inline std::optional<double> parse_seconds(std::string_view text) {
+  double t = 0;
+  const char* last = text.data() + text.size();
+  const auto [end, status] = std::from_chars(text.data(), last, t);
+  const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
+  return good ? std::optional(t) : std::nullopt;
+}
+
 /// One line of a file, split at '#'. Knows where it stands.
 class TimelineLine {
  public:
@@ -59,7 +75,7 @@ class TimelineLine {
   /// Throws timeline_error at the beginning of a field (past the last one: at the end of the line).
   template <class... T>
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
-    raise<timeline_error>(id, name_, ":", number_, ":", place(field).column, ": ", what...);
+    fail_at(id, name_, place(field), what...);
   }
   /// Of the beginning of a field.
   TextPlace place(std::size_t field) const {
@@ -78,12 +94,9 @@ class TimelineLine {
   double seconds(std::size_t i) const {
     std::string_view s = fields_[i];
     if (s.size() > 1 && s[0] == '+' && s[1] != '-') s.remove_prefix(1);
-    double t = 0;
-    const auto [end, status] = std::from_chars(s.data(), s.data() + s.size(), t);
-    if (s.empty() || status != std::errc{} || end != s.data() + s.size() || !(std::abs(t) <= double(latest_time))) {
-      fail(502, i, "'", fields_[i], "' is not a time in seconds");
-    }
-    return t;
+    const auto t = parse_seconds(s);
+    if (!t) fail(502, i, "'", fields_[i], "' is not a time in seconds");
+    return *t;
   }
 
   BodyParts parts(std::size_t first) const {
@@ -142,7 +155,7 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
     shift_to_zero(timeline);
     for (const auto& i : timeline.intervals) {
       if (i.end <= static_cast<T>(latest_time)) continue;
-      raise<timeline_error>(502, options.name, ":", i.place.line, ":", i.place.column, ": a timeline that lasts ", i.end, " is too long");
+      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
     }
   }
   return out;
@@ -178,10 +191,8 @@ inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_vie
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
   auto all = parse_timelines(text, options);
-  if (all.size() > 1) {
-    const TextPlace second = all[1].intervals.front().place;
-    raise<timeline_error>(509, options.name, ":", second.line, ":", second.column, ": ", all.size(), " timelines where one is expected");
-  }
+  if (all.size() > 1)
+    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
   return std::move(all.front());
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one. The compiler's vector
-/// types are used, so the code is the same on every processor. Square roots are refined from an estimate (error below 2
-/// ulp).
+/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with `with_widest_lanes`
+/// as many as a register of this processor holds. The compiler's vector types are used, so the code is the same on every
+/// processor. Square roots are refined from an estimate (error below 2 ulp).
 #pragma once
 
 #include <array>        // lane access
@@ -11,20 +11,21 @@
 #include <type_traits>  // is_arithmetic
 
 #include <motionlang/core/concepts.hpp>
+#include <motionlang/core/instruction_set.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 // Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-template <Scalar S>
+template <Scalar S, int bytes = 32>
 struct Lane {
-  static constexpr int size = 32 / static_cast<int>(sizeof(S));
-  typedef S Register __attribute__((vector_size(32)));
+  static constexpr int size = bytes / static_cast<int>(sizeof(S));
+  typedef S Register __attribute__((vector_size(bytes)));
   using Bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef Bits BitRegister __attribute__((vector_size(32)));
+  typedef Bits BitRegister __attribute__((vector_size(bytes)));
 
-  Register v{};
+  alignas(bytes) Register v{};  // said, since GCC aligns it less where such registers are not switched on
 
   Lane() = default;
   /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
@@ -83,5 +84,17 @@ struct Lane {
 static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
+
+/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all that
+/// it calls.
+template <Scalar S, class F>
+void with_widest_lanes(const F& f) {
+#if defined(MOTIONLANG_WIDER_COPIES)
+  static const detail::Isa isa = detail::widest_vectors();
+  if (isa == detail::Isa::avx512) return detail::with_avx512([&] { f.template operator()<Lane<S, 64>>(); });
+  if (isa == detail::Isa::avx2) return detail::with_avx2([&] { f.template operator()<Lane<S, 32>>(); });
+#endif
+  f.template operator()<Lane<S, 16>>();
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -51,6 +51,9 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
+inline std::string_view to_string(SamplingOptions::Sampler sampler) {
+  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
+}
 /// "ddpm" or "ddim". Throws config_error 103.
 inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;

@@ -10,7 +10,6 @@
 #include <string>  // name
 #include <vector>  // ranges
 
-#include <motionlang/features/pose_representation.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -135,27 +134,6 @@ inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std:
   return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
     if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
     return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
-
-/// smplvelp: the root's height and velocity, then a rotation of each joint (see smplvelp.hpp): 135 for 22 joints in 6D.
-inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
-  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
-  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
-    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
-  });
-}
-
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
-inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                  const ActorFeatureOptions& options = {}) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
-  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
-    const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
   });
 }
 

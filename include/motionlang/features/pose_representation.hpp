@@ -17,6 +17,7 @@
 #include <string_view>  // names
 #include <vector>       // numbers
 
+#include <motionlang/features/layout.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -98,6 +99,17 @@ struct ActorFeatureOptions {
 };
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
+inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                                  const ActorFeatureOptions& options = {}) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
+  });
+}
 
 /// What ACTOR's networks read, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices

@@ -31,6 +31,16 @@ struct SmplVelpMotion {
   std::vector<Vec3<S>> trans;         // (frames)
 };
 
+/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
+  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
+    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  });
+}
+
 /// rotations  (frames, joints); joint 0 in the world
 /// trans      (frames)
 /// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...

@@ -53,8 +53,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
       .features = features,
       .labels = action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
-  prepare(out.model.denoiser);
-  release_packed(out.model.denoiser);
+  prepare_loaded(out.model.denoiser);
   return out;
 }
 

@@ -3,8 +3,12 @@
 /// WeightFile.
 #pragma once
 
-#include <cmath>  // isfinite
-#include <set>    // names
+#include <algorithm>  // find_if
+#include <bit>        // bit_cast
+#include <cmath>      // isfinite
+#include <cstdint>    // bit patterns
+#include <limits>     // infinity
+#include <set>        // names
 
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
@@ -22,6 +26,18 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
     return prefix + path;
 }
 
+namespace detail {
+/// By the bits of the exponent, which are all set in NaN and infinity: compilers make such a loop wide.
+template <Scalar S>
+bool all_finite(std::span<const S> numbers) {
+  using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+  constexpr Bits exponent = std::bit_cast<Bits>(std::numeric_limits<S>::infinity());
+  Bits wrong = 0;
+  for (const S x : numbers) wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
+  return wrong == 0;
+}
+}  // namespace detail
+
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
 /// A variable stays the variable it was. Throws io_error 407 if the shape is another, numeric_error 301 if a number is NaN
 /// or infinite.
@@ -37,7 +53,6 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
     const std::vector<S> values = values_of<S>(view);
-    MappedFile::forget_if_mapped(view.bytes);
     return C::from_span(std::span<const S>(values), view.shape);
   };
   if constexpr (AutodiffBackend<B>) {
@@ -46,10 +61,9 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
   const auto numbers = tensor.span();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!std::isfinite(numbers[i]))
-      raise<numeric_error>(301, where, ": number ", i, " of tensor '", view.name, "' is ", numbers[i]);
-  }
+  if (detail::all_finite(numbers)) return MappedFile::forget_if_mapped(view.bytes);  // until it is needed
+  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
+  raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
 namespace detail {
@@ -171,21 +185,26 @@ class TensorStore {
 };
 
 namespace detail {
-struct ReleasePacked {
+struct PrepareLoaded {
   template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
+  void operator()(const std::string& name, Tensor<B, R>& t) const {
+    PrepareWeights{}(name, t);
     if constexpr (requires { t.data().attached(); }) {
-      if (t.data().attached() != nullptr) MappedFile::forget_if_mapped(std::as_bytes(t.span()));
+      const MappedFile* const file = MappedFile::that_holds(std::as_bytes(t.span()));
+      if (file == nullptr) return;
+      constexpr std::size_t small = 1 << 14;  // numbers: for a bias the system may keep two megabytes of the file in memory
+      if (t.data().attached() == nullptr && t.span().size() < small) t = Tensor<B, R>::from(t.span(), t.shape());
+      file->forget(file->bytes());
     }
   }
 };
 }  // namespace detail
 
-/// After `prepare`: the memory of packed weights in a mapped file is given back, so that no weight is there twice. Whoever still reads
-/// them gets them from the file again.
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
+/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
 template <Module M>
-void release_packed(M& model) {
-  visit_tensors(model, detail::ReleasePacked{});
+void prepare_loaded(M& model) {
+  visit_tensors(model, detail::PrepareLoaded{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

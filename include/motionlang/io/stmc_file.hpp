@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; and, for people: license,
-///             provenance, data, command, commit. Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be sampled: guidance and
+///             sampling ("ddpm 20": sampler and steps, all without a number); and, for people: license, provenance, data, command, commit.
+///             Nothing in the file is executed.
 #pragma once
 
 #include <charconv>  // numbers in the metadata
@@ -17,7 +18,10 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  NoiseScale noise_scale = NoiseScale::posterior_std;  // what the model should be sampled with
+  // What the model should be sampled with:
+  NoiseScale noise_scale = NoiseScale::posterior_std;
+  SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
+  Index sampling_steps = 0;  // 0: all
   double guidance = 2.5;
   double fps = 20;
 };
@@ -27,16 +31,19 @@ namespace detail {
 using Metadata = std::map<std::string, std::string>;
 
 template <class N>
-N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
   N value{};
-  const std::string& text = found->second;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
     raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
   }
   return value;
+}
+template <class N>
+N metadata_number(const Metadata& metadata, const std::string& key, const std::string& file) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
+  return number_in_metadata<N>(found->second, key, file);
 }
 inline std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise) {
   const auto found = metadata.find(key);
@@ -57,6 +64,27 @@ inline double metadata_real(const Metadata& metadata, const std::string& key, do
   return x;
 }
 
+/// "ddpm 20"; the number is left out for all steps.
+inline std::string sampling_text(const StmcModelConfig& c) {
+  const std::string_view sampler = to_string(c.sampler);
+  return c.sampling_steps == 0 ? std::string(sampler) : concat_text(sampler, ' ', c.sampling_steps);
+}
+inline void check_sampling_steps(const StmcModelConfig& c, const std::string& where) {
+  if (c.sampling_steps < 0 || c.sampling_steps > c.diffusion_steps)
+    raise<config_error>(101, where, ": ", c.sampling_steps, " steps of sampling, the process has ", c.diffusion_steps);
+}
+inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
+  const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
+  const std::size_t space = std::min(wanted.find(' '), wanted.size());
+  const std::string sampler = wanted.substr(0, space);
+  if (sampler != "ddpm" && sampler != "ddim")
+    raise<config_error>(103, file, ": metadata 'sampling' = '", wanted, "' begins with neither ddpm nor ddim");
+  c.sampler = sampler == "ddim" ? SamplingOptions::Sampler::ddim : SamplingOptions::Sampler::ddpm;
+  if (space == wanted.size()) return;
+  c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
+  check_sampling_steps(c, file);
+}
+
 inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
   const auto found = metadata.find("text.vocabulary");
   if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
@@ -71,8 +99,9 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer.
+/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there are.
 inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
+  detail::check_sampling_steps(c, "stmc_metadata");
   std::string vocabulary;
   for (const std::string& piece : tokenizer.vocabulary()) vocabulary += (vocabulary.empty() ? "" : "\n") + piece;
   auto text = [](auto n) { return concat_text(n); };
@@ -99,6 +128,7 @@ inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c
       {"diffusion.schedule", "cosine"},
       {"diffusion.steps", text(c.diffusion_steps)},
       {"diffusion.noise_scale", c.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
+      {"sampling", detail::sampling_text(c)},
       {"guidance", text(c.guidance)}};
 }
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
@@ -152,6 +182,7 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
   c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
   c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
+  detail::read_sampling(m, c, name);
   return c;
 }
 
@@ -167,7 +198,8 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
           .diffusion = GaussianDiffusion(CosineSchedule{.steps = c.diffusion_steps}),
           .layout = smplrifke_layout(),
           .guidance = c.guidance,
-          .sampling = {.noise_scale = c.noise_scale},
+          .sampling = {.sampler = c.sampler, .noise_scale = c.noise_scale},
+          .steps = c.sampling_steps,
           .fps = c.fps};
 }
 
@@ -204,8 +236,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
   load_module(model, file);
-  prepare(model);
-  release_packed(model.denoiser);
+  prepare_loaded(model);
   return model;
 }
 template <Backend B>

@@ -59,7 +59,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
       {"exact", record.exact ? "1" : "0"},
       {"overlap", text(o.overlap)},
       {"guidance", detail::metadata_real_text(o.guidance.value_or(stmc.guidance))},
-      {"sampler", sampling.sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm"},
+      {"sampler", std::string(to_string(sampling.sampler))},
       {"eta", detail::metadata_real_text(sampling.eta)},
       {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
       {"clip", sampling.clip ? "1" : "0"},
@@ -114,7 +114,7 @@ inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Inde
 }  // namespace detail
 
 /// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error 101, 102 (made
-/// with other weights or another precision), 103 (no record), 107.
+/// with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
   const auto& m = file.metadata();
@@ -134,17 +134,16 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   out.options = {.overlap = detail::metadata_number<Index>(m, "overlap", name),
                  .guidance = real("guidance"),
                  .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
-                 .sampling = SamplingOptions{.eta = real("eta"), .clip = word("clip") == "1"},
+                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler")), .eta = real("eta"), .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
-  if (word("sampler") == "ddim") out.options.sampling->sampler = SamplingOptions::Sampler::ddim;
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
   const Index timelines = detail::metadata_size(m, "timelines", latest_time, name);
   for (Index i = 0; i < timelines; ++i) {
     out.timelines.push_back(detail::record_timeline(file, static_cast<std::size_t>(i), out.rows));
   }
   const Shape shape{timelines * out.rows, stmc.layout.size};
-  for (Index k = 0; k < out.options.steps; ++k) {
+  for (Index k = 0; k < *out.options.steps; ++k) {
     const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
     if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));

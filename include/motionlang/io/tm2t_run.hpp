@@ -164,10 +164,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
                     ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
   statistics->eps = 0;
   out.model.statistics = std::move(*statistics);
-  prepare(out.model.t2m_model);
-  prepare(out.model.tokenizer);
-  release_packed(out.model.t2m_model);
-  release_packed(out.model.tokenizer);
+  prepare_loaded(out.model.t2m_model);
+  prepare_loaded(out.model.tokenizer);
   return out;
 }
 

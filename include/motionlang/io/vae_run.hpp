@@ -96,8 +96,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
                         weights.name(), " has ", out.model.config.njoints);
   out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
-  prepare(out.model);
-  release_packed(out.model);
+  prepare_loaded(out.model);
   return out;
 }
 template <Backend B>
@@ -132,8 +131,7 @@ TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& w
                               .normalizer = std::move(*normalizer),
                               .text_encoder = temos_text_encoder<B>(run, weights, options),
                               .fps = r.real("data/framerate", fps)};
-  prepare(out.model);
-  release_packed(out.model);
+  prepare_loaded(out.model);
   return out;
 }
 inline WeightFile lightning_weights(const RunFolder& run, const char* system) {

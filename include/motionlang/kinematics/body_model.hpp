@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// On a bare backend the chain goes pose by pose and vertices through the kernel of skinning.hpp, on all threads (`prepare` the
-/// model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
+/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned while
+/// it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
 /// so that vertices and joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
@@ -12,8 +12,12 @@
 ///           the same sum in another order
 #pragma once
 
+#include <memory>  // what is packed
+
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/fields.hpp>
+#include <motionlang/core/instruction_set.hpp>
+#include <motionlang/core/parallel.hpp>
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/forward.hpp>
 #include <motionlang/kinematics/skinning.hpp>
@@ -113,6 +117,18 @@ struct BodyModel {
   std::vector<int> parents;  // -1 for the root
   std::vector<Index> extra;  // vertex numbers of the extra joints
 
+  /// Blend shapes in blocks of vertices, packed; the weights that are not 0.
+  struct Surface {
+    struct Block {
+      Index first, last;
+      Tensor<B, 2> directions;
+      Tensor<B, 1> mean;
+    };
+    std::vector<Block> blocks;
+    SkinWeights<typename B::scalar> weights;
+  };
+  std::shared_ptr<const Surface> packed{};  // by `prepare`
+
   static constexpr auto fields() {
     using M = BodyModel;
     return motionlang::fields("v_template", &M::v_template, "shapedirs", &M::shapedirs, "posedirs", &M::posedirs,
@@ -160,24 +176,32 @@ struct BodyModel {
                           const Tensor<B, 2>& translation) const {
     check(betas, rotations, translation);
     const auto rest = rest_joints(betas);
-    const auto before = blended_shapes(betas, rotations);
+    const auto coefficients = blend_coefficients(betas, rotations);
     PosedBody<B> out;
     if constexpr (AutodiffBackend<B>) {
       const Chain chain = posed_chain(rest, rotations);
       const auto tau = reshape<3>(translation, {translation.size(0), 1, 3});
-      out.vertices = skinned(before, chain.transforms) + tau;
+      out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
       const Chain chain = posed_chain(rest, rotations, translation);
-      const Index n = rotations.size(0);
       out.joints = chain.positions;
-      out.vertices = detail::written_tensor<B, 3>({n, vertices(), 3}, [&](auto* to) {
-        skin_vertices(SkinWeights(weights.span(), joints()), before.span().data(), chain.transforms.span().data(), n,
-                      joints(), to);
-      });
+      out.vertices = surface(coefficients, chain.transforms);
     }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
+  }
+
+  /// What `prepare` does: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
+  void pack_surface() {
+    if constexpr (!AutodiffBackend<B>) {
+      Surface made = empty_surface();
+      for (Index i = 0; i < blocks(); ++i) {
+        made.blocks.push_back(block(i));
+        if constexpr (requires { B::prepare(made.blocks[0].directions.data()); }) B::prepare(made.blocks.back().directions.data());
+      }
+      packed = std::make_shared<const Surface>(std::move(made));
+    }
   }
 
   /// Joints only: no vertex is touched. (N, J, 3)
@@ -211,16 +235,48 @@ struct BodyModel {
     return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
   }
 
-  /// The vertices in the rest pose with blend shapes: (N, 3 V).
-  Tensor<B, 2> blended_shapes(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
-    const Index n = rotations.size(0), j = joints(), v = vertices();
-    const auto mean = reshape<1>(v_template, {3 * v});
-    const auto shaped = shapedirs.size(1) == 0 ? reshape<2>(mean, {1, 3 * v}) + Tensor<B, 2>::zeros({n, 1})
-                                               : linear(betas, shapedirs, &mean);
-    if (posedirs.size(1) == 0) return shaped;
-    const auto feature = reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)});
-    const Tensor<B, 1>* const no_bias = nullptr;
-    return linear(feature, posedirs, no_bias, Activation::none, &shaped);
+  /// Factors of the shape directions and, if there are any, of the pose directions: (N, K + 9 (J - 1)).
+  Tensor<B, 2> blend_coefficients(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
+    if (posedirs.size(1) == 0) return betas;
+    const Index n = rotations.size(0), j = joints();
+    return concat(1, betas, reshape<2>(slice(rotations, 1, 1, j) - identity_row(), {n, 9 * (j - 1)}));
+  }
+  /// A copy of both directions side by side, of vertices first ... last - 1: (3 (last - first), K + 9 (J - 1)).
+  Tensor<B, 2> directions(Index first, Index last) const {
+    return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
+  }
+  Tensor<B, 1> mean(Index first, Index last) const { return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)}); }
+  /// Vertices in the rest pose with blend shapes, (N, 3 vertices).
+  static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions, const Tensor<B, 1>& mean) {
+    if (coefficients.size(1) == 0)
+      return reshape<2>(mean, {1, mean.size(0)}) + Tensor<B, 2>::zeros({coefficients.size(0), 1});
+    return linear(coefficients, directions, &mean);
+  }
+
+  static constexpr Index block_vertices = 256, block_poses = 256;  // both and the directions between them fit the second cache
+  Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
+  typename Surface::Block block(Index i) const {
+    const Index first = i * block_vertices, last = std::min(vertices(), first + block_vertices);
+    return {first, last, directions(first, last), mean(first, last)};
+  }
+  Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints())}; }
+
+  /// The vertices of all poses, (N, V, 3).
+  Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const Tensor<B, 3>& transforms) const {
+    const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
+    const Index n = coefficients.size(0), size = joints() * skin_transform_size;
+    const S* const from = transforms.span().data();
+    return detail::written_tensor<B, 3>({n, vertices(), 3}, [&](S* to) {
+      parallel_for(blocks() * ((n + block_poses - 1) / block_poses), [&](Index task) {
+        const Index i = task % blocks(), top = task / blocks() * block_poses, end = std::min(n, top + block_poses);
+        const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
+        const auto posed = blended(slice(coefficients, 0, top, end), b.directions, b.mean);
+        with_wide_vectors([&] {
+          skin_vertices(made->weights, b.first, b.last, posed.span().data(), from + top * size, end - top, joints(),
+                        to + top * 3 * vertices());
+        });
+      });
+    });
   }
 
   /// All poses at once: every number is a tensor (N, 1).
@@ -306,5 +362,11 @@ struct BodyModel {
     return chain;
   }
 };
+
+/// Makes a body ready for use. The model must not be changed afterwards.
+template <Backend B>
+void prepare(BodyModel<B>& model) {
+  model.pack_surface();
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

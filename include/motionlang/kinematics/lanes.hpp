@@ -3,14 +3,16 @@
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
 ///
-/// On a bare backend eight poses at a time go through SIMD registers (Lane), on all threads. On an Autodiff backend every number
-/// is a tensor over batch and time, so that the result can be differentiated.
+/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an Autodiff
+/// backend every number is a tensor over batch and time, so that the result can be differentiated.
 #pragma once
 
+#include <algorithm>    // min
 #include <type_traits>  // which path
+#include <vector>       // joints of a register
 
 #include <motionlang/core/buffer_pool.hpp>
-#include <motionlang/core/lane.hpp>
+#include <motionlang/core/lane_rows.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
 #include <motionlang/kinematics/forward.hpp>
@@ -36,30 +38,19 @@ LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
 
 namespace detail {
 
-/// Lane::size poses from pose `first` on; poses behind `count` repeat the last one and are not stored.
-template <Scalar S>
+/// Up to L::size poses from pose `first` on.
+template <class L, Scalar S>
 void forward_kinematics_lane(const Skeleton& skeleton, const S* rot6d, const S* root, Index first, Index count,
-                             S* joints, std::vector<Rotation6dRows<Lane<S>>>& local, JointTransforms<Lane<S>>& world) {
+                             S* joints, std::vector<Rotation6dRows<L>>& local, JointTransforms<L>& world) {
   const auto n = static_cast<std::size_t>(skeleton.size());
+  const int poses = static_cast<int>(std::min<Index>(L::size, count - first));
   local.resize(n);
-  Vec3<Lane<S>> place;
-  auto coordinates = [](auto& v) { return std::array{&v.x, &v.y, &v.z}; };
-  for (int i = 0; i < Lane<S>::size; ++i) {
-    const Index pose = std::min(first + i, count - 1);
-    const S* at = rot6d + pose * static_cast<Index>(6 * n);
-    for (std::size_t j = 0; j < n; ++j, at += 6) {
-      const auto a = coordinates(local[j].a), b = coordinates(local[j].b);
-      for (std::size_t c = 0; c < 3; ++c) (*a[c])[i] = at[c], (*b[c])[i] = at[3 + c];
-    }
-    const auto p = coordinates(place);
-    for (std::size_t c = 0; c < 3; ++c) (*p[c])[i] = root[3 * pose + static_cast<Index>(c)];
-  }
-  forward_kinematics(skeleton, std::span<const Rotation6dRows<Lane<S>>>(local), place, world);
-  for (int i = 0; i < Lane<S>::size && first + i < count; ++i) {
-    S* to = joints + (first + i) * static_cast<Index>(3 * n);
-    for (std::size_t j = 0; j < n; ++j, to += 3)
-      to[0] = world.position[j].x[i], to[1] = world.position[j].y[i], to[2] = world.position[j].z[i];
-  }
+  Vec3<L> place;
+  static_assert(sizeof(local[0]) == 6 * sizeof(L) && sizeof(place) == 3 * sizeof(L));
+  load_rows(rot6d + first * static_cast<Index>(6 * n), poses, std::span<L>(&local[0].a.x, 6 * n));
+  load_rows(root + first * 3, poses, std::span<L>(&place.x, 3));
+  forward_kinematics(skeleton, std::span<const Rotation6dRows<L>>(local), place, world);
+  store_rows(std::span<const L>(&world.position[0].x, 3 * n), poses, joints + first * static_cast<Index>(3 * n));
 }
 
 }  // namespace detail
@@ -74,13 +65,15 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
     raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
                        joints.size(), " joint values for ", n, " joints");
   }
-  constexpr Index block = 64 * Lane<S>::size;
+  constexpr Index block = 512;
   parallel_for((poses + block - 1) / block, [&](Index b) {
-    std::vector<Rotation6dRows<Lane<S>>> local;
-    JointTransforms<Lane<S>> world;
-    for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += Lane<S>::size) {
-      detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
-    }
+    with_widest_lanes<S>([&]<class L>() {
+      std::vector<Rotation6dRows<L>> local;
+      JointTransforms<L> world;
+      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) {
+        detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
+      }
+    });
   });
 }
 

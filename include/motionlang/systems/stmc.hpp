@@ -66,12 +66,12 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
     return reshape<2>(z, {sequences * collage.stride(), layout.size});
   };
-  const GaussianDiffusion steps = process(options.steps);
+  const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
-    return clean_motion(c, steps, traits.prediction, x, t);
+    return clean_motion(c, kept, traits.prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
-      steps, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
       options.sampling.value_or(sampling), options.progress);
   Index stride = collage.stride();
   if (hard_cuts) {
@@ -93,8 +93,8 @@ Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& sh
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-GaussianDiffusion Stmc<B, D, E>::process(Index steps) const {
-  return with_steps(diffusion, steps);
+GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
+  return with_steps(diffusion, wanted.value_or(steps));
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -147,6 +147,7 @@ Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
           .layout = m.layout,
           .guidance = m.guidance,
           .sampling = m.sampling,
+          .steps = m.steps,
           .fps = m.fps};
 }
 

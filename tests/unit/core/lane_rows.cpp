@@ -1,4 +1,4 @@
-// Lanes back into rows.
+// Rows into lanes, and lanes back into rows.
 #include <doctest/doctest.h>
 
 #include <motionlang/core/lane_rows.hpp>
@@ -7,22 +7,64 @@
 
 namespace ml = motionlang;
 
-TEST_CASE_TEMPLATE("lanes back into rows, whole and in part", S, float, double) {
-  constexpr int lanes = ml::Lane<S>::size;
-  constexpr auto rows_of_lanes = static_cast<std::size_t>(lanes);
-  for (const std::size_t width : {1u, 3u, 4u, 9u, 16u}) {
-    std::vector<ml::Lane<S>> numbers(width);
+namespace {
+
+constexpr std::size_t widths[] = {1, 3, 4, 9, 16};
+
+/// What stands in lane i of number k.
+template <class S>
+S value(std::size_t i, std::size_t k) {
+  return static_cast<S>(100 * i + k);
+}
+
+template <class L>
+using ScalarOf = std::remove_cvref_t<decltype(std::declval<const L&>()[0])>;
+
+template <class L>
+void check_store() {
+  using S = ScalarOf<L>;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  for (const std::size_t width : widths) {
+    std::vector<L> numbers(width);
     for (std::size_t k = 0; k < width; ++k) {
-      for (int i = 0; i < lanes; ++i) numbers[k][i] = static_cast<S>(100 * i) + static_cast<S>(k);
+      for (std::size_t i = 0; i < lanes; ++i) numbers[k][static_cast<int>(i)] = value<S>(i, k);
     }
-    for (int count = 0; count <= lanes; ++count) {
-      std::vector<S> rows(rows_of_lanes * width, S(-1));
-      ml::store_rows(std::span<const ml::Lane<S>>(numbers), count, rows.data());
+    for (int count = 0; count <= L::size; ++count) {
+      std::vector<S> rows(lanes * width, S(-1));
+      ml::store_rows(std::span<const L>(numbers), count, rows.data());
       for (std::size_t at = 0; at < rows.size(); ++at) {
-        const int i = static_cast<int>(at / width);
-        const S wanted = i < count ? static_cast<S>(100 * i) + static_cast<S>(at % width) : S(-1);
-        REQUIRE(rows[at] == wanted);
+        const std::size_t i = at / width;
+        REQUIRE(rows[at] == (i < static_cast<std::size_t>(count) ? value<S>(i, at % width) : S(-1)));
       }
     }
   }
+}
+
+template <class L>
+void check_load() {
+  using S = ScalarOf<L>;
+  for (const std::size_t width : widths) {
+    for (int count = 1; count <= L::size; ++count) {
+      std::vector<S> rows;  // no more than are read
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        for (std::size_t k = 0; k < width; ++k) rows.push_back(value<S>(i, k));
+      }
+      std::vector<L> numbers(width);
+      ml::load_rows(rows.data(), count, std::span<L>(numbers));
+      for (std::size_t k = 0; k < width; ++k) {
+        for (int i = 0; i < L::size; ++i) REQUIRE(numbers[k][i] == value<S>(static_cast<std::size_t>(std::min(i, count - 1)), k));
+      }
+    }
+  }
+}
+
+template <class... L>
+struct All {
+  static void check() { (check_store<L>(), ...), (check_load<L>(), ...); }
+};
+
+}  // namespace
+
+TEST_CASE("rows into lanes and lanes into rows, whole and in part, in registers of every width") {
+  All<ml::Lane<float, 16>, ml::Lane<float>, ml::Lane<float, 64>, ml::Lane<double, 16>, ml::Lane<double>, ml::Lane<double, 64>>::check();
 }

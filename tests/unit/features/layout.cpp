@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <motionlang/features/layout.hpp>
+#include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>
 
 namespace ml = motionlang;

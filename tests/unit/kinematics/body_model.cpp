@@ -1,5 +1,7 @@
 // Skinning by hand: a bar of three vertices and two joints. The published models are golden cases.
+#include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/core/rng.hpp>
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 
@@ -8,6 +10,7 @@
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<double>;
+using ml::Index;
 using Matrix = ml::Tensor<B, 2>;
 using Poses = ml::Tensor<B, 3>;
 using tensors::distance;
@@ -69,6 +72,37 @@ TEST_CASE("poses of a batch do not meet") {
   const auto model = bar();
   const auto both = model(Matrix::zeros({2, 1}), ml::concat(0, pose(0.3, 1), pose(-1, 0.5)), Matrix::zeros({2, 3}));
   CHECK(distance(ml::slice(both.vertices, 0, 1, 2), model(no_shape, pose(-1, 0.5), nowhere).vertices) < 1e-15);
+}
+
+TEST_CASE("a body of many vertices is made in blocks, prepared or not, and is that of one with a tape") {
+  using A = ml::Autodiff<B>;
+  ml::Philox rng{.seed = 1};
+  constexpr Index joints = 3, poses = 300;
+  for (const auto& [vertices, shapes, posed] : std::vector<std::tuple<Index, Index, bool>>{
+           {512, 0, false}, {600, 0, true}, {512, 4, false}, {600, 4, true}}) {
+    for (const bool with_extra : {false, true}) {
+      ml::BodyModel<B> model{.v_template = Matrix::randn({vertices, 3}, rng),
+                             .shapedirs = Matrix::randn({3 * vertices, shapes}, rng),
+                             .posedirs = Matrix::randn({3 * vertices, posed ? 9 * (joints - 1) : 0}, rng),
+                             .J_regressor = Matrix::full({joints, vertices}, 1.0 / static_cast<double>(vertices)),
+                             .weights = ml::softmax(Matrix::randn({vertices, joints}, rng)),
+                             .parents = {-1, 0, 1},
+                             .extra = {}};
+      if (with_extra) model.extra = {vertices - 1};
+      model.validate();
+      const auto betas = Matrix::randn({poses, shapes}, rng), tau = Matrix::randn({poses, 3}, rng);
+      const auto rotations = ml::rotation_rows(Poses::randn({poses, joints, 3}, rng));
+      const auto plain = model(betas, rotations, tau);
+      const auto taped = ml::convert<A>(model)(ml::Tensor<A, 2>::from(betas.span(), betas.shape()),
+                                               ml::Tensor<A, 3>::from(rotations.span(), rotations.shape()),
+                                               ml::Tensor<A, 2>::from(tau.span(), tau.shape()));
+      ml::prepare(model);
+      const auto prepared = model(betas, rotations, tau);
+      CHECK(distance(prepared.vertices, plain.vertices) < 1e-12);
+      CHECK(distance(Poses::from(taped.vertices.span(), plain.vertices.shape()), plain.vertices) < 1e-12);
+      CHECK(distance(Poses::from(taped.joints.span(), plain.joints.shape()), plain.joints) < 1e-12);
+    }
+  }
 }
 
 TEST_CASE("arrays that do not fit together are refused") {

@@ -22,7 +22,7 @@ std::vector<S> normals(Index n, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("eight poses at a time are the same poses", S, float, double) {
+TEST_CASE_TEMPLATE("several poses at a time are the same poses", S, float, double) {
   const auto& skeleton = ml::smpl24_skeleton();
   for (Index poses : {1, 7, 8, 9, 1500}) {
     const auto rot6d = normals<S>(poses * 24 * 6, 1), root = normals<S>(poses * 3, 2);
@@ -43,6 +43,24 @@ TEST_CASE_TEMPLATE("eight poses at a time are the same poses", S, float, double)
     }
     CHECK(worst < (sizeof(S) == 4 ? 5e-6 : 1e-13));
   }
+}
+
+TEST_CASE("registers of every width give the same joints") {
+  const auto& skeleton = ml::smpl24_skeleton();
+  constexpr Index poses = 37;
+  const auto rot6d = normals<float>(poses * 24 * 6, 1), root = normals<float>(poses * 3, 2);
+  const auto joints_of = [&]<int bytes>() {
+    using L = ml::Lane<float, bytes>;
+    std::vector<float> joints(poses * 72);
+    std::vector<ml::Rotation6dRows<L>> local;
+    ml::JointTransforms<L> world;
+    for (Index first = 0; first < poses; first += L::size)
+      ml::detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
+    return joints;
+  };
+  const auto narrow = joints_of.operator()<16>();
+  CHECK(joints_of.operator()<32>() == narrow);
+  CHECK(joints_of.operator()<64>() == narrow);
 }
 
 TEST_CASE("the same call on a tape gives the same joints and right gradients") {

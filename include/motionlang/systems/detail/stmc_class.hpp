@@ -26,7 +26,7 @@ enum class StmcMode { stmc, sinc, sinc_lerp };
 struct StmcOptions {
   Index overlap = 10;                // frames around a cut, in total
   std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
-  Index steps = 0;                   // of sampling; 0: all of the process
+  std::optional<Index> steps{};      // of sampling, 0: all of the process; the model's own unless given
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
@@ -48,6 +48,7 @@ struct Stmc {
   FeatureLayout layout = smplrifke_layout();
   double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
   SamplingOptions sampling{};  // the same
+  Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
   static constexpr auto fields() {
@@ -79,8 +80,8 @@ struct Stmc {
   /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with `steps` steps evenly kept; all when 0.
-  GaussianDiffusion process(Index steps) const;
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error 105.
+  GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
   /// Features of the text of every interval, and of "". Each text goes through the encoder once.

@@ -1,0 +1,13 @@
+# kernel_sets: values of MOTIONLANG_KERNELS with which a test is run, as far as this processor has them.
+set(kernel_sets portable)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND EXISTS /proc/cpuinfo)
+  file(STRINGS /proc/cpuinfo flags LIMIT_COUNT 1 REGEX "^flags")
+  foreach(set_and_flag "avx2 fma" "avx512 avx512bw")
+    separate_arguments(set_and_flag)
+    list(GET set_and_flag 0 name)
+    list(GET set_and_flag 1 flag)
+    if(flags MATCHES " ${flag}( |$)")
+      list(APPEND kernel_sets ${name})
+    endif()
+  endforeach()
+endif()
