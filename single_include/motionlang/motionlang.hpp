@@ -5207,7 +5207,7 @@ inline std::vector<std::string> other_side(const std::string& name) {
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for several poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
@@ -5832,9 +5832,10 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 #define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned while
-/// it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
-/// so that vertices and joints can be differentiated by shape, rotations and translation.
+/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned
+/// while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
+/// Autodiff backend every number of the chain is a tensor over the poses, so that vertices and joints can be differentiated
+/// by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
 ///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
@@ -16835,10 +16836,10 @@ inline std::string_view to_string(SamplingOptions::Sampler sampler) {
   return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
 }
 /// "ddpm" or "ddim". Throws config_error 103.
-inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
+inline SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler") {
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
   if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, "sampler '", name, "' is neither ddpm nor ddim");
+  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
 }
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.

@@ -12349,21 +12349,23 @@ class GlbFile {
     return out;
   }
 
+  /// Seconds from time 0 to the last key of an animation. Throws config_error 103 if there is no such animation.
+  double duration(Index animation) const { return at(animation).duration(); }
+
   /// The animation at `fps` frames per second, from time 0 to its last key.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
   Motion motion(Index animation, double fps = 30) const {
-    if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
-      raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
-    }
+    const detail::GltfAnimation& a = at(animation);
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
-    const detail::GltfAnimation& a = animations_[static_cast<std::size_t>(animation)];
     const double last = a.duration() * fps;  // the time of the last key is a float
     const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
     if (frames * skeleton().size() > max_rotations) {
       raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
     }
     Motion motion{skeleton(), fps, {}, {}, a.name()};
+    motion.root.reserve(static_cast<std::size_t>(frames));
+    motion.local.reserve(static_cast<std::size_t>(frames) * joints_.nodes.size());
     for (double frame = 0; frame < frames; ++frame) append_pose(motion, a, frame / fps);
     return motion;
   }
@@ -12387,6 +12389,13 @@ class GlbFile {
     std::vector<detail::GltfAnimation> out;
     for (Index i = 0; i < document.count("animations"); ++i) out.emplace_back(keys, i);
     return out;
+  }
+
+  const detail::GltfAnimation& at(Index animation) const {
+    if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
+      raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
+    }
+    return animations_[static_cast<std::size_t>(animation)];
   }
 
   detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const {
@@ -13770,10 +13779,7 @@ inline void check_sampling_steps(const StmcModelConfig& c, const std::string& wh
 inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
   const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
   const std::size_t space = std::min(wanted.find(' '), wanted.size());
-  const std::string sampler = wanted.substr(0, space);
-  if (sampler != "ddpm" && sampler != "ddim")
-    raise<config_error>(103, file, ": metadata 'sampling' = '", wanted, "' begins with neither ddpm nor ddim");
-  c.sampler = sampler == "ddim" ? SamplingOptions::Sampler::ddim : SamplingOptions::Sampler::ddpm;
+  c.sampler = parse_sampler(std::string_view(wanted).substr(0, space), file + ": metadata 'sampling':");
   if (space == wanted.size()) return;
   c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
   check_sampling_steps(c, file);
@@ -14087,7 +14093,9 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   out.options = {.overlap = detail::metadata_number<Index>(m, "overlap", name),
                  .guidance = real("guidance"),
                  .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
-                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler")), .eta = real("eta"), .clip = word("clip") == "1"},
+                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler"), name + ": metadata 'sampler':"),
+                                              .eta = real("eta"),
+                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;

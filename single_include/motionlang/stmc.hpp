@@ -8844,10 +8844,10 @@ inline std::string_view to_string(SamplingOptions::Sampler sampler) {
   return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
 }
 /// "ddpm" or "ddim". Throws config_error 103.
-inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
+inline SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler") {
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
   if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, "sampler '", name, "' is neither ddpm nor ddim");
+  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
 }
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
@@ -9191,7 +9191,7 @@ struct Normalizer {
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for several poses in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
@@ -12711,10 +12711,7 @@ inline void check_sampling_steps(const StmcModelConfig& c, const std::string& wh
 inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
   const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
   const std::size_t space = std::min(wanted.find(' '), wanted.size());
-  const std::string sampler = wanted.substr(0, space);
-  if (sampler != "ddpm" && sampler != "ddim")
-    raise<config_error>(103, file, ": metadata 'sampling' = '", wanted, "' begins with neither ddpm nor ddim");
-  c.sampler = sampler == "ddim" ? SamplingOptions::Sampler::ddim : SamplingOptions::Sampler::ddpm;
+  c.sampler = parse_sampler(std::string_view(wanted).substr(0, space), file + ": metadata 'sampling':");
   if (space == wanted.size()) return;
   c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
   check_sampling_steps(c, file);

@@ -19,7 +19,7 @@ void check_motions(std::span<const std::byte> bytes) {
   const auto names = file.animation_names();
   for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 3); ++i) {
     const auto number = static_cast<ml::Index>(i);
-    if (file.motion(number, 0.01).frames() > 2) continue;  // longer than 200 s
+    if (file.duration(number) > 190) continue;
     const ml::Motion motion = file.motion(number, 5);
     check(motion.frames() >= 1 && motion.frames() <= most_frames, "frames");
     check(motion.local.size() == motion.root.size() * file.skeleton().names.size(), "size of the table");

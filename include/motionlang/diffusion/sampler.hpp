@@ -55,10 +55,10 @@ inline std::string_view to_string(SamplingOptions::Sampler sampler) {
   return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
 }
 /// "ddpm" or "ddim". Throws config_error 103.
-inline SamplingOptions::Sampler parse_sampler(std::string_view name) {
+inline SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler") {
   if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
   if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, "sampler '", name, "' is neither ddpm nor ddim");
+  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
 }
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.

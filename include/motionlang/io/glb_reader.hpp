@@ -35,21 +35,23 @@ class GlbFile {
     return out;
   }
 
+  /// Seconds from time 0 to the last key of an animation. Throws config_error 103 if there is no such animation.
+  double duration(Index animation) const { return at(animation).duration(); }
+
   /// The animation at `fps` frames per second, from time 0 to its last key.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
   Motion motion(Index animation, double fps = 30) const {
-    if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
-      raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
-    }
+    const detail::GltfAnimation& a = at(animation);
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
-    const detail::GltfAnimation& a = animations_[static_cast<std::size_t>(animation)];
     const double last = a.duration() * fps;  // the time of the last key is a float
     const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
     if (frames * skeleton().size() > max_rotations) {
       raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
     }
     Motion motion{skeleton(), fps, {}, {}, a.name()};
+    motion.root.reserve(static_cast<std::size_t>(frames));
+    motion.local.reserve(static_cast<std::size_t>(frames) * joints_.nodes.size());
     for (double frame = 0; frame < frames; ++frame) append_pose(motion, a, frame / fps);
     return motion;
   }
@@ -73,6 +75,13 @@ class GlbFile {
     std::vector<detail::GltfAnimation> out;
     for (Index i = 0; i < document.count("animations"); ++i) out.emplace_back(keys, i);
     return out;
+  }
+
+  const detail::GltfAnimation& at(Index animation) const {
+    if (animation < 0 || animation >= static_cast<Index>(animations_.size())) {
+      raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
+    }
+    return animations_[static_cast<std::size_t>(animation)];
   }
 
   detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const {

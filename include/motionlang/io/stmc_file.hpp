@@ -76,10 +76,7 @@ inline void check_sampling_steps(const StmcModelConfig& c, const std::string& wh
 inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
   const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
   const std::size_t space = std::min(wanted.find(' '), wanted.size());
-  const std::string sampler = wanted.substr(0, space);
-  if (sampler != "ddpm" && sampler != "ddim")
-    raise<config_error>(103, file, ": metadata 'sampling' = '", wanted, "' begins with neither ddpm nor ddim");
-  c.sampler = sampler == "ddim" ? SamplingOptions::Sampler::ddim : SamplingOptions::Sampler::ddpm;
+  c.sampler = parse_sampler(std::string_view(wanted).substr(0, space), file + ": metadata 'sampling':");
   if (space == wanted.size()) return;
   c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
   check_sampling_steps(c, file);

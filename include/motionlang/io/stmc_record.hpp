@@ -134,7 +134,9 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   out.options = {.overlap = detail::metadata_number<Index>(m, "overlap", name),
                  .guidance = real("guidance"),
                  .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
-                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler")), .eta = real("eta"), .clip = word("clip") == "1"},
+                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler"), name + ": metadata 'sampler':"),
+                                              .eta = real("eta"),
+                                              .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;

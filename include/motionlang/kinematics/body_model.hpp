@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned while
-/// it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses,
-/// so that vertices and joints can be differentiated by shape, rotations and translation.
+/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned
+/// while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
+/// Autodiff backend every number of the chain is a tensor over the poses, so that vertices and joints can be differentiated
+/// by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
 ///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
