@@ -129,6 +129,22 @@ TEST_CASE("check and info show what a file holds") {
   CHECK(contains(w.run({"info", "two.txt"}).text, "2 texts, 1.00 s"));
 }
 
+TEST_CASE("weights are stored in another type; what the file says of the model stays") {
+  const Workplace w;
+  CHECK(w.run({"convert", "model.safetensors", "wide.safetensors", "--store", "F32"}).code == 0);
+  const auto half = w.run({"convert", "wide.safetensors", "half.safetensors", "--store", "bf16"});
+  CHECK_MESSAGE(half.code == 0, half.text);
+  CHECK(contains(half.text, "60 tensors"));
+  const auto about = w.run({"info", "half.safetensors"});
+  for (const char* word : {"BF16", "license", "MIT"}) CHECK_MESSAGE(contains(about.text, word), word, " in ", about.text);
+  const auto size = [&](const char* file) { return std::filesystem::file_size(w / file); };
+  CHECK(size("wide.safetensors") > 3 * size("half.safetensors") / 2);
+  CHECK(ml::load_stmc<B>((w / "half.safetensors").string()).fps == ml::load_stmc<B>((w / "model.safetensors").string()).fps);
+  const auto motion = w.run({"convert", "model.safetensors", "motion.bvh", "--store", "F16"});
+  CHECK(motion.code != 0);
+  CHECK_MESSAGE(contains(motion.text, "--store: is for weights"), motion.text);
+}
+
 TEST_CASE("weights may ask for a sampler and a number of steps; the command line goes first") {
   const Workplace w;
   auto made = [&](const std::string& out, const std::vector<std::string>& more) {

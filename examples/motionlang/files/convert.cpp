@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string in, out, tensors, features;
+  std::string in, out, tensors, store, features;
   std::string as;         // of a folder: extension of what its files become
   bool data_set = false;  // clips go into a folder of HumanML3D's form
   MotionReadOptions read;
@@ -236,7 +236,8 @@ void convert_file(const Options& o) {
 }
 
 void run(Options o) {
-  if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors);
+  if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
+  if (!o.store.empty()) throw CLI::ValidationError("--store", "is for weights, written as .safetensors; the result is " + o.out);
   const bool folder = fs::is_directory(o.in);
   o.data_set = o.features == "guoh3d" && (folder ? o.as.empty() : !fs::path(o.out).has_extension());
   if (folder && o.as.empty() && !o.data_set)
@@ -308,6 +309,8 @@ void add_convert(CLI::App& app) {
       ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png"}));
   c->add_option("--tensors", o->tensors,
                 "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
+  c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
+      ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
   c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")
       ->check(CLI::PositiveNumber);
   c->add_option("--from", o->from, "Begin, seconds")->check(CLI::NonNegativeNumber);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include <motionlang/io/module_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 
 #include "motion_files.hpp"
@@ -61,7 +62,8 @@ void show_weights(const std::filesystem::path& path) {
   for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", printable(name).c_str());
 }
 
-void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys) {
+void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
+                     std::optional<ml::DType> stored) {
   ml::WeightOptions options;
   if (!keys.empty()) options.path = keys;
   const auto file = ml::open_weights(in, options);
@@ -69,9 +71,19 @@ void convert_weights(const std::filesystem::path& in, const std::filesystem::pat
   for (const ml::FileValue& v : file.values()) {
     if (ml::is_utf8(v.path)) metadata[v.path] = to_string(v);
   }
-  metadata["format"] = "pt";
-  ml::write_safetensors(out, file.tensors(), metadata);
-  std::printf("%s: %s\n", out.c_str(), summary(file).c_str());
+  metadata.try_emplace("format", "pt");
+  ml::TensorStore store;
+  std::vector<ml::TensorView> tensors;
+  for (const ml::TensorView& t : file.tensors()) {
+    if (stored && t.dtype >= ml::DType::F16 && t.dtype <= ml::DType::F64)
+      store.add(t.name, t.shape, std::span<const double>(ml::values_of<double>(t)), *stored);
+    else
+      tensors.push_back(t);
+  }
+  const auto rounded = store.views();
+  tensors.insert(tensors.end(), rounded.begin(), rounded.end());
+  ml::write_safetensors(out, tensors, metadata);
+  std::printf("%s: %s\n", out.c_str(), summary(ml::open_weights(out)).c_str());
   for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", printable(name).c_str());
 }
 

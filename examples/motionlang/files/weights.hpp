@@ -2,9 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include <motionlang/io/tensor_view.hpp>
+
 namespace program {
+
+namespace ml = motionlang;
 
 /// Whether a file, or a folder, is to be read as weights: by its kind, of others by how it begins.
 bool is_weights(const std::filesystem::path& path);
@@ -18,7 +23,8 @@ std::string printable(std::string text);
 /// Of the folder of a model: the system, its files, and what they say; "" of others.
 std::string describe_folder(const std::filesystem::path& folder);
 void show_weights(const std::filesystem::path& path);
-/// `keys` lead to the tensors in the file; found unless given.
-void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys);
+/// `keys` lead to the tensors in the file; found unless given. Floating-point numbers are rounded to `stored`, if given.
+void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
+                     std::optional<ml::DType> stored);
 
 }  // namespace program
