@@ -5,6 +5,7 @@
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/glb_reader.hpp>
 #include <motionlang/io/humanml3d_folder.hpp>
+#include <motionlang/io/motion_npy.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
@@ -264,6 +265,8 @@ TEST_CASE("convert, strip: whole folders, and the files that fail are named") {
   const auto set = w.run({"convert", "in", "set", "--features", "guoh3d"});
   CHECK_MESSAGE(contains(set.text, "set: 4 of 4 files converted"), set.text);
   CHECK(ml::read_ids(w / "set/all.txt").size() == 4);
+  CHECK(w.run({"convert", "in", "kit", "--features", "kit"}).code == 0);
+  CHECK(ml::HumanMl3dFolder(w / "kit", ml::kit_ml_form).features("walk").size() % 251 == 0);
 
   std::filesystem::create_symlink(w / "in/walk.bvh", w / "in/a/linked.bvh");  // stays in its place
   CHECK(w.run({"convert", "in/", "npz", "--as", ".npz"}).code == 0);
@@ -413,7 +416,7 @@ TEST_CASE("convert: options that would be left out are refused; it is said how j
   CHECK(!contains(w.run({"convert", "walk.bvh", "smpl.npz"}).text, "SMPL -> SMPL"));
 }
 
-TEST_CASE("convert: clips are added to a data set in HumanML3D's form, and captions that are there are kept") {
+TEST_CASE("convert: clips are added to a data set in HumanML3D's or KIT-ML's form, captions that are there are kept") {
   const Workplace w;
   std::vector<ml::Motion> two(2, synthetic::walk({.frames = 40, .fps = 30}));
   ml::write_glb(w / "walk.glb", two);
@@ -430,6 +433,21 @@ TEST_CASE("convert: clips are added to a data set in HumanML3D's form, and capti
   CHECK(clip.is_finite());
   CHECK(clip.captions.at(0).text == "a person walks.");
   CHECK(w.run({"convert", "walk.glb", "set", "--features", "rifke"}).code == 1);
+
+  const auto kit = w.run({"convert", "walk.glb", "kit", "--features", "kit"});
+  REQUIRE_MESSAGE(kit.code == 0, kit.text);
+  CHECK_MESSAGE(contains(kit.text, "kit: clip walk_2, 16 frames at 12.5 per second, 0 captions"), kit.text);
+  const auto on_kit = ml::HumanMl3dFolder(w / "kit", ml::kit_ml_form).load("walk");
+  CHECK(on_kit.frames == 16);
+  CHECK(on_kit.joints[1] > 300);  // height of the root in KIT's units, 640 in a metre
+  CHECK(synthetic::largest_distance(ml::read_motion_npy(w / "kit/new_joints/walk.npy"),
+                                    ml::read_motion_npy(w / "kit/new_joint_vecs/walk.npy")) < 1e-3);
+  const auto guoh3d_into_kit = w.run({"convert", "walk.glb", "kit", "--features", "guoh3d"});
+  CHECK(guoh3d_into_kit.code == 1);
+  CHECK_MESSAGE(contains(guoh3d_into_kit.text, "kit/new_joint_vecs/walk.npy: rows of 251 numbers (kit), the new clip has "
+                                               "rows of 263 (guoh3d)"),
+                guoh3d_into_kit.text);
+  CHECK(ml::read_ids(w / "kit/all.txt").size() == 2);
 }
 
 TEST_CASE("convert: what an AMASS file has and the body does not get is named") {

@@ -7,6 +7,7 @@
 #include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/search/unit_rows.hpp>
 
 #include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/official_folders.hpp"
@@ -20,13 +21,14 @@ using B = ml::EigenBackend<float>;
 
 namespace {
 
-void save_model(const fs::path& folder, std::uint64_t seed) {
+void save_model(const fs::path& folder, std::uint64_t seed, const std::string& features = "guoh3d") {
   auto config = program::tmr_preset("small");
+  config.features = features;
   config.network.latent_dim = 32, config.network.ff_size = 32, config.network.num_layers = 1;
   config.text.width = 16;
   std::vector<std::string> pieces{"[CLS]", "[SEP]", "[UNK]", "a", "person", "walks", "slowly", "turns", "left"};
-  const auto model =
-      program::make_text_motion<ml::Tmr, B>(config, 263, ml::WordPiece(pieces, "pieces"), ml::Philox{.seed = seed});
+  const auto model = program::make_text_motion<ml::Tmr, B>(config, ml::motion_features(features).width,
+                                                           ml::WordPiece(pieces, "pieces"), ml::Philox{.seed = seed});
   program::save_text_motion(folder, model, config, {{"license", "CC0"}, {"provenance", "random numbers"}});
 }
 
@@ -127,6 +129,42 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
   CHECK(strips == 4);
   CHECK(contains(html, "a person walks &lt;slowly&gt;"));
   CHECK(contains(html, "Free as air"));
+}
+
+TEST_CASE("index: a model of KIT's features has their rate, and sees clips on their joints as they are") {
+  const Gallery g;
+  save_model(g / "kit", 1, "kit");
+  ml::Motion on_mmm = ml::retarget(walk("mmm", 60, 0.5), ml::kit21_skeleton());
+  for (const char* arm : {"LE", "RE", "LW", "RW"}) {  // longer arms than SMPL's
+    auto& bone = on_mmm.skeleton.offsets[static_cast<std::size_t>(on_mmm.skeleton[arm])];
+    bone = 1.5 * bone;
+  }
+  ml::write_bvh(g / "clips/mmm.bvh", on_mmm);
+  check_contains(g.run({"index", "clips", "--model", "kit", "-o", "moves.index"}), 0, {"7 clips"});
+  const auto index = ml::read_motion_index(g / "moves.index");
+  CHECK(index.model().fps == 12.5);
+
+  const auto& features = ml::motion_features("kit");
+  const auto model = program::load_text_motion<ml::Tmr, B>(g / "kit", program::read_text_motion_config(g / "kit"));
+  const auto vector_of = [&](const ml::Motion& motion) {
+    const auto rows = features.from_motion(ml::resample(motion, features.fps));
+    const std::vector<float> values(rows.begin(), rows.end());
+    const ml::Index frames = std::ssize(values) / features.width;
+    const ml::Sequences<B> seen(ml::Tensor<B, 2>::from(values, {frames, features.width}), ml::Offsets{frames});
+    return ml::unit_rows(model.system.encode_motion(seen).mu.to_vector(), 32);
+  };
+  const auto clip = std::find_if(index.clips().begin(), index.clips().end(),
+                                 [](const ml::IndexedClip& c) { return c.path.ends_with("mmm.bvh"); });
+  REQUIRE(clip != index.clips().end());
+  const auto found = index.clip_rows().subspan(static_cast<std::size_t>(clip - index.clips().begin()) * 32, 32);
+  const auto farthest = [&](const std::vector<float>& vector) {
+    float most = 0;
+    for (std::size_t i = 0; i < 32; ++i) most = std::max(most, std::abs(found[i] - vector[i]));
+    return most;
+  };
+  const ml::Motion read = ml::read_bvh_motion(g / "clips/mmm.bvh");
+  CHECK(farthest(vector_of(read)) < 1e-5f);
+  CHECK(farthest(vector_of(ml::retarget(read))) > 1e-3f);  // on SMPL's joints
 }
 
 TEST_CASE("index: what has not changed is not read again; what is gone, new, changed or renamed is noticed") {

@@ -6,6 +6,7 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/humanml3d_folder.hpp>
+#include <motionlang/io/model_folder.hpp>
 #include <motionlang/io/npz.hpp>
 #include <motionlang/io/safetensors.hpp>
 
@@ -75,6 +76,28 @@ struct Clips : TemporaryFolder {
     return ml::read_file(*this / (out + "/model/weights.safetensors"));
   }
 };
+
+/// Two epochs of a tiny network, into "out".
+Outcome train_tiny(const std::string& command, const std::filesystem::path& folder,
+                   const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{command, "--preset", "small", "--out", "out", "--fresh"};
+  for (const char* a : {"optimiser.epochs=2", "optimiser.batch=2", "network.latent_dim=8", "network.ff_size=8",
+                        "network.num_layers=1", "network.num_heads=2", "text.width=8"})
+    arguments.insert(arguments.end(), {"--set", a});
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run(arguments, folder);
+}
+
+/// A walk of so many rows, and what is said about it, in a data set.
+void add_walk(const std::string& data_set, const std::string& id, int rows, const std::string& features,
+              const ml::HumanMl3dForm& form) {
+  const auto& f = ml::motion_features(features);
+  const auto values = f.from_motion(synthetic::walk({.frames = rows + 1, .fps = f.fps}));
+  const std::vector<float> joints(static_cast<std::size_t>(rows * 3 * form.joints));
+  ml::HumanMl3dClip clip{id, rows, {values.begin(), values.end()}, joints, {}};
+  clip.captions.push_back({.text = "a person walks " + id, .words = {}, .start = 0, .end = 0});
+  ml::write_humanml3d_clip(data_set, clip, form);
+}
 
 double mean(std::span<const float> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
@@ -311,22 +334,9 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
 
 TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   const Clips clips;
-  auto train = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"train-tmr", "--preset", "small", "--out", "out", "--fresh"};
-    for (const char* a : {"optimiser.epochs=2", "optimiser.batch=2", "network.latent_dim=8", "network.ff_size=8",
-                          "network.num_layers=1", "network.num_heads=2", "text.width=8"})
-      arguments.insert(arguments.end(), {"--set", a});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run(arguments, clips.path);
-  };
-  const auto& features = ml::motion_features("guoh3d");
+  auto train = [&](const std::vector<std::string>& more) { return train_tiny("train-tmr", clips.path, more); };
   const std::string folder = (clips / "h3d").string();
-  for (const char* id : {"000000", "000001", "000002"}) {
-    const auto rows = features.from_motion(synthetic::walk({.frames = 61}));
-    ml::HumanMl3dClip clip{id, 60, {rows.begin(), rows.end()}, std::vector<float>(60 * 66), {}};
-    clip.captions.push_back({.text = std::string("a person walks ") + id, .words = {}, .start = 0, .end = 0});
-    ml::write_humanml3d_clip(folder, clip);
-  }
+  for (const char* id : {"000000", "000001", "000002"}) add_walk(folder, id, 60, "guoh3d", ml::humanml3d_form);
   ml::write_ids(folder + "/train.txt", std::vector<std::string>{"000000", "000002"});
   ml::write_ids(folder + "/test.txt", std::vector<std::string>{"000001"});
   const auto h3d = train({"--data", "h3d"});
@@ -338,7 +348,8 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   ml::write_ids(folder + "/train.txt", std::vector<std::string>{"000000", "000002", "000003"});
   CHECK(contains(train({"--data", "h3d"}).text, "2 motions to train on, 0 for validation, 1 for tests; 1 left out"));
   CHECK(contains(train({"--data", "h3d", "--set", "features=rifke"}).text,
-                 "holds features of HumanML3D, the configuration wants 'rifke'"));
+                 "h3d holds ready-made features, which are guoh3d (263 numbers) or kit (251 numbers); the configuration "
+                 "wants 'rifke' (67)"));
 
   ml::write_file(clips / "annotations.json", R"({
     "00000": {"path": "clip0", "duration": 2, "annotations": [
@@ -383,4 +394,94 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   const auto lots = train({"--data", "lots", "--annotations", "lots.json", "--set", "data.test_share=0.25", "--set",
                            "data.validation_share=0.25"});
   CHECK_MESSAGE(contains(lots.text, "12 motions to train on, 4 for validation, 4 for tests; 0 left out"), lots.text);
+}
+
+TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained on, measured, generated, searched") {
+  const TemporaryFolder place;
+  const auto said = [&](const std::vector<std::string>& arguments) {
+    const auto out = run(arguments, place.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  };
+  // 30 rows are enough for KIT-ML, though not for HumanML3D; 20 are not
+  const std::string kit = (place / "kit").string();
+  for (const auto& [id, rows] : {std::pair{"00001", 30}, {"00002", 60}, {"00003", 40}, {"00004", 40}, {"00005", 20}})
+    add_walk(kit, id, rows, "kit", ml::kit_ml_form);
+  ml::write_ids(kit + "/train.txt", std::vector<std::string>{"00001", "00002", "00005"});
+  ml::write_ids(kit + "/test.txt", std::vector<std::string>{"00003", "00004"});
+
+  const std::vector<std::string> one_epoch{"--data", "kit", "--set", "optimiser.epochs=1"};
+  const auto tmr = train_tiny("train-tmr", place.path, one_epoch);
+  REQUIRE_MESSAGE(tmr.code == 0, tmr.text);
+  CHECK_MESSAGE(contains(tmr.text, "2 motions to train on, 0 for validation, 2 for tests; 1 left out"), tmr.text);
+  CHECK(ml::read_model_folder(place / "out/model").features == "kit");
+  CHECK(ml::read_model_folder(place / "out/model").fps == 12.5);
+  CHECK(contains(said({"info", "out/model"}), "kit, 12.5 frames per second"));
+  const auto evaluated = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"evaluate", "out/model", "--data", "kit"});
+    return said(more);
+  };
+  const auto measured = evaluated({"--synthesis"});
+  for (const char* word : {"2 motions of the test part", "text to motion", "  generated"})
+    CHECK_MESSAGE(contains(measured, word), measured);
+  CHECK(contains(evaluated({"--synthesis", "--generator", "out/model"}), "  generated"));
+  CHECK(contains(evaluated({"--moments", "2", "--joined", "2"}), "4 texts in 2 motions"));
+
+  said({"generate", "--model", "out/model", "--text", "a person walks", "--seconds", "2", "--out", "made"});
+  const auto made = ml::read_bvh_motion(place / "made/a_person_walks.bvh");
+  CHECK(made.frames() == 25);
+  CHECK(made.skeleton.names == ml::kit21_skeleton().names);
+  CHECK(contains(said({"index", "made", "--model", "out/model", "-o", "moves.index"}), "3 clips"));  // .bvh, .glb, .npz
+  CHECK(contains(said({"search", "moves.index", "a person walks"}), "made/a_person_walks.bvh"));
+  CHECK(contains(said({"search", "moves.index", "--like", "made/a_person_walks.bvh", "--top", "1"}), "  1  1.000"));
+
+  const auto temos = train_tiny("train-temos", place.path, one_epoch);
+  REQUIRE_MESSAGE(temos.code == 0, temos.text);
+  const auto errors = evaluated({"--samples", "2"});
+  const auto at = errors.find("  mean pose");
+  REQUIRE_MESSAGE(at != errors.npos, errors);
+  const double way = std::stod(errors.substr(at + 11));  // of the root, in metres, not in KIT's units
+  CHECK_MESSAGE((way > 0.1 && way < 10), errors);
+
+  // rows of another width, of another data set, of both
+  auto refused = [&](std::vector<std::string> more, const std::string& message) {
+    more.insert(more.begin(), {"--data", "kit"});
+    const auto out = train_tiny("train-tmr", place.path, more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused({"--set", "features=guoh3d"}, "kit/new_joint_vecs/00001.npy: an array (30, 251), expected (30, 263)");
+  add_walk((place / "h3d").string(), "000000", 60, "guoh3d", ml::humanml3d_form);
+  ml::write_ids(place / "h3d/train.txt", std::vector<std::string>{"000000"});
+  const auto other = run({"evaluate", "out/model", "--data", "h3d", "--part", "training"}, place.path);
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "h3d/new_joint_vecs/000000.npy: an array (60, 263), expected (60, 251)"),
+                other.text);
+  add_walk(kit, "00006", 60, "guoh3d", ml::humanml3d_form);
+  ml::write_ids(kit + "/train.txt", std::vector<std::string>{"00001", "00006"});
+  refused({}, "kit/new_joint_vecs/00006.npy: an array (60, 263), expected (60, 251)");
+  const std::vector<float> rows(4 * 100);
+  ml::write_npy(kit + "/new_joint_vecs/00001.npy", ml::NpyArray::of(std::span<const float>(rows), {4, 100}));
+  refused({}, "kit/new_joint_vecs/00001.npy: an array (4, 100), expected rows of guoh3d (263 numbers) or kit (251 "
+              "numbers)");
+
+  // ready-made rows of KIT-ML that an annotation file names; of HumanML3D among them
+  ml::write_file(place / "annotations.json", R"({
+    "00002": {"path": "00002", "duration": 4.8, "annotations": [
+      {"seg_id": "0", "text": "a person walks", "start": 0, "end": 4.8}]},
+    "00003": {"path": "00003", "duration": 3.2, "annotations": [
+      {"seg_id": "0", "text": "someone walks", "start": 0, "end": 3.2}]},
+    "00006": {"path": "00006", "duration": 3, "annotations": [{"seg_id": "0", "text": "a walk", "start": 0, "end": 3}]}})");
+  const std::vector<std::string> annotated{"--data",           "kit/new_joint_vecs", "--annotations",
+                                           "annotations.json", "--splits",           "kit"};
+  ml::write_ids(kit + "/train.txt", std::vector<std::string>{"00002", "00003"});
+  const auto unified = train_tiny("train-tmr", place.path, annotated);
+  REQUIRE_MESSAGE(unified.code == 0, unified.text);
+  CHECK(contains(unified.text, "2 motions to train on, 0 for validation, 0 for tests; 0 left out"));
+  CHECK(ml::read_model_folder(place / "out/model").features == "kit");
+  CHECK(contains(said({"train-tmr", "--print-config"}), "\"features\": \"guoh3d\""));
+  ml::write_ids(kit + "/train.txt", std::vector<std::string>{"00002", "00003", "00006"});
+  const auto both = train_tiny("train-tmr", place.path, annotated);
+  CHECK(both.code == 1);
+  CHECK_MESSAGE(contains(both.text, "00006.npy: an array (60, 263), expected (60, 251)"), both.text);
 }

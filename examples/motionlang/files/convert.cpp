@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string in, out, tensors, store, features;
-  std::string as;         // of a folder: extension of what its files become
-  bool data_set = false;  // clips go into a folder of HumanML3D's form
+  std::string as;                         // of a folder: extension of what its files become
+  const DataSetForm* data_set = nullptr;  // clips go into a folder of this form
   MotionReadOptions read;
   RigOptions rig;
   BodyOptions body;
@@ -38,7 +38,7 @@ struct Options {
 /// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed there.
 bool wants_smpl(const Options& o, const ml::Motion& m) {
   const bool on_smpl_body = !o.body.file.empty() && o.body.file != "free";
-  const bool others = !o.features.empty() && ml::motion_features(o.features).skeleton().names != m.skeleton.names;
+  const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
   return o.smpl || o.fix_feet || on_smpl_body || others || kind_of(o.out) == ".npz";
 }
 
@@ -136,9 +136,11 @@ class Conversion {
     } else if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
       write_motions(o_.out, made_);
       told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
-    } else if (o_.data_set) {
+    } else if (o_.data_set != nullptr) {
       for (const ml::Motion& m : made_)
-        attempt(m.name, [&] { told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, o_.fps); });
+        attempt(m.name, [&] {
+          told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, *o_.data_set, o_.fps);
+        });
     } else {
       for (const ml::Motion& m : made_) {
         const auto path = motions_.size() == 1 ? fs::path(o_.out) : name_of(o_.out, m.name, taken_);
@@ -192,7 +194,7 @@ class FolderConversion {
   /// What is written must not stand among what is read: it could be in the place of a file that is still to be read, and a second run
   /// would read it as well.
   void refuse_to_overwrite() const {
-    const std::string kind = o_.data_set ? ".npy" : o_.as;
+    const std::string kind = o_.data_set != nullptr ? ".npy" : o_.as;
     const bool is_read = is_motion_file("a" + kind) || kind == ".npy";
     const fs::path inside = fs::weakly_canonical(o_.out).lexically_relative(fs::weakly_canonical(o_.in));
     if (is_read && !inside.empty() && *inside.begin() != "..")
@@ -204,7 +206,7 @@ class FolderConversion {
     try {
       Options one = o_;
       one.in = file.string();
-      if (!o_.data_set) {
+      if (o_.data_set == nullptr) {
         const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
         fs::create_directories(place.parent_path());
         one.out = unique(place.string(), taken_) + o_.as;
@@ -239,8 +241,8 @@ void run(Options o) {
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
   if (!o.store.empty()) throw CLI::ValidationError("--store", "is for weights, written as .safetensors; the result is " + o.out);
   const bool folder = fs::is_directory(o.in);
-  o.data_set = o.features == "guoh3d" && (folder ? o.as.empty() : !fs::path(o.out).has_extension());
-  if (folder && o.as.empty() && !o.data_set)
+  if (folder ? o.as.empty() : !fs::path(o.out).has_extension()) o.data_set = find_data_set_form(o.features);
+  if (folder && o.as.empty() && o.data_set == nullptr)
     throw CLI::ValidationError("input", o.in + " is a folder: say with --as what its files become (.bvh, .glb, .npz, ...)");
   if (!folder && !o.as.empty()) throw CLI::ValidationError("--as", "is for folders; " + o.in + " is a file");
   if (folder) return FolderConversion(o).run();
@@ -328,7 +330,7 @@ void add_convert(CLI::App& app) {
   c->add_option("--features", o->features,
                 "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, with the "
                 "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; at the rate of the system unless "
-                "--fps is given. Of guoh3d the result may be a folder: a clip is added to this data set")
+                "--fps is given. Of guoh3d and kit the result may be a folder: a clip is added to this data set")
       ->excludes(rig)
       ->excludes(body);
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");

@@ -7,7 +7,6 @@
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
-#include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/motion_npy.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -174,18 +173,24 @@ std::string write_features(const std::filesystem::path& path, const ml::Motion& 
                    static_cast<double>(made.rows) / made.fps);
 }
 
-std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps) {
-  const ml::MotionFeatures& f = ml::motion_features("guoh3d");
-  FeatureRows made = feature_rows(motion, f, fps);
+std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
+                            const DataSetForm& form, double fps) {
+  const auto list = folder / "all.txt";
+  auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
+  const auto other = ids.empty() ? std::filesystem::path() : rows_file(folder, ids.front());
+  if (std::filesystem::exists(other)) {
+    if (const DataSetForm& is = data_set_form_of(other); is.features != form.features)
+      ml::raise<ml::config_error>(102, other.string(), ": rows of ", is.form.width(), " numbers (", is.features,
+                                  "), the new clip has rows of ", form.form.width(), " (", form.features, ")");
+  }
+  FeatureRows made = feature_rows(motion, ml::motion_features(form.features), fps);
   ml::HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
   const std::vector<double> rows(clip.features.begin(), clip.features.end());
-  for (const auto& p : f.joints_of(rows)) {
+  for (const auto& p : ml::guoh3d_joints(std::span<const double>(rows), form.form.joints)) {
     for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
   }
   if (std::filesystem::exists(folder / "texts" / (id + ".txt"))) clip.captions = ml::HumanMl3dFolder(folder).captions(id);
-  ml::write_humanml3d_clip(folder, clip);
-  const auto list = folder / "all.txt";
-  auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
+  ml::write_humanml3d_clip(folder, clip, form.form);
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
   ml::write_ids(list, ids);
   return formatted("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.c_str(), id.c_str(), clip.frames, made.fps,
@@ -232,6 +237,15 @@ ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report) {
     for (const std::size_t k : from) out.local.push_back(motion.rotations(f)[k]);
   }
   return out;
+}
+
+bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion) {
+  const ml::Skeleton &own = motion.skeleton, &wanted = features.skeleton();
+  return own.names == wanted.names && own.parents == wanted.parents;
+}
+
+std::vector<double> rows_of_motion(const ml::MotionFeatures& features, const ml::Motion& motion, double fps) {
+  return features.from_motion(ml::resample(on_joints_of(features, motion) ? motion : on_smpl(motion), fps));
 }
 
 }  // namespace program

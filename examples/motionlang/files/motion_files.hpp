@@ -8,7 +8,10 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+
+#include "data_set_form.hpp"
 
 namespace program {
 
@@ -60,9 +63,11 @@ void write_motions(const std::filesystem::path& path, std::span<const ml::Motion
 /// (motion_features), for other joints and for another extension.
 std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
 
-/// A clip of a data set in HumanML3D's form (humanml3d_folder.hpp): features, joints, its captions if there are any already, its
-/// id in all.txt. Returns a line about it. Throws what write_humanml3d_clip throws.
-std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion, double fps = 0);
+/// A clip of a data set in HumanML3D's or KIT-ML's form (data_set_form.hpp): features, joints, its captions if there are any
+/// already, its id in all.txt. Returns a line about it. Throws what write_humanml3d_clip throws, config_error 102 if the
+/// clips of the data set are of the other form.
+std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
+                            const DataSetForm& form, double fps = 0);
 
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {
@@ -87,5 +92,10 @@ std::string write_on_body(const std::filesystem::path& path, std::span<const ml:
 /// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
 /// only put in SMPL's order and bones keep their length; otherwise `report`, if there is one, is set.
 ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report = nullptr);
+/// Whether a motion has the joints of these features, which are then made of it as it is; SMPL's or MMM's.
+bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion);
+/// The features of a motion on any joints, at `fps` frames per second: of its own joints if they are those of the features,
+/// else of SMPL's.
+std::vector<double> rows_of_motion(const ml::MotionFeatures& features, const ml::Motion& motion, double fps);
 
 }  // namespace program

@@ -2,7 +2,6 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/motion_index_file.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../files/motion_files.hpp"
 #include "../train/text_motion_model.hpp"
@@ -48,7 +47,7 @@ std::vector<float> SearchModel::texts(std::span<const std::string> texts) const 
 }
 
 std::vector<float> SearchModel::rows(const ml::Motion& motion) const {
-  const auto values = parts_->features->from_motion(ml::resample(on_smpl(motion), parts_->fps));
+  const auto values = rows_of_motion(*parts_->features, motion, parts_->fps);
   return normalized(std::vector<float>(values.begin(), values.end()));
 }
 

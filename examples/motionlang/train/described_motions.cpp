@@ -8,9 +8,9 @@
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/io/annotations.hpp>
-#include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
+#include "../files/data_set_form.hpp"
 #include "clip_lines.hpp"
 
 namespace program {
@@ -115,15 +115,18 @@ void read_table(DescribedMotions& out, const std::vector<ClipLine>& lines, const
   }
 }
 
-void require_guoh3d(const RowMaker& maker, const std::filesystem::path& where) {
-  if (maker.name == "guoh3d") return;
-  ml::raise<ml::config_error>(102, where.string(), " holds features of HumanML3D, the configuration wants '",
-                              maker.name, "'");
+/// The form of ready-made rows.
+const ml::HumanMl3dForm& form_of(const RowMaker& maker, const std::filesystem::path& where) {
+  const DataSetForm* found = find_data_set_form(maker.name);
+  if (found == nullptr)
+    ml::raise<ml::config_error>(102, where.string(), " holds ready-made features, which are ", known_data_sets(),
+                                "; the configuration wants '", maker.name, "' (", maker.width, ")");
+  return found->form;
 }
 
 void read_humanml3d(DescribedMotions& out, const DataSources& sources, const RowMaker& maker, ml::Progress progress) {
-  require_guoh3d(maker, sources.data);
-  const ml::HumanMl3dFolder folder(sources.data);
+  const ml::HumanMl3dForm& form = form_of(maker, sources.data);
+  const ml::HumanMl3dFolder folder(sources.data, form);
   std::vector<std::pair<std::string, int>> ids;
   for (const int part : {0, 1, 2}) {
     const char* name = std::array{"train", "val", "test"}[static_cast<std::size_t>(part)];
@@ -140,7 +143,7 @@ void read_humanml3d(DescribedMotions& out, const DataSources& sources, const Row
       continue;
     }
     Index number = 0;
-    const auto items = ml::humanml3d_items(captions, std::ssize(rows) / maker.width);
+    const auto items = ml::humanml3d_items(captions, std::ssize(rows) / maker.width, form);
     if (items.empty()) ++out.left_out;
     for (const auto& item : items) {
       DescribedMotion d{ml::concat_text(id, "_", number++), id, {}, {}};
@@ -152,16 +155,18 @@ void read_humanml3d(DescribedMotions& out, const DataSources& sources, const Row
   }
 }
 
-/// The rows of a motion of the annotation file: features as they are, or a clip.
-std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& maker, const ml::AnnotatedMotion& motion) {
+/// Ready-made features of a motion of the annotation file, if there are any.
+std::filesystem::path npy_of(const DataSources& sources, const ml::AnnotatedMotion& motion) {
   if (!ml::detail::is_clip_id(motion.path))
     ml::raise<ml::io_error>(403, sources.annotations.string(), ": ", motion.id, ": '", motion.path,
                             "' is no path of a clip");
-  const auto npy = sources.data / (motion.path + ".npy");
-  if (std::filesystem::exists(npy)) {
-    require_guoh3d(maker, npy);
-    return ml::detail::read_rows(npy, {maker.width}, /*any_number=*/true);
-  }
+  return sources.data / (motion.path + ".npy");
+}
+/// The rows of a motion of the annotation file: features as they are, or a clip.
+std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& maker, const ml::AnnotatedMotion& motion) {
+  const auto npy = npy_of(sources, motion);
+  if (std::filesystem::exists(npy))
+    return ml::detail::read_rows(npy, {form_of(maker, npy).width()}, /*any_number=*/true);
   const ClipLine line{sources.annotations.string() + ": " + motion.id, motion.path, 0, 0, {}, {}};
   return rows_of(maker, ml::resample(read_clip(sources.data, line), maker.fps));
 }
@@ -212,6 +217,22 @@ const std::vector<DescribedMotion>& DescribedMotions::part(const std::string& na
   ml::raise<ml::config_error>(103, "'", name, "' is not training, validation or test");
 }
 
+std::string ready_made_features(const DataSources& sources) {
+  if (sources.data.empty() || !sources.captions.empty() || !sources.labels.empty()) return "";
+  std::filesystem::path first;
+  if (!sources.annotations.empty()) {
+    const auto file = ml::AnnotationFile::open(sources.annotations);
+    for (std::size_t i = 0; i < file.ids().size() && first.empty(); ++i) {
+      const auto npy = npy_of(sources, file.load(file.ids()[i]));
+      if (std::filesystem::exists(npy)) first = npy;
+    }
+  } else if (is_data_set(sources.data)) {
+    const auto ids = ml::HumanMl3dFolder(sources.data).ids("train");
+    if (!ids.empty()) first = rows_file(sources.data, ids.front());
+  }
+  return first.empty() ? "" : std::string(data_set_form_of(first).features);
+}
+
 DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& maker,
                                         ml::Progress progress) {
   DescribedMotions out{maker.width, maker.fps, {}, {}, {}, 0};
@@ -223,7 +244,7 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
     read_table(out, read_labels(sources.labels), sources, config, maker, progress);
   else if (!sources.annotations.empty())
     read_annotations(out, sources, config, maker, progress);
-  else if (std::filesystem::exists(sources.data / "new_joint_vecs"))
+  else if (is_data_set(sources.data))
     read_humanml3d(out, sources, maker, progress);
   else
     ml::raise<ml::config_error>(

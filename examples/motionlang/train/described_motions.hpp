@@ -1,6 +1,6 @@
-// Motions with texts or labels as rows of features, split into training, validation and test: what ACTOR, TEMOS and TMR are
-// trained and measured on. From a folder of clips with a table, from folders in the form of HumanML3D, and from the unified
-// annotation file with the motions that it names.
+// Motions with texts or labels as rows of features, split into training, validation and test: what ACTOR, TEMOS and TMR
+// are trained and measured on. From a folder of clips with a table, from folders in the form of HumanML3D or KIT-ML, and
+// from the unified annotation file with the motions that it names.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ struct DescribedMotions {
 std::vector<std::string> all_texts(const DescribedMotions& data);  // different ones
 
 /// Where the motions are. One of `captions`, `labels` and `annotations`, or a `data` that is a folder in the form of
-/// HumanML3D.
+/// HumanML3D or KIT-ML.
 struct DataSources {
   std::filesystem::path data;      // folder
   std::filesystem::path captions;  // table (clip_lines.hpp)
@@ -59,6 +59,11 @@ struct DataSources {
       annotations;  // JSON of TMR and STMC; its paths lead to .npy features, .npz (AMASS) or .bvh in `data`
   std::filesystem::path splits;  // folder with train.txt, val.txt and test.txt; of HumanML3D the data folder itself
 };
+
+/// The features of what is ready-made there, by the width of its rows: of the first clip to train on of a data set, or
+/// of the first .npy file that the annotation file names. "" where there are clips only.
+/// Throws io_error 401 to 405, 407 for rows of another width.
+std::string ready_made_features(const DataSources& sources);
 
 struct DataConfig {
   double min_seconds = 2, max_seconds = 10;  // of what is trained on and validated with
@@ -75,7 +80,7 @@ struct DataConfig {
 };
 
 /// Throws io_error 401, 403, ... of files (with the line of the table), config_error 102 if the sources contradict each
-/// other, 103 if ready-made features are others than those of `rows`.
+/// other or ready-made data cannot have the features of `rows`, io_error 407 for ready-made rows of another width.
 DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& rows,
                                         ml::Progress progress);
 

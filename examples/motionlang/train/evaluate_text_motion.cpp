@@ -5,7 +5,6 @@
 
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/id_list.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 
 #include "../files/feature_motion.hpp"
@@ -96,7 +95,7 @@ class Synthesis {
     std::vector<Index> frames;
     settings_.seed = seed;
     for (const ml::Motion& motion : other_->run(timelines, settings_, {})) {
-      const auto rows = features_.from_motion(ml::resample(on_smpl(motion), features_.fps));
+      const auto rows = rows_of_motion(features_, motion, features_.fps);
       values.insert(values.end(), rows.begin(), rows.end());
       frames.push_back(std::ssize(rows) / features_.width);
     }
@@ -154,8 +153,10 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
 
 namespace {
 
-/// SMPL's 22 joints in metres, Z up.
-ml::RifkeVariant joints_of_people() {
+/// SMPL's 22 joints or MMM's 21 in metres, Z up.
+ml::RifkeVariant joints_of_people(Index joints) {
+  if (joints == ml::kit21_skeleton().size())
+    return {.joints = joints, .z_up = true, .across = {{{16, 11}, {8, 5}}}, .floor = {14, 15, 19, 20}};
   return {.joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}};
 }
 using Joints = std::vector<ml::Vec3<double>>;
@@ -172,15 +173,16 @@ std::span<const float> rows_of(const DescribedMotion& d, Index width) {
 
 /// The mean of all poses, seen from the body, standing still.
 Joints mean_pose(const std::vector<DescribedMotion>& motions, const ml::MotionFeatures& f) {
-  Joints sum(22);
+  const ml::RifkeVariant people = joints_of_people(f.joints);
+  const auto n = static_cast<std::size_t>(f.joints);
+  Joints sum(n);
   double frames = 0;
   for (const DescribedMotion& d : motions) {
-    const auto c =
-        ml::canonical_motion(joints_of_people(), std::span<const ml::Vec3<double>>(joints_of(f, rows_of(d, f.width))));
+    const auto c = ml::canonical_motion(people, std::span<const ml::Vec3<double>>(joints_of(f, rows_of(d, f.width))));
     for (Index t = 0; t < c.frames(); ++t, ++frames) {
       const auto frame = static_cast<std::size_t>(t);
       sum[0] = sum[0] + ml::Vec3<double>{0, 0, c.root[frame].z};
-      for (std::size_t j = 1; j < 22; ++j) sum[j] = sum[j] + c.local[frame * 21 + j - 1];
+      for (std::size_t j = 1; j < n; ++j) sum[j] = sum[j] + c.local[frame * (n - 1) + j - 1];
     }
   }
   for (auto& p : sum) p = (1 / frames) * p;
@@ -200,13 +202,11 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   const Measured m(o, file);
   const auto model = load_text_motion<ml::Temos, B>(o.model, file);
   const auto& features = ml::motion_features(file.config.features);
-  if (features.joints != 22)
-    ml::raise<ml::config_error>(103, o.model.string(), ": errors are those of SMPL's 22 joints; '", features.name, "' has ",
-                                features.joints, " of MMM");
   using Metric = ml::ApeAveMetric<double>;
+  const Metric none(joints_of_people(features.joints));
   const auto n = static_cast<std::size_t>(o.samples);
-  std::vector<Metric> of_sample(n, Metric(joints_of_people()));
-  Metric best(joints_of_people()), worst(joints_of_people()), at_mean(joints_of_people()), pose(joints_of_people()), clip(joints_of_people());
+  std::vector<Metric> of_sample(n, none);
+  Metric best = none, worst = none, at_mean = none, pose = none, clip = none;
   const auto still = mean_pose(m.data.training, features);
   auto lot = ml::Philox{.seed = o.seed}.split("random clips");
   std::set<std::string> shown;
@@ -215,7 +215,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   for (std::size_t i = 0; i < m.part->size(); ++i) {
     const DescribedMotion& d = (*m.part)[i];
     const auto truth = joints_of(features, rows_of(d, features.width));
-    const auto frames = static_cast<std::size_t>(std::ssize(truth) / 22);
+    const auto frames = static_cast<std::size_t>(std::ssize(truth) / features.joints);
     const std::vector<std::string> text{d.texts.front().text};
     const auto tokens = model.tokens(text, m.token_cache());
     const ml::Offsets length{std::vector<Index>{static_cast<Index>(frames)}};

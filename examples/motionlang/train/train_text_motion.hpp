@@ -14,8 +14,13 @@ struct TextMotionOptions {
 
 template <template <class> class System>
 void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset) {
+  const DataSources sources{o.common.data, o.captions, {}, o.annotations, o.common.splits};
   TextMotionConfig config = preset;
-  if (!configure(config, o.common)) return;
+  config.features.clear();
+  read_settings(config, o.common);
+  if (config.features.empty()) config.features = ready_made_features(sources);  // not named: those that are there
+  if (config.features.empty()) config.features = preset.features;
+  if (!begin_training(o.common, config_json(config))) return;
   if (config.text.encoder != "word_pieces" && config.text.encoder != "distilbert")
     ml::raise<ml::config_error>(103, "text.encoder '", config.text.encoder, "' is not word_pieces or distilbert");
   const bool pieces = config.text.encoder == "word_pieces";
@@ -23,8 +28,7 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
     ml::raise<ml::config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
                                             : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
                                               "without one: --set text.encoder=word_pieces");
-  const auto data = read_data(o.common, {o.common.data, o.captions, {}, o.annotations, o.common.splits}, config.data,
-                              row_maker(config.features));
+  const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
   const auto texts = all_texts(data);
   std::printf("%zu different texts\n", texts.size());
   std::optional<ml::EmbeddingCache> states;

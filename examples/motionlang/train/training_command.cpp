@@ -6,7 +6,7 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   o.preset = presets.front();
   std::string names = presets.front();
   for (std::size_t i = 1; i < presets.size(); ++i) names += (i + 1 < presets.size() ? ", " : " or ") + presets[i];
-  command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D")
+  command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML")
       ->check(CLI::ExistingDirectory);
   command.add_option("--splits", o.splits, "Folder with train.txt, val.txt, test.txt; by lot unless given")
       ->check(CLI::ExistingDirectory);

@@ -35,7 +35,10 @@ DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources,
 /// License, provenance, data, command: for the metadata of a model.
 std::map<std::string, std::string> about(const TrainingOptions& o, const DescribedMotions& data);
 
-/// Puts --config and --set over a preset, and --threads and --precision to work. False if it was only to be printed.
+/// Puts --config and --set over a preset.
+template <ml::Module C>
+void read_settings(C& config, const TrainingOptions& o);
+/// The same, and puts --threads and --precision to work. False if it was only to be printed.
 template <ml::Module C>
 bool configure(C& config, const TrainingOptions& o);
 
@@ -43,12 +46,17 @@ bool configure(C& config, const TrainingOptions& o);
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config);
 
 template <ml::Module C>
-bool configure(C& config, const TrainingOptions& o) {
+void read_settings(C& config, const TrainingOptions& o) {
   if (!o.config.empty()) {
     const auto document = ml::read_json(o.config);
     read_config(config, ml::JsonView(document, o.config.string()));
   }
   set_config(config, o.set);
+}
+
+template <ml::Module C>
+bool configure(C& config, const TrainingOptions& o) {
+  read_settings(config, o);
   return begin_training(o, config_json(config));
 }
 
