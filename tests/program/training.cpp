@@ -136,7 +136,7 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   const auto actor = evaluate("train-actor", {"--labels", "labels.tsv", "--classifier", "train-classifier_whole/model",
                                               "--seeds", "2", "--part", "training"});
   CHECK_MESSAGE(actor.code == 0, actor.text);
-  for (const char* word : {"accuracy", "FID", "recorded", "generated"})
+  for (const char* word : {"accuracy", "FID", "recorded", "generated", "  denoised  ", "  between two of an action "})
     CHECK_MESSAGE(contains(actor.text, word), actor.text);
   const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training"});
   CHECK_MESSAGE(classifier.code == 0, classifier.text);
