@@ -65,6 +65,15 @@ TEST_CASE("a motion after an edit is that of a whole run, and it is said what wa
   CHECK(w.bytes("c/after.bvh") == w.bytes("b/after.bvh"));
 }
 
+TEST_CASE("samples are reused like any motion") {
+  const Edited w;
+  REQUIRE(w.generate("before.txt", "a", {"--record", "--preset", "fast", "--samples", "2"}).code == 0);
+  const auto same = w.generate("before.txt", "b", {"--reuse", "a", "--samples", "2"});
+  REQUIRE_MESSAGE(same.code == 0, same.text);
+  CHECK_MESSAGE(contains(same.text, "reused: 240 of 240 frames are those of before"), same.text);
+  for (const char* file : {"/before_1.bvh", "/before_2.bvh"}) CHECK(w.bytes(std::string("a") + file) == w.bytes(std::string("b") + file));
+}
+
 TEST_CASE("--keep-beyond keeps what is further away and is said to be no whole run") {
   const Edited w;
   const std::vector<std::string> raw{"--no-smooth", "--no-fix-feet"};

@@ -1,10 +1,15 @@
 // The motionlang program on folders as the official repositories leave them: generate, pack, info, embed.
 #include <doctest/doctest.h>
 
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/io/bvh.hpp>
 #include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/root_motion.hpp>
 
 #include "../support/official_tm2t.hpp"
 #include "../support/official_vaes.hpp"
+#include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
 
@@ -97,6 +102,148 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
   w.did({"generate", "--model", "temos", "--text", "a walk", "--seconds", "2", "--statistics", "statistics", "--text-encoder", "words"});
   CHECK(w.joints("out/a_walk.npy") == std::vector<ml::Index>{25, 21, 3});
+}
+
+TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from text to text; others say that they cannot") {
+  const Workplace w;
+  const auto generate = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), "generate");
+    more.insert(more.end(), {"--seconds", "1", "--seed", "3", "--no-smooth", "--no-fix-feet"});
+    return w.did(more);
+  };
+  const auto is_line = [&](const std::string& first, const std::string& last) {
+    const std::string line = "out/" + first + "_to_" + last + "_";
+    const auto motion = [&](const std::string& file) { return ml::read_bvh_motion(w / file); };
+    CHECK(synthetic::largest_distance(motion(line + "1.bvh"), motion("out/" + first + ".bvh")) < 1e-3);
+    CHECK(synthetic::largest_distance(motion(line + "3.bvh"), motion("out/" + last + ".bvh")) < 1e-3);
+    for (const char* end : {"1.bvh", "3.bvh"})
+      CHECK(synthetic::largest_distance(motion(line + "2.bvh"), motion(line + end)) > 1e-3);
+    CHECK(fs::exists(w / (line + "3.svg")));
+    CHECK(!fs::exists(w / (line + "4.bvh")));
+  };
+  official::write_actor_run(w / "actor", official::small_actor());
+  for (const char* action : {"walk", "run"}) generate({"--model", "actor", "--action", action});
+  generate({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "3"});
+  is_line("walk", "run");
+  CHECK(contains(ml::read_file(w / "out/walk_to_run.html"), "walk 50 %, run 50 %"));
+  generate({"--model", "actor", "--action", "walk", "--towards", "run"});
+  CHECK(fs::exists(w / "out/walk_to_run_5.bvh"));
+  const auto refused = [&](std::vector<std::string> more, const std::string& message) {
+    more.insert(more.begin(), "generate");
+    const Outcome out = w.run(more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused({"--model", "actor", "--action", "walk", "--towards", "dance"}, "action 'dance' is none of 0 ... 11");
+  refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"}, "[motionlang.config.101] 1 motions");
+  refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"}, "--noise is for diffusion models");
+
+  const std::vector<std::string> sources{"--statistics", "statistics", "--text-encoder", "words"};
+  official::write_temos_run(w / "temos", official::small_temos());
+  const auto sinc = official::small_sinc();
+  official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
+  const auto teach = official::small_teach();
+  official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
+  official::write_temos_statistics(w / "statistics", 64);
+  official::write_temos_statistics(w / "statistics", 135);
+  official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
+  for (const std::string model : {"temos", "sinc"}) {
+    CAPTURE(model);
+    fs::remove_all(w / "out");
+    const auto with = [&](std::vector<std::string> more) {
+      more.insert(more.end(), {"--model", model});
+      more.insert(more.end(), sources.begin(), sources.end());
+      generate(more);
+    };
+    for (const char* text : {"a walk", "walk"}) with({"--text", text});
+    with({"--text", "a walk", "--towards", "walk", "--samples", "3"});
+    is_line("a_walk", "walk");
+  }
+  auto of_teach = sources;
+  of_teach.insert(of_teach.end(), {"--model", "teach", "--text", "walk", "--towards", "a walk"});
+  refused(of_teach, "[motionlang.config.102] teach: --towards is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is TEACH");
+  official::write_mdm_action_run(w / "mdm", official::small());
+  refused({"--model", "mdm", "--action", "walk", "--towards", "run"}, "this is a diffusion model");
+}
+
+TEST_CASE("generate --samples: ACTOR, TEMOS and MDM for actions") {
+  const Workplace w;
+  official::write_actor_run(w / "actor", official::small_actor());
+  official::write_mdm_action_run(w / "mdm", official::small());
+  for (const std::string model : {"actor", "mdm"}) {
+    CAPTURE(model);
+    w.did({"generate", "--model", model, "--action", "walk", "--seconds", "1", "--seed", "3", "--samples", "2", "--out", model + "_out"});
+    w.did({"generate", "--model", model, "--action", "walk", "--seconds", "1", "--seed", "3", "--out", model + "_out"});
+    const auto bytes = [&](const std::string& file) { return ml::read_file(w / (model + "_out/" + file)); };
+    CHECK(bytes("walk_1.bvh") == bytes("walk.bvh"));
+    CHECK(bytes("walk_2.bvh") != bytes("walk.bvh"));
+  }
+}
+
+TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer motions in parts") {
+  const Workplace w;
+  official::write_actor_run(w / "actor", official::small_actor());
+  const auto run = ml::load_actor_run<official::B>(ml::FilePath(w / "actor"));
+  auto walk = synthetic::walk({.frames = 150, .turn = 0.3});
+  walk = ml::placed(walk, {0.7, {2, 0, -1}});
+  const auto cleaned = [&](const ml::Motion& motion) {
+    const ml::Index action = 1, frames = motion.frames();
+    const auto rows = ml::actor_rows_of_motion(motion, run.features);
+    const std::vector<official::B::scalar> values(rows.begin(), rows.end());
+    const ml::Sequences<official::B> x(ml::Tensor<official::B, 2>::from(values, {frames, 150}), ml::Offsets{frames});
+    const auto made = ml::denoise(run.model, x, std::span(&action, 1)).rows;
+    const auto out = ml::motion_of_actor(ml::actor_inverse(made.span(), 24, run.features), 20);
+    return ml::placed(out, ml::placement_between(out, 0, motion, 0));
+  };
+  const auto written = [&](const ml::Motion& motion) {  // with its joints in the order of a file
+    ml::write_bvh(w / "written.bvh", motion);
+    return ml::read_bvh_motion(w / "written.bvh");
+  };
+  ml::write_bvh(w / "short.bvh", ml::crop(walk, 0, 40));
+  w.did({"convert", "short.bvh", "clean.bvh", "--denoise", "actor", "--action", "walk"});
+  const auto clean = ml::read_bvh_motion(w / "clean.bvh");
+  CHECK(synthetic::largest_distance(clean, written(cleaned(ml::crop(walk, 0, 40)))) < 1e-2);
+  CHECK(synthetic::largest_distance(clean, ml::read_bvh_motion(w / "short.bvh")) > 0.1);
+  CHECK(std::abs(clean.root_at(0).x - walk.root_at(0).x) < 1e-3);
+  CHECK(std::abs(clean.root_at(0).z - walk.root_at(0).z) < 1e-3);
+
+  // 60 frames at a time, of which 15 are shared
+  ml::write_bvh(w / "long.bvh", walk);
+  w.did({"convert", "long.bvh", "whole.bvh", "--denoise", "actor", "--action", "1"});
+  const auto whole = ml::read_bvh_motion(w / "whole.bvh");
+  CHECK(whole.frames() == 150);
+  const auto first_part = written(ml::crop(cleaned(ml::crop(walk, 0, 60)), 0, 45));
+  CHECK(synthetic::largest_distance(ml::crop(whole, 0, 45), first_part) < 1e-2);
+
+  // at the rate of the motion, whatever the model's
+  w.did({"convert", "short.bvh", "fast.bvh", "--fps", "40"});
+  w.did({"convert", "fast.bvh", "slow.bvh", "--denoise", "actor", "--action", "walk"});
+  CHECK(ml::read_bvh_motion(w / "slow.bvh").fps == doctest::Approx(40));
+  CHECK(synthetic::largest_distance(ml::resample(ml::read_bvh_motion(w / "slow.bvh"), 20), clean) < 1e-2);
+
+  official::write_temos_run(w / "temos", official::small_temos());
+  official::write_temos_statistics(w / "statistics", 64);
+  official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
+  const std::vector<std::string> temos{"convert", "short.bvh", "out.bvh", "--denoise", "temos", "--statistics", "statistics", "--text-encoder", "words"};
+  w.did(temos);
+  const auto by_temos = ml::read_bvh_motion(w / "out.bvh");
+  CHECK((by_temos.frames() >= 38 && by_temos.frames() <= 40));
+  CHECK(by_temos.skeleton.size() == 21);
+  fs::remove(w / "out.bvh");
+
+  const auto refused = [&](std::vector<std::string> more, const std::string& message) {
+    const Outcome out = w.run(more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+    CHECK(!fs::exists(w / "out.bvh"));
+  };
+  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"}, "[motionlang.config.102] ACTOR has to know which action a motion shows");
+  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"}, "action 'dance' is none of 0 ... 11");
+  auto with_action = temos;
+  with_action.insert(with_action.end(), {"--action", "walk"});
+  refused(with_action, "[motionlang.config.102] --action 'walk' is for ACTOR");
+  official::write_mdm_action_run(w / "mdm", official::small());
+  refused({"convert", "short.bvh", "out.bvh", "--denoise", "mdm"}, "[motionlang.config.102] mdm: --denoise is for models with one latent");
 }
 
 TEST_CASE("generate: TEACH takes texts one after the other, SINC texts at the same time") {

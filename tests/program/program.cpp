@@ -65,12 +65,13 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
         "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads", "--preset", "--record",
-        "--reuse", "--keep-beyond"}},
+        "--reuse", "--keep-beyond", "--samples", "--towards"}},
       {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts"}},
       {"info", {"file"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
-        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as"}},
+        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as",
+        "--denoise", "--action", "--text-encoder", "--statistics"}},
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--asf", "--all"}},
       {"strip", {"input", "output"}},
       {"view", {"input", "output"}},
@@ -197,6 +198,50 @@ TEST_CASE("several timelines and plain texts: a motion each, one page") {
   CHECK(files.contains("list_0.bvh"));
   CHECK(files.contains("list_1.glb"));
   CHECK(files.contains("list.html"));
+}
+
+TEST_CASE("generate --samples: different motions, of which the first is the one without samples; one page") {
+  const Workplace w;
+  REQUIRE(w.generate("one", {"--seed", "4"}).code == 0);
+  const auto made = w.generate("three", {"--seed", "4", "--samples", "3"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  const auto files = w.files("three");
+  CHECK(files.size() == 3 * 5 + 1);
+  for (const char* file : {"two_1.bvh", "two_2.glb", "two_3.svg", "two_3.npz", "two.html"}) CHECK_MESSAGE(files.contains(file), file);
+  for (const char* name : {"\"two_1\"", "\"two_2\"", "\"two_3\""}) CHECK_MESSAGE(contains(files.at("two.html"), name), name);
+  const auto sample = [&](const std::string& file) { return ml::read_bvh_motion(w / file); };
+  CHECK(synthetic::largest_distance(sample("three/two_1.bvh"), sample("one/two.bvh")) < 1e-3);
+  CHECK(synthetic::largest_distance(sample("three/two_1.bvh"), sample("three/two_2.bvh")) > 1e-3);
+  CHECK(synthetic::largest_distance(sample("three/two_2.bvh"), sample("three/two_3.bvh")) > 1e-3);
+
+  ml::write_file(w / "list.txt", "walk forward # 0.5\nsit down # 0.4\n");
+  REQUIRE(w.generate("list", {}, "list.txt").code == 0);
+  REQUIRE(w.generate("lists", {"--samples", "2"}, "list.txt").code == 0);
+  CHECK(w.files("lists").size() == 4 * 5 + 1);
+  for (const std::string timeline : {"list_0", "list_1"}) {
+    const auto alone = sample("list/" + timeline + ".bvh"), first = sample("lists/" + timeline + "_1.bvh"),
+               second = sample("lists/" + timeline + "_2.bvh");
+    CHECK(synthetic::largest_distance(first, alone) < 1e-3);
+    CHECK(second.frames() == first.frames());
+    CHECK(synthetic::largest_distance(second, first) > 1e-3);
+  }
+  CHECK(w.generate("none", {"--samples", "0"}).code == 2);
+}
+
+TEST_CASE("a diffusion model has no latents: it does not go from text to text, and does not denoise a motion") {
+  const Workplace w;
+  const std::string is = " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is a diffusion model";
+  const auto towards = w.run({"generate", "--text", "walk", "--towards", "run", "--model", "model.safetensors"});
+  CHECK(towards.code == 1);
+  CHECK_MESSAGE(contains(towards.text, "[motionlang.config.102] model.safetensors: --towards" + is), towards.text);
+  CHECK(w.generate("out", {"--towards", "run"}).code == 2);
+  CHECK(w.files("out").empty());
+
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  const auto denoise = w.run({"convert", "walk.bvh", "clean.bvh", "--denoise", "model.safetensors"});
+  CHECK(denoise.code == 1);
+  CHECK_MESSAGE(contains(denoise.text, "[motionlang.config.102] model.safetensors: --denoise" + is), denoise.text);
+  CHECK(!std::filesystem::exists(w / "clean.bvh"));
 }
 
 TEST_CASE("noise from outside gives the motion of the seed that it was drawn with") {
@@ -398,7 +443,9 @@ TEST_CASE("convert: options that would be left out are refused; it is said how j
       {{"--rig", "rig.glb", "--body", "free"}, "--rig excludes --body"},
       {{"--body", "free", "--features", "guoh3d"}, "--body excludes --features"},
       {{"--betas", "1"}, "--betas requires --body"},
-      {{"--drop-animations"}, "--drop-animations requires --rig"}};
+      {{"--drop-animations"}, "--drop-animations requires --rig"},
+      {{"--action", "walk"}, "--action requires --denoise"},
+      {{"--statistics", "."}, "--statistics requires --denoise"}};
   for (auto [options, message] : refused) {
     options.insert(options.begin(), {"convert", "walk.bvh", "out.glb"});
     const auto out = w.run(options);

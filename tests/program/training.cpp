@@ -159,7 +159,7 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   const auto actor = evaluate("train-actor", {"--labels", "labels.tsv", "--classifier", "train-classifier_whole/model",
                                               "--seeds", "2", "--part", "training"});
   CHECK_MESSAGE(actor.code == 0, actor.text);
-  for (const char* word : {"accuracy", "FID", "recorded", "generated"})
+  for (const char* word : {"accuracy", "FID", "recorded", "generated", "  denoised  ", "  between two of an action "})
     CHECK_MESSAGE(contains(actor.text, word), actor.text);
   const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training"});
   CHECK_MESSAGE(classifier.code == 0, classifier.text);
@@ -190,6 +190,26 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   CHECK(ml::read_bvh_motion(clips / "made/walk.bvh").frames() == 12);
   CHECK(ml::read_file(clips / "made/1.bvh") == ml::read_file(clips / "made/walk.bvh"));
   CHECK(contains(generate("train-actor", {"--action", "fly"}).text, "action 'fly' is none of 0 ... 1; they are called turn, walk"));
+
+  // towards another text or action, and a recorded motion as the model knows it
+  for (const std::string name : {"train-temos", "train-tmr", "train-actor"}) {
+    CAPTURE(name);
+    const bool acts = name == "train-actor";
+    const std::string kind = acts ? "--action" : "--text", walk = acts ? "walk" : "a person walks ahead",
+                      turn = acts ? "turn" : "a person turns left", line = acts ? "walk_to_turn" : "a_person_walks_ahead_to_a_person_turns_left";
+    const auto made = generate(name, {kind, walk, "--towards", turn, "--samples", "3", "--seconds", "0.8", "--out", "line"});
+    REQUIRE_MESSAGE(made.code == 0, made.text);
+    for (const char* end : {"_1.bvh", "_2.svg", "_3.npz", ".html"}) CHECK_MESSAGE(std::filesystem::exists(clips / ("line/" + line + end)), end);
+    CHECK(ml::read_file(clips / ("line/" + line + "_1.bvh")) != ml::read_file(clips / ("line/" + line + "_2.bvh")));
+
+    std::vector<std::string> convert{"convert", "clip1.bvh", name + ".bvh", "--denoise", name + "_whole/model"};
+    if (acts) convert.insert(convert.end(), {"--action", "turn"});
+    const auto cleaned = run(convert, clips.path);
+    REQUIRE_MESSAGE(cleaned.code == 0, cleaned.text);
+    const auto before = ml::read_bvh_motion(clips / "clip1.bvh"), after = ml::read_bvh_motion(clips / (name + ".bvh"));
+    CHECK(after.fps == doctest::Approx(before.fps));
+    CHECK(after.seconds() == doctest::Approx(before.seconds()).epsilon(0.1));
+  }
 
   const auto info = [&](const std::string& name) { return run({"info", name + "_whole/model"}, clips.path).text; };
   for (const char* line : {"model of                 actor", "actions                  turn, walk", "latent_dim 8", "pose rot6d"})

@@ -14,6 +14,7 @@
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
+#include "../generate/from_latent.hpp"
 #include "../progress_bar.hpp"
 #include "motion_files.hpp"
 #include "weights.hpp"
@@ -26,6 +27,8 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string in, out, tensors, store, features;
+  std::string denoise, action;            // a model, and what it is told of the motion
+  ModelSources sources;                   // of this model
   std::string as;                         // of a folder: extension of what its files become
   const DataSetForm* data_set = nullptr;  // clips go into a folder of this form
   MotionReadOptions read;
@@ -35,15 +38,27 @@ struct Options {
   bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
 };
 
-/// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed there.
+/// What a motion becomes by --denoise; none without it. The model is loaded at once.
+using Denoiser = std::function<ml::Motion(const ml::Motion&)>;
+Denoiser denoiser_of(const Options& o) {
+  if (o.denoise.empty()) return {};
+  const std::shared_ptr<const Generator> generator = load_generator("eigen", o.denoise, o.sources);
+  from_latent(*generator, "--denoise", o.denoise);
+  return [generator, &o](const ml::Motion& m) {
+    return from_latent(*generator, "--denoise", o.denoise).denoised(m, o.action);
+  };
+}
+
+/// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed and motions
+/// denoised there.
 bool wants_smpl(const Options& o, const ml::Motion& m) {
   const bool on_smpl_body = !o.body.file.empty() && o.body.file != "free";
   const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
-  return o.smpl || o.fix_feet || on_smpl_body || others || kind_of(o.out) == ".npz";
+  return o.smpl || o.fix_feet || !o.denoise.empty() || on_smpl_body || others || kind_of(o.out) == ".npz";
 }
 
 /// `report` is set if the joints were others than SMPL's and had to become these.
-ml::Motion edited(ml::Motion m, const Options& o, ml::RetargetReport& report) {
+ml::Motion edited(ml::Motion m, const Options& o, const Denoiser& denoised, ml::RetargetReport& report) {
   if (o.from > 0 || o.to > 0) {
     const auto frame = [&](double seconds) {
       return static_cast<ml::Index>(std::min(static_cast<double>(m.frames()), seconds * m.fps + 0.5));
@@ -58,6 +73,7 @@ ml::Motion edited(ml::Motion m, const Options& o, ml::RetargetReport& report) {
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
   if (o.fps > 0) m = ml::resample(m, o.fps);
   if (wants_smpl(o, m)) m = on_smpl(m, &report);
+  if (denoised) m = denoised(m);
   if (o.mirror) m = ml::mirror(m);
   if (o.smooth) m = ml::smooth_motion(m);
   if (o.fix_feet) {
@@ -98,15 +114,15 @@ std::string what_is_left_out(const std::string& path) {
 /// One file into others. What is told about it is collected, for a caller who wants to show it.
 class Conversion {
  public:
-  /// rig: null without --rig. taken: names that clips of a data set have already, or files.
-  Conversion(const Options& o, const RigWriter& rig, std::set<std::string>& taken)
-      : o_(o), rig_(rig), motions_(read_motions(o.in, o.read)), taken_(taken) {}
+  /// rig, denoiser: null without the option. taken: names that clips of a data set have already, or files.
+  Conversion(const Options& o, const RigWriter& rig, const Denoiser& denoiser, std::set<std::string>& taken)
+      : o_(o), rig_(rig), denoiser_(denoiser), motions_(read_motions(o.in, o.read)), taken_(taken) {}
 
   void run() {
     const bool has_shape = !o_.body.file.empty() && o_.body.file != "free";
     if (has_shape && o_.body.betas.empty() && kind_of(o_.in) == ".npz") told_ += what_is_left_out(o_.in);
     ml::RetargetReport report;
-    for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, report)); });
+    for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, denoiser_, report)); });
     if (!report.table.empty()) told_ += to_string(report) + "\n";
     if (!made_.empty()) write();
     if (failures_ > 0)
@@ -158,6 +174,7 @@ class Conversion {
 
   const Options& o_;
   const RigWriter& rig_;
+  const Denoiser& denoiser_;
   const std::vector<ml::Motion> motions_;
   std::set<std::string>& taken_;
   std::vector<ml::Motion> made_;
@@ -169,7 +186,7 @@ class Conversion {
 /// named and stops no other.
 class FolderConversion {
  public:
-  explicit FolderConversion(const Options& o) : o_(o), rig_(rig_writer(o.rig)) {}
+  explicit FolderConversion(const Options& o) : o_(o), rig_(rig_writer(o.rig)), denoiser_(denoiser_of(o)) {}
 
   void run() {
     refuse_to_overwrite();
@@ -211,7 +228,7 @@ class FolderConversion {
         fs::create_directories(place.parent_path());
         one.out = unique(place.string(), taken_) + o_.as;
       }
-      Conversion(one, rig_, taken_).run();
+      Conversion(one, rig_, denoiser_, taken_).run();
     } catch (const std::exception& e) {
       failures_.push_back(file.string() + ": " + e.what());
     }
@@ -219,14 +236,16 @@ class FolderConversion {
 
   const Options& o_;
   const RigWriter rig_;
+  const Denoiser denoiser_;
   std::set<std::string> taken_;
   std::vector<std::string> failures_;
 };
 
 void convert_file(const Options& o) {
   const RigWriter rig = rig_writer(o.rig);
+  const Denoiser denoiser = denoiser_of(o);
   std::set<std::string> taken;
-  Conversion one(o, rig, taken);
+  Conversion one(o, rig, denoiser, taken);
   const auto tell = [&] { std::printf("%s", one.told().c_str()); };
   try {
     one.run();
@@ -333,6 +352,20 @@ void add_convert(CLI::App& app) {
                 "--fps is given. Of guoh3d and kit the result may be a folder: a clip is added to this data set")
       ->excludes(rig)
       ->excludes(body);
+  CLI::Option* denoise =
+      c->add_option("--denoise", o->denoise,
+                    "Model (ACTOR, TEMOS, TMR, SINC: of our training or as published) that encodes and decodes the "
+                    "motion: what it does not know, noise for instance, is left out; on SMPL's 24 joints")
+          ->check(CLI::ExistingPath);
+  c->add_option("--action", o->action, "Of --denoise with ACTOR: name or number of the action that the motion shows")
+      ->needs(denoise);
+  c->add_option("--text-encoder", o->sources.text_encoder,
+                "Of --denoise with a published TEMOS or SINC: as for generate")
+      ->needs(denoise)
+      ->check(CLI::ExistingPath);
+  c->add_option("--statistics", o->sources.statistics, "Of --denoise with a published model: as for generate")
+      ->needs(denoise)
+      ->check(CLI::ExistingDirectory);
   c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
   c->add_flag("--mirror", o->mirror, "Left becomes right");
   c->add_flag("--smooth", o->smooth, "Without trembling");

@@ -15,18 +15,17 @@ ml::Motion motion_of_features(const std::string& layout, const std::vector<doubl
   return ml::motion_of_rows(width == kit.width ? kit : ml::motion_features("guoh3d"), rows, fps);
 }
 
-ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows) {
+ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows, double fps) {
   const std::vector<double> values(rows.begin(), rows.end());
-  return ml::motion_of_rows(features, values);
+  return ml::motion_of_rows(features, values, fps);
 }
 
 std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
                                        ml::Progress progress) const {
   require_no_noise(settings);
-  const auto noise = ml::Philox{.seed = settings.seed}.split("noise");
   std::vector<ml::Motion> motions;
   for (std::size_t m = 0; m < timelines.size(); ++m) {
-    motions.push_back(finished(motion(timelines[m], noise.split(m), settings), settings));
+    motions.push_back(finished(motion(timelines[m], noise_of(settings, m), settings), settings));
     progress(static_cast<ml::Index>(m) + 1, static_cast<ml::Index>(timelines.size()));
   }
   return motions;

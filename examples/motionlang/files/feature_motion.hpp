@@ -17,14 +17,20 @@ namespace program {
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
 
-/// Rows of features that the library names, at their rate.
-ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows);
+/// Rows of features that the library names. fps: 0 is their own.
+ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows, double fps = 0);
 
 /// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.
 class EachAlone : public Generator {
  public:
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
                               ml::Progress progress) const final;
+
+ protected:
+  /// Of the motion at this place.
+  static ml::Philox noise_of(const GenerationSettings& settings, std::uint64_t place) {
+    return ml::Philox{.seed = settings.seed}.split("noise").split(place);
+  }
 
  private:
   virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const = 0;

@@ -9,9 +9,10 @@
 #include <motionlang/io/glb_writer.hpp>
 #include <motionlang/io/viewer.hpp>
 
-#include "generation.hpp"
+#include "from_latent.hpp"
 #include "../files/motion_files.hpp"
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../progress_bar.hpp"
 #include "reuse.hpp"
@@ -22,8 +23,9 @@ namespace program {
 namespace {
 
 struct Options {
-  std::string timeline, text, model = default_model().string(), out = "out", backend = "eigen";
-  double seconds = 5;  // of the text
+  std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
+  double seconds = 5;                // of the text
+  std::optional<ml::Index> samples;  // of each timeline; 1, with `towards` 5
   ModelSources sources;
   GenerationSettings settings;
   std::string preset = "model";
@@ -46,29 +48,91 @@ std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
   return tracks;
 }
 
-/// The timelines of the file, or the one text for the whole body.
+/// One text for the whole body.
+ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
+  return {{{text, 0, ml::frame_at(seconds, fps), ml::BodyParts::all()}}};
+}
+/// The timelines of the file, or the one text.
 std::vector<ml::Timeline> wanted_timelines(const Options& o, double fps) {
   if (o.text.empty()) return read_timelines(o.timeline, fps);
-  return {{{{o.text, 0, ml::frame_at(o.seconds, fps), ml::BodyParts::all()}}}};
+  return {timeline_of(o.text, o.seconds, fps)};
 }
-/// The text as the name of a file, cut to a length that fits.
-std::string wanted_name(const Options& o) {
-  if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
+/// A text as the name of a file, cut to a length that fits.
+std::string name_of(const std::string& text) {
   constexpr std::size_t longest = 40;
   std::string name;
-  for (const char c : o.text.substr(0, longest)) {
+  for (const char c : text.substr(0, longest)) {
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
     if (letter || (!name.empty() && name.back() != '_')) name += letter ? c : '_';
   }
   while (!name.empty() && name.back() == '_') name.pop_back();
   return name.empty() ? "motion" : name;
 }
+std::string wanted_name(const Options& o) {
+  if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
+  return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
+}
+
+/// `samples` motions of each timeline, one timeline after the other. The first is the motion of a run without others.
+std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timelines, ml::Index samples,
+                                         const std::string& name, const Generator& generator,
+                                         const GenerationSettings& settings) {
+  std::vector<ml::Timeline> all;
+  for (ml::Index s = 0; s < samples; ++s) all.insert(all.end(), timelines.begin(), timelines.end());
+  ProgressBar bar("generating");
+  std::vector<ml::Motion> motions = generator.run(all, settings, bar);
+  std::vector<ml::ViewerMotion> out;
+  for (std::size_t t = 0; t < timelines.size(); ++t) {
+    for (ml::Index s = 0; s < samples; ++s) {
+      ml::Motion& m = motions[static_cast<std::size_t>(s) * timelines.size() + t];
+      m.name = name + (timelines.size() == 1 ? "" : "_" + std::to_string(t)) +
+               (samples == 1 ? "" : "_" + std::to_string(s + 1));
+      out.push_back({std::move(m), tracks_of(timelines[t], generator.fps())});
+    }
+  }
+  return out;
+}
+
+/// Motions from the text or action to the other one.
+std::vector<ml::ViewerMotion> line_of(const Options& o, ml::Index count, const std::string& name,
+                                      const Generator& generator, const GenerationSettings& settings) {
+  const ml::Timeline from = timeline_of(o.text, o.seconds, generator.fps()),
+                     to = timeline_of(o.towards, o.seconds, generator.fps());
+  std::vector<ml::Motion> motions = from_latent(generator, "--towards", o.model).between(from, to, count, settings);
+  std::vector<ml::ViewerMotion> out;
+  for (ml::Index i = 0; i < count; ++i) {
+    const double share = 100 * static_cast<double>(i) / static_cast<double>(count - 1);
+    ml::Timeline shown = i == count - 1 ? to : from;
+    if (i > 0 && i < count - 1)
+      shown.intervals[0].text =
+          formatted("%s %.0f %%, %s %.0f %%", o.text.c_str(), 100 - share, o.towards.c_str(), share);
+    ml::Motion& m = motions[static_cast<std::size_t>(i)];
+    m.name = name + "_" + std::to_string(i + 1);
+    out.push_back({std::move(m), tracks_of(shown, generator.fps())});
+  }
+  return out;
+}
+
+/// In every format; says what it wrote.
+void write(const ml::ViewerMotion& made, const std::string& folder, const RigWriter& write_on_rig) {
+  const ml::Motion& motion = made.motion;
+  const std::string base = (std::filesystem::path(folder) / motion.name).string();
+  ml::write_bvh(base + ".bvh", motion);
+  if (write_on_rig)
+    std::printf("%s", write_on_rig(base + ".glb", std::span(&motion, 1)).c_str());
+  else
+    ml::write_glb(base + ".glb", motion);
+  ml::write_amass(base + ".npz", on_smpl(motion));
+  ml::write_joints_npy(base + ".npy", motion);
+  ml::write_film_strip(base + ".svg", motion, made.tracks);
+  std::printf("%s: %.2f s, %td frames\n  motion      %s.bvh  .glb  .npz (AMASS)  .npy (joints)\n  film strip  %s.svg\n",
+              motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
+}
 
 void run(const Options& o) {
   o.machine.apply();
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
-  const auto timelines = wanted_timelines(o, generator->fps());
   const std::string name = wanted_name(o);
   GenerationSettings settings = o.settings;
   GenerationNotes notes;
@@ -81,35 +145,18 @@ void run(const Options& o) {
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
   }
 
-  std::vector<ml::Motion> motions;
-  {
-    ProgressBar bar("generating");
-    motions = generator->run(timelines, settings, bar);
-  }
+  const auto made = o.towards.empty() ? samples_of(wanted_timelines(o, generator->fps()), o.samples.value_or(1), name,
+                                                   *generator, settings)
+                                      : line_of(o, o.samples.value_or(5), name, *generator, settings);
   std::filesystem::create_directories(o.out);
   std::printf("%s", notes.reuse.c_str());
-  const auto model = std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
-  const std::string info = "seed " + std::to_string(notes.seed.value_or(settings.seed)) + ", model " + model.filename().string();
-  std::vector<ml::ViewerMotion> pages;
-  for (std::size_t m = 0; m < motions.size(); ++m) {
-    motions[m].name = motions.size() == 1 ? name : name + "_" + std::to_string(m);
-    const auto base = std::filesystem::path(o.out) / motions[m].name;
-    const auto tracks = tracks_of(timelines[m], generator->fps());
-    ml::write_bvh(base.string() + ".bvh", motions[m]);
-    if (write_on_rig)
-      std::printf("%s", write_on_rig(base.string() + ".glb", std::span(&motions[m], 1)).c_str());
-    else
-      ml::write_glb(base.string() + ".glb", motions[m]);
-    ml::write_amass(base.string() + ".npz", on_smpl(motions[m]));
-    ml::write_joints_npy(base.string() + ".npy", motions[m]);
-    ml::write_film_strip(base.string() + ".svg", motions[m], tracks);
-    pages.push_back({motions[m], tracks});
-    std::printf(
-        "%s: %.2f s, %td frames\n  motion      %s.bvh  .glb  .npz (AMASS)  .npy (joints)\n  film strip  %s.svg\n",
-        motions[m].name.c_str(), motions[m].seconds(), motions[m].frames(), base.c_str(), base.c_str());
-  }
+  for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
+  const auto model =
+      std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
+  const std::string info =
+      "seed " + std::to_string(notes.seed.value_or(settings.seed)) + ", model " + model.filename().string();
   const auto page = std::filesystem::path(o.out) / (name + ".html");
-  ml::write_viewer(page, pages, {.title = name, .info = info});
+  ml::write_viewer(page, made, {.title = name, .info = info});
   std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).c_str());
 }
 
@@ -129,6 +176,13 @@ void add_generate(CLI::App& app) {
       ->excludes(timeline)
       ->check(CLI::Range(0.05, 3600.0))
       ->capture_default_str();
+  c->add_option("--samples", o->samples,
+                "Different motions of each timeline, text or action, NAME_1 to NAME_N: 1 unless given, with --towards 5")
+      ->check(CLI::Range(1, 1000));
+  c->add_option("--towards", o->towards,
+                "Another text or action: the samples are on the straight line from the one's latent to the other's, the first is the one's "
+                "own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
+      ->excludes(timeline);
   c->add_option("--model", o->model,
                 "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-tmr; or a folder of STMC, MDM, "
                 "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")

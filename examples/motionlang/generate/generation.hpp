@@ -46,6 +46,8 @@ inline constexpr ml::Index fast_steps = 10;
 inline void use_fast_preset(GenerationSettings& s) { s.sampler = "ddim", s.steps = fast_steps; }
 inline void use_full_preset(GenerationSettings& s) { s.sampler = "ddpm", s.steps = 0; }
 
+inline constexpr const char* diffusion_model = "a diffusion model";
+
 /// A loaded model. Motions come back in the order of the timelines.
 class Generator {
  public:
@@ -53,6 +55,8 @@ class Generator {
   virtual std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
                                       ml::Progress progress) const = 0;
   virtual double fps() const = 0;
+  /// What it is, for messages.
+  virtual std::string system() const = 0;
 };
 
 /// What published models need from elsewhere; "": it is looked for beside them.

@@ -6,7 +6,7 @@
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
-#include "../files/feature_motion.hpp"
+#include "from_texts.hpp"
 
 namespace program {
 
@@ -20,6 +20,7 @@ class TeachGenerator final : public EachAlone {
   explicit TeachGenerator(ml::TeachRun<B> run) : run_(std::move(run)) {}
 
   double fps() const override { return run_.fps; }
+  std::string system() const override { return "TEACH"; }
 
  private:
   ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
@@ -49,24 +50,12 @@ class TeachGenerator final : public EachAlone {
   ml::TeachRun<B> run_;
 };
 
-class SincGenerator final : public EachAlone {
- public:
-  explicit SincGenerator(ml::SincRun<B> run) : run_(std::move(run)) {}
-
-  double fps() const override { return run_.fps; }
-
- private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
-    std::vector<std::string> labels;
-    for (const ml::Interval& i : timeline.intervals) labels.push_back(i.text);
-    const std::string sentence = ml::join_labels(labels, ml::Conjunction::same_time);
-    const auto states = run_.text_encoder.encode<B>(std::span(&sentence, 1)).tokens;
-    const auto x = ml::text_to_motion(run_.model, states, ml::Offsets{timeline.end()}, noise);
-    return ml::motion_of_smplvelp(ml::sinc_motion(run_.normalizer, x.front().rows), run_.fps);
-  }
-
-  ml::SincRun<B> run_;
-};
+/// All texts, at the same time, as one sentence.
+ml::Interval together(const ml::Timeline& timeline) {
+  std::vector<std::string> labels;
+  for (const ml::Interval& i : timeline.intervals) labels.push_back(i.text);
+  return {ml::join_labels(labels, ml::Conjunction::same_time), 0, timeline.end(), ml::BodyParts::all()};
+}
 
 }  // namespace
 
@@ -75,8 +64,10 @@ std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const Mo
       ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
 }
 std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources) {
-  return std::make_unique<SincGenerator>(ml::load_sinc_run<B>(
+  auto parts = text_latents(ml::load_sinc_run<B>(
       ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+  parts.wanted = together;
+  return from_texts(std::move(parts));
 }
 
 }  // namespace program

@@ -15,6 +15,7 @@ class MdmActionGenerator final : public EachAlone {
   explicit MdmActionGenerator(ml::MdmActionRun<B> run) : run_(std::move(run)) {}
 
   double fps() const override { return run_.fps; }
+  std::string system() const override { return diffusion_model; }
 
  private:
   ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& s) const override {

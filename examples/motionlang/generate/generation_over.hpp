@@ -41,6 +41,7 @@ class GeneratorOver final : public Generator {
     return motions;
   }
   double fps() const override { return model_.fps; }
+  std::string system() const override { return diffusion_model; }
 
  private:
   using Features = std::vector<ml::Tensor<B, 2>>;

@@ -15,6 +15,7 @@ class Tm2tGenerator final : public EachAlone {
   explicit Tm2tGenerator(ml::Tm2tRun<B> run) : run_(std::move(run)) {}
 
   double fps() const override { return run_.fps; }
+  std::string system() const override { return "TM2T"; }
 
  private:
   ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {

@@ -1,11 +1,13 @@
-// What train-temos, train-tmr and train-actor leave, and TMR as its repository leaves it, behind the Generator: one text, or one action, for each motion.
-#include <motionlang/backend/eigen.hpp>
+// What train-temos, train-tmr and train-actor leave, and TMR as its repository leaves it, behind the Generator: one text, or one
+// action, for each motion.
+#include <algorithm>
+
 #include <motionlang/kinematics/retarget.hpp>
 
-#include "../files/feature_motion.hpp"
 #include "../train/actor_model.hpp"
 #include "../train/text_motion_model.hpp"
 #include "../train/text_sources.hpp"
+#include "from_texts.hpp"
 
 namespace program {
 
@@ -14,65 +16,50 @@ namespace {
 using B = ml::EigenBackend<float>;
 
 template <template <class> class System>
-class TrainedTextMotion final : public EachAlone {
- public:
-  TrainedTextMotion(const std::filesystem::path& folder, const TextMotionFile& file, std::filesystem::path text_encoder)
-      : model_(load_text_motion<System, B>(folder, file)),
-        features_(&ml::motion_features(file.config.features)),
-        text_encoder_(std::move(text_encoder)) {
-    if (!model_.words && text_encoder_.empty())
-      ml::raise<ml::config_error>(102, folder.string(), ": this model reads the states of ", file.config.text.encoder,
+std::unique_ptr<Generator> trained(const std::filesystem::path& folder, const TextMotionFile& file,
+                                   const std::filesystem::path& text_encoder) {
+  auto model = load_text_motion<System, B>(folder, file);
+  const ml::MotionFeatures& features = ml::motion_features(file.config.features);
+  TextLatents<System<B>> parts{.model = std::move(model.system),
+                               .normalizer = std::move(model.motion_normalizer),
+                               .features = &features,
+                               .fps = features.fps,
+                               .tokens = {},
+                               .longest = file.config.data.max_seconds};
+  parts.tokens = [words = std::move(model.words), states = std::make_shared<ml::EmbeddingCache>(0), folder,
+                  encoder = file.config.text.encoder, text_encoder](std::span<const std::string> texts) {
+    if (words) return (*words)(texts).tokens;
+    if (text_encoder.empty())
+      ml::raise<ml::config_error>(102, folder.string(), ": this model reads the states of ", encoder,
                                   ": --text-encoder names it");
-  }
-
-  double fps() const override { return features_->fps; }
-
- private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
-    const ml::Interval& wanted = only_text(timeline);
-    const std::span text(&wanted.text, 1);
-    std::optional<ml::EmbeddingCache> states;
-    if (!model_.words) states = token_states(text_encoder_, text);
-    const auto tokens = model_.tokens(text, states ? &*states : nullptr);
-    const auto x = ml::text_to_motion(model_.system, tokens, ml::Offsets{wanted.end - wanted.start}, noise);
-    return motion_of_features(*features_, model_.motion_normalizer.denormalize(x.front().rows).span());
-  }
-
-  TextMotionModel<B, System> model_;
-  const ml::MotionFeatures* features_;
-  std::filesystem::path text_encoder_;
-};
-
-class TrainedActor final : public EachAlone {
- public:
-  explicit TrainedActor(const std::filesystem::path& folder) : model_(folder) {}
-
-  double fps() const override { return model_.file.config.clips.fps; }
-
- private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
-    const ml::Interval& wanted = only_text(timeline);
-    const auto& file = model_.file;
-    const ml::Index action = action_of(wanted.text, file.labels, std::ssize(file.labels)),
-                    frames = wanted.end - wanted.start;
-    const auto rows = ml::generate(model_.actor, std::span(&action, 1), std::span(&frames, 1), noise).rows;
-    ml::Motion out = actor_motion(rows.span(), file.config.clips);
-    ml::place_on_floor(out);  // its way counts from the first frame
-    return out;
-  }
-
-  ActorModel<B> model_;
-};
+    const auto is_known = [&](const std::string& text) { return states->contains(text); };
+    if (!std::all_of(texts.begin(), texts.end(), is_known)) *states = token_states(text_encoder, texts);
+    return states->encode<B>(texts).tokens;
+  };
+  return from_texts(std::move(parts));
+}
 
 }  // namespace
 
 std::unique_ptr<Generator> load_trained_text_motion(const std::filesystem::path& folder, const ModelSources& sources) {
   const TextMotionFile file = read_text_motion_config(folder);
-  if (file.system == "tmr") return std::make_unique<TrainedTextMotion<ml::Tmr>>(folder, file, sources.text_encoder);
-  return std::make_unique<TrainedTextMotion<ml::Temos>>(folder, file, sources.text_encoder);
+  return file.system == "tmr" ? trained<ml::Tmr>(folder, file, sources.text_encoder)
+                              : trained<ml::Temos>(folder, file, sources.text_encoder);
 }
 std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folder) {
-  return std::make_unique<TrainedActor>(folder);
+  ActorModel<B> model(folder);
+  const ActorClipsConfig clips = model.file.config.clips;
+  return from_actions({.model = std::move(model.actor),
+                       .labels = std::move(model.file.labels),
+                       .fps = clips.fps,
+                       .longest = clips.num_frames > 0 ? clips.num_frames : clips.max_len,
+                       .motion_of =
+                           [=](std::span<const float> rows) {
+                             ml::Motion out = actor_motion(rows, clips);
+                             ml::place_on_floor(out);  // its way counts from the first frame
+                             return out;
+                           },
+                       .rows_of = actor_row_maker(clips).rows});
 }
 
 }  // namespace program

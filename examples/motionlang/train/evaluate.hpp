@@ -27,7 +27,7 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
 /// Errors of generated motions, and those of the mean pose and of random clips.
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
 
-/// Accuracy, FID, diversity and multimodality over seeds.
+/// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);

@@ -185,8 +185,11 @@ inline std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> row
   return first_joints(smplrifke_motion(rows, 20), 22);
 }
 
-inline std::vector<double> actor_rows_of(const Motion& motion) {
-  require_smpl24(motion);
+}  // namespace detail
+
+/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+inline std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {}) {
+  detail::require_smpl24(motion);
   const auto upside_down = axis_rotation(0, std::numbers::pi);
   std::vector<Matrix3<double>> rotations;
   for (std::size_t i = 0; i < motion.local.size(); ++i) {
@@ -195,8 +198,13 @@ inline std::vector<double> actor_rows_of(const Motion& motion) {
   }
   std::vector<Vec3<double>> root;
   for (const Vec3<double>& p : motion.root) root.push_back(upside_down * p);
-  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24);
+  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24,
+                              options);
 }
+
+namespace detail {
+
+inline std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
 inline Motion actor_motion(std::span<const double> rows, double fps) { return motion_of_actor(actor_inverse(rows), fps); }
 inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
   return first_joints(actor_motion(rows, 20), 22);

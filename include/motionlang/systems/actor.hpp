@@ -4,6 +4,7 @@
 ///     const std::vector<Index> actions{3, 7}, durations{60, 90};
 ///     const auto motions = generate(actor, actions, durations, rng, {.samples = 5});   // motions[2 sample + action]
 ///     const auto cleaned = denoise(actor, motions, labels);
+///     const auto line = interpolate_actions(actor, 3, 7, 5, 60, rng);
 ///
 /// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021); spec actor.md
 #pragma once
@@ -106,6 +107,19 @@ struct Actor {
   }
 };
 
+namespace detail {
+
+/// Rows of noise for generate, drawn at once.
+template <Backend B, class G>
+Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
+  const Shape shape{rows, actor.config.latent_dim};
+  std::vector<typename B::scalar> noise(static_cast<std::size_t>(shape.count()));
+  rng.normal(std::span<typename B::scalar>(noise));
+  return Tensor<B, 2>::from(noise, shape);
+}
+
+}  // namespace detail
+
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
 /// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
 /// Throws  shape_error 203 for an action that is no class, 204 for another number of durations, config_error 101
@@ -115,10 +129,7 @@ Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std
   const auto n = std::ssize(actions), given = std::ssize(durations);
   if (given != n && given != n * o.samples)
     raise<shape_error>(204, "generate: ", given, " durations for ", n, " actions and ", o.samples, " samples of each");
-  const Shape shape{o.noise_rows(n), actor.config.latent_dim};
-  std::vector<typename B::scalar> noise(static_cast<std::size_t>(shape.count()));
-  rng.normal(std::span<typename B::scalar>(noise));
-  const auto z = actor_latents(Tensor<B, 2>::from(noise, shape), n, o);
+  const auto z = actor_latents(detail::actor_noise(actor, o.noise_rows(n), rng), n, o);
   std::vector<Index> labels, lengths;
   for (Index i = 0; i < n * o.samples; ++i) {
     labels.push_back(actions[static_cast<std::size_t>(i % n)]);
@@ -141,6 +152,25 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
   const auto mu = actor.encode(two_motions, both).mu;
   return actor.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), all,
                       Offsets::equal(steps, length));
+}
+
+/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the other. All
+/// have `length` frames; the first and the last are those of generate.
+/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate and
+///         interpolate_rows throw
+template <Backend B, class G>
+Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
+  if (!actor.decoder)
+    raise<config_error>(102, "interpolate_actions: actions ", from, " and ", to,
+                        ": nothing is between them for a decoder that is no transformer");
+  const Index width = actor.config.latent_dim, both[] = {from, to};
+  const auto z = broadcast_to<2>(detail::actor_noise(actor, 1, rng), {2, width});
+  const auto ends = actor.decoder->memory(z, both).rows;
+  const Index tokens = ends.size(0) / 2;  // of one memory
+  const auto flat = reshape<2>(ends, {2, tokens * width});
+  const auto line = interpolate_rows(slice(flat, 0, 0, 1), slice(flat, 0, 1, 2), steps);
+  return (*actor.decoder)(Sequences<B>(reshape<2>(line, {steps * tokens, width}), Offsets::equal(steps, tokens)),
+                          Offsets::equal(steps, length));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

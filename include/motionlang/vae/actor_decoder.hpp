@@ -57,12 +57,14 @@ struct ActorDecoder {
     const Index width = finallayer.in();
     return {broadcast_to<2>(relative_time<B>(lengths), {lengths.rows(), width}), lengths};
   }
+  Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    return decode_lengths(
+        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory, lengths, dropout_p, context);
+  }
   /// Throws shape_error 203, 204.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           const Context& context = {}) const {
-    return decode_lengths(
-        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory(z, labels), lengths,
-        dropout_p, context);
+    return (*this)(memory(z, labels), lengths, context);
   }
 };
 

@@ -155,6 +155,15 @@ struct LatentSampling {
   bool mean = false;  // mu, without noise
 };
 
+/// The latents of texts for sample `i` of text_to_motion: one vector of noise for all of them.
+template <Backend B>
+Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i, const LatentSampling& sampling = {}) {
+  if (sampling.mean) return texts.mu;
+  auto noise = rng.split(static_cast<std::uint64_t>(i));
+  const auto eps = Tensor<B, 2>::randn({1, texts.mu.size(1)}, noise);
+  return texts.sample(broadcast_to<2>(eps, texts.mu.shape()), sampling.fact);
+}
+
 /// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and decode(z, lengths).
 /// tokens  a sequence for each text;   lengths  of the motions, one for each text
 /// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and among others
@@ -163,20 +172,22 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
                                          const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
   const auto latent = model.encode_text(tokens);
   std::vector<Sequences<B>> out;
-  for (Index i = 0; i < samples; ++i) {
-    auto noise = rng.split(static_cast<std::uint64_t>(i));
-    const auto eps = Tensor<B, 2>::randn({1, latent.mu.size(1)}, noise);
-    out.push_back(model.decode(
-        sampling.mean ? latent.mu : latent.sample(broadcast_to<2>(eps, latent.mu.shape()), sampling.fact), lengths));
-  }
+  for (Index i = 0; i < samples; ++i) out.push_back(model.decode(sampled_latents(latent, rng, i, sampling), lengths));
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from the mean of one to that of the other, all of `length` frames.
+/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames. The first and
+/// the last are those of text_to_motion. Throws what interpolate_rows throws.
+template <Backend B, class Model>
+Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length, const Philox& rng,
+                               const LatentSampling& sampling = {}) {
+  const auto z = sampled_latents(model.encode_text(two_texts), rng, 0, sampling);
+  return model.decode(interpolate_rows(slice(z, 0, 0, 1), slice(z, 0, 1, 2), steps), Offsets::equal(steps, length));
+}
+/// The same from mean to mean.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length) {
-  const auto mu = model.encode_text(two_texts).mu;
-  return model.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), Offsets::equal(steps, length));
+  return interpolate_texts(model, two_texts, steps, length, Philox{}, {.mean = true});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -63,6 +63,21 @@ TEST_CASE("every feature vector gives the poses back") {
   }
 }
 
+TEST_CASE("ACTOR's rows of any representation give the clip back") {
+  const auto motion = synthetic::walk({.frames = 20, .turn = 0.3});
+  for (const auto form : {ml::PoseRepresentation::rotvec, ml::PoseRepresentation::rotmat, ml::PoseRepresentation::rot6d}) {
+    const ml::ActorFeatureOptions options{.rotations = form};
+    const auto rows = ml::actor_rows_of_motion(motion, options);
+    CHECK(std::ssize(rows) == 20 * 25 * ml::size(form));
+    const auto back = ml::motion_of_actor(ml::actor_inverse(std::span<const double>(rows), 24, options), 20);
+    for (std::size_t i = 0; i < motion.local.size(); ++i) CHECK(ml::distance(back.local[i], motion.local[i]) < 1e-6);
+    const auto way = back.root[19] - back.root[0], walked = motion.root[19] - motion.root[0];
+    CHECK(ml::norm(way - walked) < 1e-9);
+  }
+  CHECK(std::ssize(ml::actor_rows_of_motion(motion, {.translation = false, .global = false})) == 20 * 23 * 6);
+  CHECK_ERROR(ml::actor_rows_of_motion(ml::Motion{ml::kit21_skeleton(), 20, {}, {}}), "[motionlang.config.103]");
+}
+
 TEST_CASE("every feature vector has a layout, and a raised arm changes no other part's positions and rotations") {
   for (const ml::MotionFeatures& f : ml::all_motion_features) {
     CAPTURE(f.name);

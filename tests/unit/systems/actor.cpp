@@ -213,6 +213,41 @@ TEST_CASE("ACTOR: motions of actions and durations, without their noise, between
   CHECK(distance(line[2], line[0]) > 1e-4);
 }
 
+TEST_CASE("ACTOR: between two actions, the ends are the motions of the actions alone") {
+  const auto alone = [](const ml::Actor<B>& model, Index action) {
+    ml::Philox rng{.seed = 7};
+    return ml::generate(model, std::vector{action}, std::vector<Index>{6}, rng)[0];
+  };
+  for (const ActorConfig& config : variants()) {
+    CAPTURE(static_cast<int>(config.conditioning));
+    const auto model = model_of(config);
+    ml::Philox rng{.seed = 7};
+    if (config.decoder != ActorDecoderKind::transformer) {
+      CHECK_ERROR(ml::interpolate_actions(model, 3, 1, 5, 6, rng),
+                  "[motionlang.config.102] interpolate_actions: actions 3 and 1");
+      continue;
+    }
+    const auto line = ml::interpolate_actions(model, 3, 1, 5, 6, rng);
+    CHECK(line.offsets == Offsets{6, 6, 6, 6, 6});
+    CHECK(distance(line[0], alone(model, 3)) < 1e-5);
+    CHECK(distance(line[4], alone(model, 1)) < 1e-5);
+    CHECK(distance(line[2], line[0]) > 1e-4);
+    CHECK(distance(line[2], line[4]) > 1e-4);
+    CHECK_ERROR(ml::interpolate_actions(model, 3, 4, 5, 6, rng), "[motionlang.shape.203]");
+    CHECK_ERROR(ml::interpolate_actions(model, 3, 1, 1, 6, rng), "[motionlang.config.101] interpolate_rows: 1 rows");
+  }
+}
+
+TEST_CASE("ACTOR: half way between two actions is the motion of the mean of their biases") {
+  const auto model = model_of(small());
+  ml::Philox rng{.seed = 7}, again{.seed = 7};
+  const auto line = ml::interpolate_actions(model, 3, 1, 3, 6, rng);
+  const auto& biases = *model.decoder->actionBiases;
+  const auto z = Matrix::randn({1, 16}, again);
+  const auto half = z + (ml::slice(biases, 0, 1, 2) - ml::slice(biases, 0, 3, 4)) * 0.5;  // the decoder adds that of 3
+  CHECK(distance(line[1], model.decode(half, std::vector<Index>{3}, Offsets{6})[0]) < 1e-5);
+}
+
 TEST_CASE("ACTOR: what a network cannot take is refused") {
   const std::vector<Index> one{1}, two{1, 2}, unknown{1, 4};
   const auto model = model_of(small());

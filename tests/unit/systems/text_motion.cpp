@@ -192,6 +192,13 @@ TEST_CASE("between two texts: the ends are their means, the middle is the middle
   const auto middle = (ml::slice(mu, 0, 0, 1) + ml::slice(mu, 0, 1, 2)) * 0.5;
   CHECK(distance(path[1], model.decode(middle, Offsets{5})[0]) < 1e-13);
   CHECK_ERROR(ml::interpolate_texts(model, two, 1, 5), "[motionlang.config.101] interpolate_rows: 1 rows");
+
+  const ml::Philox rng{.seed = 3};
+  const auto drawn = ml::interpolate_texts(model, two, 3, 5, rng);
+  const auto alone = ml::text_to_motion(model, two, Offsets{5, 5}, rng).front();
+  CHECK(distance(drawn[0], alone[0]) < 1e-13);
+  CHECK(distance(drawn[2], alone[1]) < 1e-13);
+  CHECK(distance(drawn[1], path[1]) > 1e-4);  // there is noise in it
 }
 
 TEST_CASE("the width says whether it is a text or a motion") {

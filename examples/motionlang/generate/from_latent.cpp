@@ -1,0 +1,97 @@
+#include "from_latent.hpp"
+
+#include <motionlang/kinematics/blend.hpp>
+
+namespace program {
+
+using ml::Index;
+using B = ml::EigenBackend<float>;
+
+std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::Timeline& to, Index count,
+                                            const GenerationSettings& settings) const {
+  require_no_noise(settings);
+  if (count < 2)
+    ml::raise<ml::config_error>(101, count,
+                                " motions from one text or action towards another: both ends are among them");
+  auto motions = line(from, to, count, noise_of(settings, 0));
+  for (ml::Motion& m : motions) m = finished(std::move(m), settings);
+  return motions;
+}
+
+ml::Motion FromLatent::denoised(const ml::Motion& motion, const std::string& action) const {
+  const ml::Motion seen = ml::resample(motion, fps());
+  const Index frames = seen.frames(), most = longest();
+  const Index shared = std::min(std::max<Index>(2, most / 4), most - 1);
+  const auto part = [&](Index first) { return decoded(ml::crop(seen, first, std::min(frames, first + most)), action); };
+  ml::Motion out = part(0);
+  for (Index end = most; end < frames;) {
+    const Index first = std::min(end - shared, frames - most);
+    ml::Motion next = part(first);
+    next.skeleton = out.skeleton;  // bones found from positions differ a little from part to part
+    out = ml::blend_into(out, next, out.frames() - first);
+    end = first + most;
+  }
+  out = ml::resample(ml::placed(out, ml::placement_between(out, 0, seen, 0)), motion.fps);
+  out.name = motion.name;
+  return out;
+}
+
+const FromLatent& from_latent(const Generator& generator, const std::string& option,
+                              const std::filesystem::path& model) {
+  const auto* const found = dynamic_cast<const FromLatent*>(&generator);
+  if (found == nullptr)
+    ml::raise<ml::config_error>(102, model.string(), ": ", option,
+                                " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is ",
+                                generator.system());
+  return *found;
+}
+
+namespace {
+
+class FromActions final : public FromLatent {
+ public:
+  explicit FromActions(ActorLatents actor) : actor_(std::move(actor)) {}
+
+  double fps() const override { return actor_.fps; }
+
+ private:
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
+    const ml::Interval& wanted = only_text(timeline);
+    const Index action = class_of(wanted.text), frames = wanted.end - wanted.start;
+    const auto rows = ml::generate(actor_.model, std::span(&action, 1), std::span(&frames, 1), noise).rows;
+    return actor_.motion_of(rows.span());
+  }
+  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count,
+                               ml::Philox noise) const override {
+    const ml::Interval &first = only_text(from), &last = only_text(to);
+    const auto made = ml::interpolate_actions(actor_.model, class_of(first.text), class_of(last.text), count,
+                                              first.end - first.start, noise);
+    std::vector<ml::Motion> motions;
+    for (Index i = 0; i < count; ++i) motions.push_back(actor_.motion_of(made[i].span()));
+    return motions;
+  }
+  ml::Motion decoded(const ml::Motion& motion, const std::string& action) const override {
+    if (action.empty())
+      ml::raise<ml::config_error>(102,
+                                  "ACTOR has to know which action a motion shows to denoise it: --action names it");
+    const Index known = class_of(action), frames = motion.frames(),
+                width = actor_.model.config.njoints * actor_.model.config.nfeats;
+    const std::vector<double> rows = actor_.rows_of(motion);
+    const std::vector<float> values(rows.begin(), rows.end());
+    const ml::Sequences<B> x(ml::Tensor<B, 2>::from(values, {frames, width}), ml::Offsets{frames});
+    return actor_.motion_of(ml::denoise(actor_.model, x, std::span(&known, 1)).rows.span());
+  }
+  Index longest() const override { return actor_.longest; }
+
+  Index class_of(const std::string& action) const {
+    return action_of(action, actor_.labels, actor_.model.config.num_classes);
+  }
+
+  ActorLatents actor_;
+};
+
+}  // namespace
+
+std::unique_ptr<Generator> from_actions(ActorLatents actor) { return std::make_unique<FromActions>(std::move(actor)); }
+
+}  // namespace program

@@ -1,0 +1,56 @@
+// Models with one latent for every motion (ACTOR, TEMOS, TMR, SINC) behind the Generator: motions between two, and motions
+// without their noise.
+#pragma once
+
+#include <functional>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/systems/actor.hpp>
+
+#include "../files/feature_motion.hpp"
+
+namespace program {
+
+class FromLatent : public EachAlone {
+ public:
+  std::string system() const final { return "a model with one latent for every motion"; }
+
+  /// `count` motions on the straight line from the latent of one timeline to that of another, which is as long, with the
+  /// same noise: the first and the last are those that `run` makes of either alone. Throws config_error 101 unless count
+  /// is 2 or more.
+  std::vector<ml::Motion> between(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
+                                  const GenerationSettings& settings) const;
+
+  /// A motion on SMPL's 24 joints as its latent keeps it: encoded, decoded, put where it was, at its rate. One that is
+  /// longer than those that the model learned from goes through it in parts, which share a quarter of their frames and are
+  /// blended.
+  /// action  of the motion, for ACTOR; "" for others
+  /// Throws  config_error 102 where the action is missing or not asked for, 103 for an unknown one, and what the features
+  ///         throw
+  ml::Motion denoised(const ml::Motion& motion, const std::string& action) const;
+
+ private:
+  virtual std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
+                                       ml::Philox noise) const = 0;
+  /// Encoded and decoded. The motion has the rate of the model.
+  virtual ml::Motion decoded(const ml::Motion& motion, const std::string& action) const = 0;
+  virtual ml::Index longest() const = 0;  // frames that the model learned from
+};
+
+/// The generator as such a model. Throws config_error 102 for another.
+/// option  what asks for it;   model   where it was loaded from
+const FromLatent& from_latent(const Generator& generator, const std::string& option,
+                              const std::filesystem::path& model);
+
+/// ACTOR with what turns its rows into clips and back.
+struct ActorLatents {
+  ml::Actor<ml::EigenBackend<float>> model;
+  std::vector<std::string> labels;
+  double fps = 20;
+  ml::Index longest = 60;
+  std::function<ml::Motion(std::span<const float>)> motion_of;  // on the floor
+  std::function<std::vector<double>(const ml::Motion&)> rows_of;
+};
+std::unique_ptr<Generator> from_actions(ActorLatents actor);
+
+}  // namespace program
