@@ -71,10 +71,10 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
         "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as",
-        "--denoise", "--action", "--text-encoder", "--statistics"}},
-      {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--asf", "--all"}},
-      {"strip", {"input", "output"}},
-      {"view", {"input", "output"}},
+        "--denoise", "--action", "--text-encoder", "--statistics", "--store", "--body", "--betas", "--hands"}},
+      {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--up", "--asf", "--all"}},
+      {"strip", {"input", "output", "--as"}},
+      {"view", {"input", "output", "--body", "--betas"}},
       {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet", "--compare"}},
       {"train", {"--data",        "--captions",      "--out",      "--steps",      "--batch",       "--lr",
                  "--width",       "--feed-forward",  "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
@@ -495,24 +495,6 @@ TEST_CASE("convert: clips are added to a data set in HumanML3D's or KIT-ML's for
                                                "rows of 263 (guoh3d)"),
                 guoh3d_into_kit.text);
   CHECK(ml::read_ids(w / "kit/all.txt").size() == 2);
-}
-
-TEST_CASE("convert: what an AMASS file has and the body does not get is named") {
-  const Workplace w;
-  const auto walk = synthetic::walk({.frames = 5});
-  ml::write_npz(w / "body.npz", octahedra::arrays());
-  ml::write_amass(w / "plain.npz", walk);
-  ml::write_amass(w / "tall.npz", walk, {.gender = "female", .betas = {0.5, -2}});
-  CHECK(!contains(w.run({"convert", "plain.npz", "out.glb", "--body", "body.npz"}).text, "left out"));
-  CHECK(contains(w.run({"convert", "tall.npz", "out.glb", "--body", "body.npz"}).text,
-                 "tall.npz: its shape (gender female) is left out unless it is given: --betas=0.5,-2"));
-  CHECK(!contains(w.run({"convert", "tall.npz", "out.glb", "--body", "body.npz", "--betas=0.5"}).text, "left out"));
-  const std::vector<double> poses(2 * 156, 0.1), trans(2 * 3);
-  const std::vector<ml::NamedArray> hands{{"poses", ml::NpyArray::of(std::span<const double>(poses), {2, 156})},
-                                          {"trans", ml::NpyArray::of(std::span<const double>(trans), {2, 3})},
-                                          {"mocap_framerate", ml::NpyArray::scalar(30.0)}};
-  ml::write_npz(w / "hands.npz", hands);
-  CHECK(contains(w.run({"convert", "hands.npz", "out.glb", "--body", "body.npz"}).text, "hands.npz: its hands and face are left out"));
 }
 
 TEST_CASE("convert and generate put motions on a character") {

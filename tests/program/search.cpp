@@ -203,6 +203,23 @@ TEST_CASE("index: what has not changed is not read again; what is gone, new, cha
   }
 }
 
+TEST_CASE("index: arrays of joints and of features as convert reads them, but not mean and deviation") {
+  const Gallery g;
+  ml::write_joints_npy(g / "clips/joints.npy", walk("joints", 50, 0.5));
+  REQUIRE(g.run({"convert", "clips/left.bvh", "clips/rows.npy", "--features", "guoh3d"}).code == 0);
+  const std::vector<float> mean(263, 1), odd(40);
+  ml::write_npy(g / "clips/Mean.npy", ml::NpyArray::of(std::span<const float>(mean), {263}));
+  ml::write_npy(g / "clips/odd.npy", ml::NpyArray::of(std::span<const float>(odd), {2, 20}));
+  const Outcome made = g.index();
+  check_contains(made, 0, {"moves.index: 8 clips", "2 skipped)", "odd.npy: [motionlang.io.407]"});
+  CHECK(!contains(made.text, "Mean.npy"));
+  const auto like = g.search({"--like", "clips/joints.npy", "--top", "1"})[0];
+  CHECK(file_of(like) == "joints.npy");
+  CHECK(like["score"].get<double>() == doctest::Approx(1).epsilon(1e-5));
+  check_contains(g.run({"index", "clips", "-o", "moves.index", "--again", "--rate", "10", "--list"}), 0,
+                 {"joints.npy\t0.00\t5.00\t10\t50\t", "rows.npy\t0.00\t"});
+}
+
 TEST_CASE("index: listing, removing, captions") {
   const Gallery g;
   ml::write_file(g / "captions.tsv",
@@ -391,10 +408,10 @@ TEST_CASE("index and search: help names every option") {
   for (const auto& [command, names] : std::map<std::string, std::vector<std::string>>{
            {"index",
             {"folder", "--out", "--model", "--text-encoder", "--captions", "--license", "--windows", "--stride",
-             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--threads"}},
+             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--rate", "--up", "--threads"}},
            {"search",
             {"index", "text", "--like", "--from", "--to", "--moments", "--captions", "--top", "--overlap", "--html",
-             "--json", "--exact", "--model", "--text-encoder", "--scale"}}}) {
+             "--json", "--exact", "--model", "--text-encoder", "--scale", "--rate", "--up"}}}) {
     const auto help = ::run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
     CAPTURE(help.text);

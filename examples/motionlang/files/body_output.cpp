@@ -1,8 +1,9 @@
 // Motions on a body: the user's own of the SMPL family, or the free one. Apart from motion_files.cpp, for its backend takes time to
 // compile.
-#include <span>
+#include <algorithm>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/amass_body.hpp>
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/io/body_glb.hpp>
 #include <motionlang/io/body_viewer.hpp>
@@ -12,32 +13,103 @@
 
 namespace program {
 
-std::string write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options) {
-  if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no motion");
-  using B = ml::EigenBackend<float>;
-  const bool free = options.file == "free";
-  auto body = free ? ml::figure_body<B>(motions.front().skeleton)
-                   : ml::read_body<B>(options.file, {.betas = std::ssize(options.betas), .expressions = 0});
-  ml::prepare(body.model);
-  const std::vector<float> betas(options.betas.begin(), options.betas.end());
-  std::vector<ml::Motion> own;
-  for (const ml::Motion& m : motions) own.push_back(free ? m : on_smpl(m));
+namespace {
+
+namespace fs = std::filesystem;
+using B = ml::EigenBackend<float>;
+
+std::string write(const fs::path& path, const ml::Body<B>& body, const std::string& name,
+                  std::vector<ml::Motion> motions, const std::vector<float>& betas) {
+  const std::size_t count = motions.size();
   const std::string kind = kind_of(path);
+  const std::span<const float> shape(betas);
   std::string files;
   if (kind == ".glb") {
-    ml::write_body_glb(path, body, std::span<const ml::Motion>(own), std::span<const float>(betas));
+    ml::write_body_glb(path, body, std::span<const ml::Motion>(motions), shape);
   } else if (kind == ".html") {
     std::vector<ml::ViewerMotion> shown;
-    for (ml::Motion& m : own) shown.push_back({std::move(m)});
-    ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), std::span<const float>(betas));
-  } else if (kind == ".obj" && own.size() == 1) {
-    files = ml::concat_text(ml::write_body_objs(path, body, own.front(), std::span<const float>(betas)), " files: ");
+    for (ml::Motion& m : motions) shown.push_back({std::move(m)});
+    ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), shape);
+  } else if (kind == ".obj" && count == 1) {
+    files = ml::concat_text(ml::write_body_objs(path, body, motions.front(), shape), " files: ");
   } else {
-    ml::raise<ml::config_error>(103, path.string(), ": ", motions.size(),
+    ml::raise<ml::config_error>(103, path.string(), ": ", count,
                                 " motions on a body are written to .glb and .html, one also to .obj, not '", kind, "'");
   }
-  return ml::concat_text(files, path.string(), ": ", motions.size(), " motions on ", free ? "the free body" : to_string(body.kind),
-                         " of ", body.model.vertices(), " vertices\n");
+  return ml::concat_text(files, path.string(), ": ", count, " motions on ", name, " of ", body.model.vertices(),
+                         " vertices\n");
+}
+
+/// Capsules along the bones of whatever joints there are.
+class FreeBody : public ShownBody {
+ public:
+  explicit FreeBody(const BodyOptions& o) : betas_(o.betas.begin(), o.betas.end()) {}
+  bool has_joints_of(const ml::Motion&) const override { return true; }
+  BodyClip read(const fs::path& npz) const override { return {ml::read_amass(npz).motion, {}, {}}; }
+  std::string write(const fs::path& path, std::vector<ml::Motion> motions, const std::vector<float>&) const override {
+    if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no motion");
+    auto body = ml::figure_body<B>(motions.front().skeleton);
+    ml::prepare(body.model);
+    return program::write(path, body, "the free body", std::move(motions), betas_);
+  }
+
+ private:
+  std::vector<float> betas_;  // refused: it has no shapes
+};
+
+class OwnBody : public ShownBody {
+ public:
+  explicit OwnBody(const BodyOptions& o)
+      : betas_(o.betas.begin(), o.betas.end()),
+        body_(ml::read_body<B>(o.file, {.betas = std::ssize(betas_), .most_betas = amass_betas, .expressions = 0})),
+        joints_(ml::body_skeleton(body_).names) {
+    ml::prepare(body_.model);
+    if (!betas_.empty()) betas_.resize(static_cast<std::size_t>(body_.model.shapedirs.size(1)));
+  }
+  bool has_joints_of(const ml::Motion& m) const override { return m.skeleton.names == joints_; }
+
+  BodyClip read(const fs::path& npz) const override {
+    const auto sequence = ml::read_amass_sequence(npz);
+    const std::string name = npz.stem().string();
+    if (body_.kind == ml::BodyKind::other)
+      return {ml::amass_motion(sequence, name),
+              {},
+              npz.string() + ": left out are hands and betas, for the body is none of SMPL's\n"};
+    auto clip = ml::amass_on_body(sequence, name, body_);
+    if (betas_.empty()) {
+      const auto last = std::find_if(sequence.betas.rbegin(), sequence.betas.rend(), [](double b) { return b != 0; });
+      const auto has = sequence.betas.rend() - last, common = std::min(has, std::ssize(clip.betas));
+      if (common > 0) clip.parts.push_back(ml::concat_text("betas 1 to ", common, " (", sequence.gender, ")"));
+      if (has > common) clip.left_out.push_back(ml::concat_text("betas ", common + 1, " to ", has));
+    }
+    std::string told;
+    for (const std::string& part : clip.parts) told += (told.empty() ? ": " : ", ") + part;
+    if (!clip.left_out.empty()) told += told.empty() ? ": left out are " : "; left out are ";
+    for (const std::string& part : clip.left_out) told += (&part == &clip.left_out.front() ? "" : ", ") + part;
+    if (!told.empty()) told = npz.string() + " on " + to_string(body_.kind) + told + "\n";
+    return {std::move(clip.motion), std::move(clip.betas), std::move(told)};
+  }
+  std::string write(const fs::path& path, std::vector<ml::Motion> motions,
+                    const std::vector<float>& betas) const override {
+    for (ml::Motion& m : motions) {
+      if (!has_joints_of(m)) m = on_smpl(m);
+    }
+    return program::write(path, body_, to_string(body_.kind), std::move(motions), betas_.empty() ? betas : betas_);
+  }
+
+ private:
+  static constexpr ml::Index amass_betas = 16;
+  std::vector<float> betas_;  // the user's, or none
+  ml::Body<B> body_;
+  std::vector<std::string> joints_;
+};
+
+}  // namespace
+
+std::unique_ptr<const ShownBody> shown_body(const BodyOptions& options) {
+  if (options.file.empty()) return nullptr;
+  if (options.file == "free") return std::make_unique<FreeBody>(options);
+  return std::make_unique<OwnBody>(options);
 }
 
 }  // namespace program

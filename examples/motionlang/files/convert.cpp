@@ -5,7 +5,7 @@
 #include <set>
 
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/io/amass_sequence.hpp>
+#include <motionlang/io/merged_body.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -30,6 +30,7 @@ struct Options {
   std::string denoise, action;            // a model, and what it is told of the motion
   ModelSources sources;                   // of this model
   std::string as;                         // of a folder: extension of what its files become
+  std::vector<std::string> hands;         // left, right: files of MANO that go into a file of SMPL-H
   const DataSetForm* data_set = nullptr;  // clips go into a folder of this form
   MotionReadOptions read;
   RigOptions rig;
@@ -49,16 +50,25 @@ Denoiser denoiser_of(const Options& o) {
   };
 }
 
-/// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed and motions
-/// denoised there.
-bool wants_smpl(const Options& o, const ml::Motion& m) {
-  const bool on_smpl_body = !o.body.file.empty() && o.body.file != "free";
+/// What the options name, read once for all files; null without the option.
+struct Loaded {
+  explicit Loaded(const Options& o) : rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {}
+  RigWriter rig;
+  std::unique_ptr<const ShownBody> body;
+  Denoiser denoised;
+};
+
+/// Motions are denoised on SMPL's joints, feet are fixed there, AMASS and features that are not on the clip's own joints are
+/// on them, and the user's body has these or its own.
+bool wants_smpl(const Options& o, const Loaded& loaded, const ml::Motion& m) {
+  if (loaded.denoised || (loaded.body != nullptr && !loaded.body->has_joints_of(m))) return true;
+  if (loaded.body != nullptr && o.body.file != "free") return false;
   const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
-  return o.smpl || o.fix_feet || !o.denoise.empty() || on_smpl_body || others || kind_of(o.out) == ".npz";
+  return o.smpl || o.fix_feet || others || kind_of(o.out) == ".npz";
 }
 
 /// `report` is set if the joints were others than SMPL's and had to become these.
-ml::Motion edited(ml::Motion m, const Options& o, const Denoiser& denoised, ml::RetargetReport& report) {
+ml::Motion edited(ml::Motion m, const Options& o, const Loaded& loaded, ml::RetargetReport& report) {
   if (o.from > 0 || o.to > 0) {
     const auto frame = [&](double seconds) {
       return static_cast<ml::Index>(std::min(static_cast<double>(m.frames()), seconds * m.fps + 0.5));
@@ -72,8 +82,8 @@ ml::Motion edited(ml::Motion m, const Options& o, const Denoiser& denoised, ml::
   }
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
   if (o.fps > 0) m = ml::resample(m, o.fps);
-  if (wants_smpl(o, m)) m = on_smpl(m, &report);
-  if (denoised) m = denoised(m);
+  if (wants_smpl(o, loaded, m)) m = on_smpl(m, &report);
+  if (loaded.denoised) m = loaded.denoised(m);
   if (o.mirror) m = ml::mirror(m);
   if (o.smooth) m = ml::smooth_motion(m);
   if (o.fix_feet) {
@@ -94,35 +104,25 @@ fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& t
   return unique(out.replace_extension().string() + "_" + file_name(name), taken) + extension;
 }
 
-/// An AMASS file is read as the movement of 22 joints: what else it has, and a body could show, in words.
-std::string what_is_left_out(const std::string& path) {
-  const auto file = ml::read_amass_sequence(path);
-  const auto not_zero = [](double x) { return x != 0; };
-  bool fingers = false;
-  for (std::size_t at = 0; at < file.poses.size(); at += static_cast<std::size_t>(file.columns)) {
-    const auto pose = file.poses.begin() + static_cast<std::ptrdiff_t>(at);
-    fingers = fingers || std::any_of(pose + 66, pose + file.columns, not_zero);
-  }
-  std::string told;
-  if (fingers) told = path + ": its hands and face are left out, the body's stand as they do at rest\n";
-  if (std::none_of(file.betas.begin(), file.betas.end(), not_zero)) return told;
-  std::string betas;
-  for (const double b : file.betas) betas += ml::concat_text(betas.empty() ? "" : ",", static_cast<float>(b));
-  return told + ml::concat_text(path, ": its shape (gender ", file.gender, ") is left out unless it is given: --betas=", betas, "\n");
-}
-
 /// One file into others. What is told about it is collected, for a caller who wants to show it.
 class Conversion {
  public:
-  /// rig, denoiser: null without the option. taken: names that clips of a data set have already, or files.
-  Conversion(const Options& o, const RigWriter& rig, const Denoiser& denoiser, std::set<std::string>& taken)
-      : o_(o), rig_(rig), denoiser_(denoiser), motions_(read_motions(o.in, o.read)), taken_(taken) {}
+  /// taken: names that clips of a data set have already, or files.
+  Conversion(const Options& o, const Loaded& loaded, std::set<std::string>& taken)
+      : o_(o), loaded_(loaded), taken_(taken) {
+    if (loaded.body == nullptr || kind_of(o.in) != ".npz") {
+      motions_ = read_motions(o.in, o.read);
+      return;
+    }
+    BodyClip clip = loaded.body->read(o.in);
+    motions_.push_back(std::move(clip.motion));
+    betas_ = std::move(clip.betas);
+    told_ = std::move(clip.told);
+  }
 
   void run() {
-    const bool has_shape = !o_.body.file.empty() && o_.body.file != "free";
-    if (has_shape && o_.body.betas.empty() && kind_of(o_.in) == ".npz") told_ += what_is_left_out(o_.in);
     ml::RetargetReport report;
-    for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, denoiser_, report)); });
+    for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, loaded_, report)); });
     if (!report.table.empty()) told_ += to_string(report) + "\n";
     if (!made_.empty()) write();
     if (failures_ > 0)
@@ -145,10 +145,10 @@ class Conversion {
   }
 
   void write() {
-    if (rig_) {
-      told_ += rig_(o_.out, made_);
-    } else if (!o_.body.file.empty()) {
-      told_ += write_on_body(o_.out, made_, o_.body);
+    if (loaded_.rig) {
+      told_ += loaded_.rig(o_.out, made_);
+    } else if (loaded_.body != nullptr && holds_several(o_.out)) {
+      told_ += loaded_.body->write(o_.out, made_, betas_);
     } else if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
       write_motions(o_.out, made_);
       told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
@@ -166,6 +166,7 @@ class Conversion {
   }
 
   std::string write_one(const fs::path& path, const ml::Motion& m) const {
+    if (loaded_.body != nullptr) return loaded_.body->write(path, {m}, betas_);
     if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
     write_motion(path, m, o_.scale);
     return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
@@ -173,9 +174,9 @@ class Conversion {
   }
 
   const Options& o_;
-  const RigWriter& rig_;
-  const Denoiser& denoiser_;
-  const std::vector<ml::Motion> motions_;
+  const Loaded& loaded_;
+  std::vector<ml::Motion> motions_;
+  std::vector<float> betas_;  // of an AMASS file
   std::set<std::string>& taken_;
   std::vector<ml::Motion> made_;
   std::string told_, reasons_;
@@ -186,11 +187,11 @@ class Conversion {
 /// named and stops no other.
 class FolderConversion {
  public:
-  explicit FolderConversion(const Options& o) : o_(o), rig_(rig_writer(o.rig)), denoiser_(denoiser_of(o)) {}
+  explicit FolderConversion(const Options& o) : o_(o), loaded_(o) {}
 
   void run() {
     refuse_to_overwrite();
-    const auto files = motion_files_below(o_.in, true);
+    const auto files = motion_files_below(o_.in);
     if (files.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o_.in);
     ProgressBar bar("converting");
     std::size_t done = 0;
@@ -212,7 +213,7 @@ class FolderConversion {
   /// would read it as well.
   void refuse_to_overwrite() const {
     const std::string kind = o_.data_set != nullptr ? ".npy" : o_.as;
-    const bool is_read = is_motion_file("a" + kind) || kind == ".npy";
+    const bool is_read = is_motion_file("a" + kind);
     const fs::path inside = fs::weakly_canonical(o_.out).lexically_relative(fs::weakly_canonical(o_.in));
     if (is_read && !inside.empty() && *inside.begin() != "..")
       ml::raise<ml::config_error>(102, "convert: ", kind, " files of ", o_.in, " into ", o_.out,
@@ -228,24 +229,22 @@ class FolderConversion {
         fs::create_directories(place.parent_path());
         one.out = unique(place.string(), taken_) + o_.as;
       }
-      Conversion(one, rig_, denoiser_, taken_).run();
+      Conversion(one, loaded_, taken_).run();
     } catch (const std::exception& e) {
       failures_.push_back(file.string() + ": " + e.what());
     }
   }
 
   const Options& o_;
-  const RigWriter rig_;
-  const Denoiser denoiser_;
+  const Loaded loaded_;
   std::set<std::string> taken_;
   std::vector<std::string> failures_;
 };
 
 void convert_file(const Options& o) {
-  const RigWriter rig = rig_writer(o.rig);
-  const Denoiser denoiser = denoiser_of(o);
+  const Loaded loaded(o);
   std::set<std::string> taken;
-  Conversion one(o, rig, denoiser, taken);
+  Conversion one(o, loaded, taken);
   const auto tell = [&] { std::printf("%s", one.told().c_str()); };
   try {
     one.run();
@@ -256,7 +255,17 @@ void convert_file(const Options& o) {
   tell();
 }
 
+/// SMPL-H and MANO are downloads apart.
+void merge_hands(const Options& o) {
+  if (kind_of(o.out) != ".npz")
+    ml::raise<ml::config_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
+  ml::merge_smplh(o.in, o.hands.at(0), o.hands.at(1), o.out);
+  std::printf("%s: the body of %s with the hands of %s and %s\n", o.out.c_str(), o.in.c_str(), o.hands[0].c_str(),
+              o.hands[1].c_str());
+}
+
 void run(Options o) {
+  if (!o.hands.empty()) return merge_hands(o);
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
   if (!o.store.empty()) throw CLI::ValidationError("--store", "is for weights, written as .safetensors; the result is " + o.out);
   const bool folder = fs::is_directory(o.in);
@@ -264,34 +273,31 @@ void run(Options o) {
   if (folder && o.as.empty() && o.data_set == nullptr)
     throw CLI::ValidationError("input", o.in + " is a folder: say with --as what its files become (.bvh, .glb, .npz, ...)");
   if (!folder && !o.as.empty()) throw CLI::ValidationError("--as", "is for folders; " + o.in + " is a file");
+  if (o.as == ".obj" && o.body.file.empty())
+    throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
   if (folder) return FolderConversion(o).run();
   convert_file(o);
 }
 
 void add_input(CLI::App& c, Options& o) {
-  c.add_option(
-       "input", o.in,
-       "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or a folder of them "
-       "(.vrm, mostly avatars, are passed over there); for convert also weights")
+  c.add_option("input", o.in,
+               "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or "
+               "a folder of them (.vrm, mostly avatars, are passed over there); for convert also weights, or a body "
+               "(--hands)")
       ->required()
       ->check(CLI::ExistingPath);
-  c.add_option("--scale", o.read.scale, "Metres per unit of a BVH file")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  c.add_option("--rate", o.read.rate, "Frames per second of an .npy or .amc file; as published unless given, .amc 120")
-      ->check(CLI::PositiveNumber);
-  c.add_option("--up", o.read.up, "Axis that points up in an .npy file with joints; found unless given")
-      ->check(CLI::IsMember({"y", "z"}));
+  o.read.add_to(c);
   c.add_option("--asf", o.read.asf, "Skeleton of an AMC file; the one of its subject beside it, or the only one there, unless given")
       ->check(CLI::ExistingFile);
 }
 
 CLI::Option* add_body(CLI::App& c, Options& o) {
-  CLI::Option* body =
-      c.add_option("--body", o.body.file,
-                   "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; \"free\" for capsules")
-          ->check(CLI::ExistingFile | CLI::IsMember({"free"}));
-  c.add_option("--betas", o.body.betas, "Shape of the body: its first coefficients, separated by commas")
+  CLI::Option* body = c.add_option("--body", o.body.file,
+                                   "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; hands "
+                                   "and shape of AMASS files are shown, too; \"free\" for capsules")
+                          ->check(CLI::ExistingFile | CLI::IsMember({"free"}));
+  c.add_option("--betas", o.body.betas,
+               "Shape of the body: its first coefficients, separated by commas; that of an AMASS file unless given")
       ->delimiter(',')
       ->needs(body);
   return body;
@@ -304,13 +310,17 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   c->add_option("output,-o,--output", o->out, "The result; of a folder the folder of the results; beside the motion unless given");
   c->callback([o, extension] {
     if (fs::is_directory(o->in)) {
-      o->as = extension;
+      if (o->as.empty()) o->as = extension;
       if (o->out.empty()) o->out = o->in;
     }
     if (o->out.empty()) o->out = fs::path(o->in).replace_extension(extension).string();
     run(*o);
   });
-  if (extension == ".html") add_body(*c, *o);
+  if (extension == ".html")
+    add_body(*c, *o);
+  else
+    c->add_option("--as", o->as, "Of a folder: what the strips are, .svg unless given")
+        ->check(CLI::IsMember({".svg", ".png"}));
 }
 
 }  // namespace
@@ -323,11 +333,13 @@ void add_convert(CLI::App& app) {
   add_input(*c, *o);
   c->add_option("output", o->out,
                 "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg or .png (film "
-                "strip), with --body .obj; of weights .safetensors; of a folder a folder (--as)")
+                "strip), with --body .obj (one for each frame); of weights .safetensors, of a body (--hands) .npz; of "
+                "a folder a folder (--as)")
       ->required();
   c->add_option("--as", o->as,
-                "Of a folder: what the motion files in it and below become, .bvh for instance; the result is a folder, too")
-      ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png"}));
+                "Of a folder: what the motion files in it and below become, .bvh for instance, with --body also .obj; "
+                "the result is a folder, too")
+      ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png", ".obj"}));
   c->add_option("--tensors", o->tensors,
                 "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
   c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
@@ -373,7 +385,16 @@ void add_convert(CLI::App& app) {
   c->add_option("--loop", o->loop, "Makes a loop: so many seconds at the end are blended into the start")
       ->check(CLI::PositiveNumber);
   c->add_flag("--fix-feet", o->fix_feet, "On SMPL's 24 joints, and feet that stand do not slide");
-  c->callback([o] {
+  const CLI::Option* hands =
+      c->add_option("--hands", o->hands,
+                    "Of a body of SMPL-H: MANO_LEFT.pkl and MANO_RIGHT.pkl, whose hands go into the result with it")
+          ->expected(2)
+          ->check(CLI::ExistingFile);
+  c->callback([o, c, hands] {
+    for (const CLI::Option* other : c->get_options()) {  // not by excludes, which --help would say at every option
+      if (!o->hands.empty() && other != hands && other->nonpositional() && other->count() > 0)
+        throw CLI::ExcludesError(hands->get_name(), other->get_name());
+    }
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
     run(*o);
   });

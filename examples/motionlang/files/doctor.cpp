@@ -29,7 +29,7 @@ class Doctor {
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
       ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
-    const auto files = motion_files_below(folder_, /*arrays=*/true);
+    const auto files = motion_files_below(folder_);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");
     {
@@ -135,11 +135,7 @@ void add_doctor(CLI::App& app) {
   c->add_option("--strips", o->strips, "Film strips for each kind of finding on the page")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  c->add_option("--rate", o->read.rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
-      ->check(CLI::PositiveNumber);
+  o->read.add_to(*c);
   c->add_option("--asf", o->read.asf, "Skeleton of AMC files without one beside them")->check(CLI::ExistingFile);
   c->add_flag("--all", o->all, "Lists motions without a finding, too");
   c->callback([o] { Doctor(*o).run(); });

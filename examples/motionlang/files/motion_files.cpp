@@ -11,9 +11,21 @@
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
+#include <CLI/CLI.hpp>
+
 #include "../formatted.hpp"
 
 namespace program {
+
+void MotionReadOptions::add_to(CLI::App& command) {
+  command.add_option("--scale", scale, "Metres per unit of BVH files")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--rate", rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--up", up, "Axis that points up in .npy files with joints; found unless given")
+      ->check(CLI::IsMember({"y", "z"}));
+}
 
 std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
@@ -28,26 +40,25 @@ bool is_gltf(const std::filesystem::path& path) {
 
 bool is_motion_file(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
-  return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".glb" || kind == ".vrma";
+  return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".npy" || kind == ".glb" || kind == ".vrma";
 }
 
 namespace {
 /// Files that cannot be read count: their reader says why.
 bool has_frames(const std::filesystem::path& npy) {
   try {
-    return ml::read_npy(npy).shape.size() >= 2;
+    return ml::detail::npy_parts(ml::MappedFile::open(npy)->bytes(), npy.string()).header.shape.size() >= 2;
   } catch (const ml::error&) {
     return true;
   }
 }
 }  // namespace
 
-std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder, bool arrays) {
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    const bool array = arrays && kind_of(entry.path()) == ".npy" && has_frames(entry.path());
-    if (is_motion_file(entry.path()) || array) files.push_back(entry.path());
+    if (!entry.is_regular_file() || !is_motion_file(entry.path())) continue;
+    if (kind_of(entry.path()) != ".npy" || has_frames(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;

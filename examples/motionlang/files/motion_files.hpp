@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
@@ -12,6 +13,10 @@
 #include <motionlang/kinematics/retarget.hpp>
 
 #include "data_set_form.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace program {
 
@@ -23,6 +28,9 @@ struct MotionReadOptions {
   double rate = 0;      // of an .npy or .amc file, which has none; 0: as published, 120 for AMC
   std::string up{};     // axis of an .npy file with positions, "y" or "z"; "": found
   std::string asf{};    // skeleton of an AMC file; "": asf_beside
+
+  /// --scale, --rate, --up
+  void add_to(CLI::App& command);
 };
 
 /// Extension of a file, in lower case: ".bvh".
@@ -30,12 +38,13 @@ std::string kind_of(const std::filesystem::path& path);
 
 /// Whether a file holds glTF, with any number of animations: .glb, .vrm, .vrma.
 bool is_gltf(const std::filesystem::path& path);
-/// Whether a file of this kind is made to hold motions: .bvh, .amc, .npz, .glb, .vrma. (read_motions knows .npy and .vrm as well.)
+/// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions knows .vrm
+/// as well.)
 bool is_motion_file(const std::filesystem::path& path);
 
-/// The motion files in a folder and in those below it, in order; `arrays`: .npy files, too, but not those with one axis, which are mean
-/// and deviation of a data set.
-std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder, bool arrays = false);
+/// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
+/// deviation of a data set.
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
 
 /// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
 std::string file_name(std::string name);
@@ -82,12 +91,30 @@ RigWriter rig_writer(const RigOptions& options);
 /// A body to show motions on: --body.
 struct BodyOptions {
   std::string file{};           // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
-  std::vector<double> betas{};  // its shape; the others are 0
+  std::vector<double> betas{};  // its shape, the others are 0; none: that of an AMASS file, or 0
 };
-/// Motions on a body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one motion). Motions
-/// on other joints than SMPL's are retargeted. Returns a line about what it wrote. Throws config_error 103 for another
-/// extension, and what the readers and writers throw.
-std::string write_on_body(const std::filesystem::path& path, std::span<const ml::Motion> motions, const BodyOptions& options);
+/// The motion of an AMASS file on a body.
+struct BodyClip {
+  ml::Motion motion;           // on the joints of the body
+  std::vector<float> betas{};  // the file's shape
+  std::string told{};          // a line: what it has besides the 22 joints of the body, and what is left out
+};
+/// A body that is read once for all motions that are shown on it.
+class ShownBody {
+ public:
+  virtual ~ShownBody() = default;
+  /// Whether a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
+  virtual bool has_joints_of(const ml::Motion& motion) const = 0;
+  /// Throws what read_amass_sequence throws.
+  virtual BodyClip read(const std::filesystem::path& npz) const = 0;
+  /// Motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one
+  /// motion). betas: their shape unless the user gave one; none: 0. Returns a line about what it wrote. Throws
+  /// config_error 103 for another extension, and what the writers throw.
+  virtual std::string write(const std::filesystem::path& path, std::vector<ml::Motion> motions,
+                            const std::vector<float>& betas) const = 0;
+};
+/// Null if the options name none. Throws what read_body throws.
+std::unique_ptr<const ShownBody> shown_body(const BodyOptions& options);
 
 /// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
 /// only put in SMPL's order and bones keep their length; otherwise `report`, if there is one, is set.

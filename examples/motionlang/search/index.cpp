@@ -159,7 +159,7 @@ class Indexer {
     LicenseFiles licenses(folder);
     licenses_ = &licenses;
     const auto files = file_states(folder);
-    if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz, .glb or .vrma file below %s\n", folder.c_str());
+    if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below %s\n", folder.c_str());
     const auto fresh = changed_files(files, folder);
     bool stopped = false;
     {
@@ -400,9 +400,10 @@ void add_index(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c =
       app.add_subcommand("index", "Makes or updates a file in which `motionlang search` finds motions by words");
-  c->add_option("folder", o->folder,
-                "Folder with .bvh, .amc, .npz (AMASS), .glb and .vrma files, searched to the bottom; files that have not "
-                "changed are not read again")
+  c->add_option(
+       "folder", o->folder,
+       "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to the "
+       "bottom; files that have not changed are not read again")
       ->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out, "The index")->required();
   c->add_option("--model", o->model,
@@ -426,9 +427,7 @@ void add_index(CLI::App& app) {
   c->add_flag("--again", o->again, "Reads all files, changed or not");
   c->add_option("--remove", o->remove, "Files or folders whose clips are taken out of the index");
   c->add_flag("--list", o->list, "Lists the clips: path, start, end, frames per second, frames, captions, license");
-  c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  o->read.add_to(*c);
   c->add_option("--graph", o->graph,
                 "From so many clips or moments on, searches follow a graph that finds most of the nearest, instead of "
                 "comparing all; additions are put into it, after removals it is made anew")

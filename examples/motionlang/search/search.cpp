@@ -160,9 +160,7 @@ void add_search(CLI::App& app) {
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->text_encoder, "Language model, if it is not where it was")
       ->check(CLI::ExistingPath);
-  c->add_option("--scale", o->read.scale, "Metres per unit of BVH files")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  o->read.add_to(*c);
   o->machine.add_to(*c);
   c->callback([o] {
     o->machine.apply();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// AMASS-style .npz files (poses as rotation vectors, Z up), which SMPL tools and the Blender add-ons read, and joint
-/// positions as .npy. No body model is needed; hands and faces are neither written nor kept.
+/// positions as .npy. No body model is needed; hands and faces are neither written nor kept: amass_body.hpp keeps them.
 ///
 /// AMASS stores tau, not the pelvis: a body model puts the pelvis at J_0(beta) + tau, where J_0 is its rest position in
 /// the model's own frame, some 20 cm off the origin. We do not have the model, so J_0 is an argument and 0 by default:
@@ -86,31 +86,43 @@ inline void write_amass(const FilePath& path, const Motion& motion, const AmassB
   write_npz(path, arrays);
 }
 
-/// Reads the body joints of an AMASS file: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are
-/// dropped, the two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws io_error
-/// 406 if an array is missing, 407 if one has another shape, 403 for an impossible frame rate,
-///         numeric_error 301 if a value is not finite
-inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
-  AmassSequence sequence = read_amass_sequence(path);
-  AmassClip clip{{smpl24_skeleton(), sequence.fps, {}, {}, path.stem()}, {}};
-  clip.body.gender = std::move(sequence.gender);
-  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
-  Motion& motion = clip.motion;
-  auto vector_at = [](const std::vector<double>& values, std::size_t at) {
-    return Vec3<double>{values[at], values[at + 1], values[at + 2]};
-  };
-  const auto frames = static_cast<std::size_t>(sequence.frames), columns = static_cast<std::size_t>(sequence.columns);
-  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  motion.local.assign(frames * joints, Quaternion<double>::identity());
+namespace detail {
+
+/// Joint `joint` of a sequence in one frame, as the file has it.
+inline Quaternion<double> amass_rotation(const AmassSequence& sequence, Index frame, Index joint) {
+  const double* const v = sequence.poses.data() + frame * sequence.columns + 3 * joint;
+  return to_quaternion(AxisAngle<double>{{v[0], v[1], v[2]}});
+}
+
+}  // namespace detail
+
+/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the two hand
+/// joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if a value is not finite
+inline Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {}) {
+  Motion motion{smpl24_skeleton(), sequence.fps, {}, {}, std::move(name)};
+  const Index joints = motion.skeleton.size();
+  motion.local.assign(static_cast<std::size_t>(sequence.frames * joints), Quaternion<double>::identity());
   const Quaternion<double> lying = detail::quarter_turn_about_x(-1);
-  for (std::size_t frame = 0; frame < frames; ++frame) {
-    motion.root.push_back(z_up_to_y_up(vector_at(sequence.trans, 3 * frame) + rest_pelvis));
+  for (Index frame = 0; frame < sequence.frames; ++frame) {
+    const double* const t = sequence.trans.data() + 3 * frame;
+    motion.root.push_back(z_up_to_y_up(Vec3<double>{t[0], t[1], t[2]} + rest_pelvis));
+    const auto local = motion.rotations(frame);
     for (std::size_t j = 0; j < detail::amass_joints; ++j) {
-      const auto q = to_quaternion(AxisAngle<double>{vector_at(sequence.poses, frame * columns + 3 * j)});
-      motion.local[frame * joints + j] = j == 0 ? lying * q : q;
+      const auto q = detail::amass_rotation(sequence, frame, static_cast<Index>(j));
+      local[j] = j == 0 ? lying * q : q;
     }
   }
   motion.validate();
+  return motion;
+}
+
+/// Reads the body joints of an AMASS file. Throws io_error 406 if an array is missing, 407 if one has another shape, 403 for an
+///         impossible frame rate, numeric_error 301 if a value is not finite
+inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
+  AmassSequence sequence = read_amass_sequence(path);
+  AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
+  clip.body.gender = std::move(sequence.gender);
+  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
   return clip;
 }
 

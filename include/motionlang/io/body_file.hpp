@@ -21,7 +21,8 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct BodyFileOptions {
-  Index betas = 10;        // coefficients of shape
+  Index betas = 10;       // coefficients of shape, which the file must have
+  Index most_betas = 0;   // so many of a file that has more of them than `betas`
   /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
   Index expressions = -1;
   /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of them.
@@ -198,6 +199,7 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
 
   const auto directions = arrays.read<S>("shapedirs", {vertices, 3, -1}, &shape);
   const Index first_expression = detail::first_expression(body.kind, shape[2], options.shape_directions);
+  const Index betas = std::max(options.betas, std::min(options.most_betas, first_expression));
   const Index expressions =
       options.expressions >= 0 ? options.expressions : std::min<Index>(10, shape[2] - first_expression);
   body.expressions = body.kind == BodyKind::smplx ? expressions : 0;
@@ -207,11 +209,11 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
                         " of expression asked for, the file has ", first_expression, " and ",
                         shape[2] - first_expression);
   }
-  const Index wanted = options.betas + body.expressions;
+  const Index wanted = betas + body.expressions;
   std::vector<S> chosen(static_cast<std::size_t>(3 * vertices * wanted));
   if (shape[2] > 0) {
-    detail::copy_columns(directions, shape[2], 0, options.betas, chosen, wanted, 0);
-    detail::copy_columns(directions, shape[2], first_expression, body.expressions, chosen, wanted, options.betas);
+    detail::copy_columns(directions, shape[2], 0, betas, chosen, wanted, 0);
+    detail::copy_columns(directions, shape[2], first_expression, body.expressions, chosen, wanted, betas);
   }
   model.shapedirs = tensor(chosen, 3 * vertices, wanted);
 

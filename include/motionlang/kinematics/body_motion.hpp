@@ -4,8 +4,9 @@
 ///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
 ///     const PosedBody<B> posed = pose_body(body.model, own, betas);
 ///
-/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Fingers have the mean pose of the body's
-/// hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the length of the legs.
+/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all joints of the
+/// body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the
+/// length of the legs.
 /// Source  spec body-models.md 2, 4
 #pragma once
 
@@ -55,7 +56,7 @@ Skeleton body_skeleton(const Body<B>& body, std::span<const typename B::scalar> 
   return Skeleton::from_arrays(body_joint_names(body.kind, body.model.joints()), parents, offsets);
 }
 
-/// motion   on SMPL's 24 joints or the first 22; for a body of another kind, on the first joints of the body
+/// motion   on SMPL's 24 joints or the first 22, or on the body's own (by their names); for a body of another kind, on its first joints
 /// Throws   config_error 106 if the joints are others, shape_error 204
 template <Backend B>
 Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const typename B::scalar> betas = {},
@@ -63,7 +64,8 @@ Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const
   Motion out{body_skeleton(body, betas), motion.fps, {}, {}, motion.name};
   const auto joints = static_cast<std::size_t>(out.skeleton.size());
   const bool family = body.kind != BodyKind::other;
-  const std::size_t most = body.kind == BodyKind::smpl ? 24 : family ? 22 : joints;
+  const bool own_joints = motion.skeleton.names == out.skeleton.names;
+  const std::size_t most = own_joints || !family ? joints : body.kind == BodyKind::smpl ? 24 : 22;
   const std::size_t common = std::min(most, motion.skeleton.parents.size());
   const auto& own = motion.skeleton.parents;
   if ((family && common < 22) ||

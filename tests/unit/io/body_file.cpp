@@ -70,6 +70,11 @@ TEST_CASE("fewer coefficients of shape are the first ones") {
   CHECK(distance(body.model.shapedirs, ml::slice(synthetic::body<B>().shapedirs, 1, 0, 1)) < 1e-15);
   CHECK(BodyFolder().read(tiny(), {.betas = 0}).model.shapedirs.shape() == ml::Shape{15, 0});
   CHECK_ERROR(BodyFolder().read(tiny(), {.betas = 3}), "[motionlang.config.101]");
+  const auto coefficients = [](const ml::BodyFileOptions& o) { return BodyFolder().read(tiny(), o).model.shapedirs.size(1); };
+  CHECK(coefficients({.betas = 0, .most_betas = 1}) == 1);
+  CHECK(coefficients({.betas = 1, .most_betas = 16}) == 2);
+  CHECK(coefficients({.betas = 2, .most_betas = 1}) == 2);
+  CHECK_ERROR(coefficients({.betas = 3, .most_betas = 16}), "[motionlang.config.101]");
 }
 
 TEST_CASE("SMPL-X: coefficients of expression follow those of shape, in old and in new files") {

@@ -6,6 +6,7 @@
 #include <motionlang/io/glb_reader.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/octahedra_body.hpp"
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
 
@@ -66,18 +67,7 @@ TEST_CASE("a motion on a body: its joints are where the model puts them, its leg
 }
 
 TEST_CASE("hands of a motion on a body of SMPL-H") {
-  ml::Skeleton fingers;
-  fingers.names = ml::body_joint_names(ml::BodyKind::smplh, 52);
-  const auto& smpl = ml::smpl24_skeleton();
-  for (int j = 0; j < 52; ++j) {
-    const bool finger = j >= 22;
-    fingers.parents.push_back(!finger             ? smpl.parents[static_cast<std::size_t>(j)]
-                              : (j - 22) % 3 != 0 ? j - 1
-                              : j < 37            ? 20
-                                                  : 21);
-    fingers.offsets.push_back(finger ? ml::Vec3<double>{j < 37 ? 0.03 : -0.03, 0, 0} : smpl.offset(j));
-  }
-  ml::Body<B> body = ml::figure_body<B>(fingers);
+  ml::Body<B> body = ml::figure_body<B>(octahedra::skeleton(ml::BodyKind::smplh));
   body.kind = ml::BodyKind::smplh;
   std::vector<double> mean(45, 0.0);
   mean[2] = -0.5;
