@@ -138,29 +138,31 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"}, "[motionlang.config.101] 1 motions");
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"}, "--noise is for diffusion models");
 
-  const std::vector<std::string> sources{"--statistics", "statistics", "--text-encoder", "words"};
+  const auto sources = [](const std::string& model) -> std::vector<std::string> {
+    return {"--model", model, "--statistics", model == "temos" ? "of64" : "of135", "--text-encoder", "words"};
+  };
   official::write_temos_run(w / "temos", official::small_temos());
   const auto sinc = official::small_sinc();
   official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
   const auto teach = official::small_teach();
   official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
-  official::write_temos_statistics(w / "statistics", 64);
-  official::write_temos_statistics(w / "statistics", 135);
+  official::write_temos_statistics(w / "of64", 64);
+  official::write_temos_statistics(w / "of135", 135);
   official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
   for (const std::string model : {"temos", "sinc"}) {
     CAPTURE(model);
     fs::remove_all(w / "out");
     const auto with = [&](std::vector<std::string> more) {
-      more.insert(more.end(), {"--model", model});
-      more.insert(more.end(), sources.begin(), sources.end());
+      const auto from = sources(model);
+      more.insert(more.end(), from.begin(), from.end());
       generate(more);
     };
     for (const char* text : {"a walk", "walk"}) with({"--text", text});
     with({"--text", "a walk", "--towards", "walk", "--samples", "3"});
     is_line("a_walk", "walk");
   }
-  auto of_teach = sources;
-  of_teach.insert(of_teach.end(), {"--model", "teach", "--text", "walk", "--towards", "a walk"});
+  auto of_teach = sources("teach");
+  of_teach.insert(of_teach.end(), {"--text", "walk", "--towards", "a walk"});
   refused(of_teach, "[motionlang.config.102] teach: --towards is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is TEACH");
   official::write_mdm_action_run(w / "mdm", official::small());
   refused({"--model", "mdm", "--action", "walk", "--towards", "run"}, "this is a diffusion model");
