@@ -6743,8 +6743,9 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
 ///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
 ///     const PosedBody<B> posed = pose_body(body.model, own, betas);
 ///
-/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Fingers have the mean pose of the body's
-/// hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the length of the legs.
+/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all joints of the
+/// body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the
+/// length of the legs.
 /// Source  spec body-models.md 2, 4
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
@@ -6850,7 +6851,7 @@ Skeleton body_skeleton(const Body<B>& body, std::span<const typename B::scalar> 
   return Skeleton::from_arrays(body_joint_names(body.kind, body.model.joints()), parents, offsets);
 }
 
-/// motion   on SMPL's 24 joints or the first 22; for a body of another kind, on the first joints of the body
+/// motion   on SMPL's 24 joints or the first 22, or on the body's own (by their names); for a body of another kind, on its first joints
 /// Throws   config_error 106 if the joints are others, shape_error 204
 template <Backend B>
 Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const typename B::scalar> betas = {},
@@ -6858,7 +6859,8 @@ Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const
   Motion out{body_skeleton(body, betas), motion.fps, {}, {}, motion.name};
   const auto joints = static_cast<std::size_t>(out.skeleton.size());
   const bool family = body.kind != BodyKind::other;
-  const std::size_t most = body.kind == BodyKind::smpl ? 24 : family ? 22 : joints;
+  const bool own_joints = motion.skeleton.names == out.skeleton.names;
+  const std::size_t most = own_joints || !family ? joints : body.kind == BodyKind::smpl ? 24 : 22;
   const std::size_t common = std::min(most, motion.skeleton.parents.size());
   const auto& own = motion.skeleton.parents;
   if ((family && common < 22) ||
@@ -14055,8 +14057,11 @@ inline std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> row
   return first_joints(smplrifke_motion(rows, 20), 22);
 }
 
-inline std::vector<double> actor_rows_of(const Motion& motion) {
-  require_smpl24(motion);
+}  // namespace detail
+
+/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+inline std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {}) {
+  detail::require_smpl24(motion);
   const auto upside_down = axis_rotation(0, std::numbers::pi);
   std::vector<Matrix3<double>> rotations;
   for (std::size_t i = 0; i < motion.local.size(); ++i) {
@@ -14065,8 +14070,13 @@ inline std::vector<double> actor_rows_of(const Motion& motion) {
   }
   std::vector<Vec3<double>> root;
   for (const Vec3<double>& p : motion.root) root.push_back(upside_down * p);
-  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24);
+  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24,
+                              options);
 }
+
+namespace detail {
+
+inline std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
 inline Motion actor_motion(std::span<const double> rows, double fps) { return motion_of_actor(actor_inverse(rows), fps); }
 inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
   return first_joints(actor_motion(rows, 20), 22);
@@ -14627,12 +14637,14 @@ struct ActorDecoder {
     const Index width = finallayer.in();
     return {broadcast_to<2>(relative_time<B>(lengths), {lengths.rows(), width}), lengths};
   }
+  Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    return decode_lengths(
+        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory, lengths, dropout_p, context);
+  }
   /// Throws shape_error 203, 204.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           const Context& context = {}) const {
-    return decode_lengths(
-        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory(z, labels), lengths,
-        dropout_p, context);
+    return (*this)(memory(z, labels), lengths, context);
   }
 };
 
@@ -15272,6 +15284,15 @@ struct LatentSampling {
   bool mean = false;  // mu, without noise
 };
 
+/// The latents of texts for sample `i` of text_to_motion: one vector of noise for all of them.
+template <Backend B>
+Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i, const LatentSampling& sampling = {}) {
+  if (sampling.mean) return texts.mu;
+  auto noise = rng.split(static_cast<std::uint64_t>(i));
+  const auto eps = Tensor<B, 2>::randn({1, texts.mu.size(1)}, noise);
+  return texts.sample(broadcast_to<2>(eps, texts.mu.shape()), sampling.fact);
+}
+
 /// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and decode(z, lengths).
 /// tokens  a sequence for each text;   lengths  of the motions, one for each text
 /// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and among others
@@ -15280,20 +15301,22 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
                                          const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
   const auto latent = model.encode_text(tokens);
   std::vector<Sequences<B>> out;
-  for (Index i = 0; i < samples; ++i) {
-    auto noise = rng.split(static_cast<std::uint64_t>(i));
-    const auto eps = Tensor<B, 2>::randn({1, latent.mu.size(1)}, noise);
-    out.push_back(model.decode(
-        sampling.mean ? latent.mu : latent.sample(broadcast_to<2>(eps, latent.mu.shape()), sampling.fact), lengths));
-  }
+  for (Index i = 0; i < samples; ++i) out.push_back(model.decode(sampled_latents(latent, rng, i, sampling), lengths));
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from the mean of one to that of the other, all of `length` frames.
+/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames. The first and
+/// the last are those of text_to_motion. Throws what interpolate_rows throws.
+template <Backend B, class Model>
+Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length, const Philox& rng,
+                               const LatentSampling& sampling = {}) {
+  const auto z = sampled_latents(model.encode_text(two_texts), rng, 0, sampling);
+  return model.decode(interpolate_rows(slice(z, 0, 0, 1), slice(z, 0, 1, 2), steps), Offsets::equal(steps, length));
+}
+/// The same from mean to mean.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length) {
-  const auto mu = model.encode_text(two_texts).mu;
-  return model.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), Offsets::equal(steps, length));
+  return interpolate_texts(model, two_texts, steps, length, Philox{}, {.mean = true});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -25973,6 +25996,7 @@ double temos_score(const Rows<S>& generated, const Rows<T>& reference) {
 ///     const std::vector<Index> actions{3, 7}, durations{60, 90};
 ///     const auto motions = generate(actor, actions, durations, rng, {.samples = 5});   // motions[2 sample + action]
 ///     const auto cleaned = denoise(actor, motions, labels);
+///     const auto line = interpolate_actions(actor, 3, 7, 5, 60, rng);
 ///
 /// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021); spec actor.md
 
@@ -26065,6 +26089,19 @@ struct Actor {
   }
 };
 
+namespace detail {
+
+/// Rows of noise for generate, drawn at once.
+template <Backend B, class G>
+Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
+  const Shape shape{rows, actor.config.latent_dim};
+  std::vector<typename B::scalar> noise(static_cast<std::size_t>(shape.count()));
+  rng.normal(std::span<typename B::scalar>(noise));
+  return Tensor<B, 2>::from(noise, shape);
+}
+
+}  // namespace detail
+
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
 /// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
 /// Throws  shape_error 203 for an action that is no class, 204 for another number of durations, config_error 101
@@ -26074,10 +26111,7 @@ Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std
   const auto n = std::ssize(actions), given = std::ssize(durations);
   if (given != n && given != n * o.samples)
     raise<shape_error>(204, "generate: ", given, " durations for ", n, " actions and ", o.samples, " samples of each");
-  const Shape shape{o.noise_rows(n), actor.config.latent_dim};
-  std::vector<typename B::scalar> noise(static_cast<std::size_t>(shape.count()));
-  rng.normal(std::span<typename B::scalar>(noise));
-  const auto z = actor_latents(Tensor<B, 2>::from(noise, shape), n, o);
+  const auto z = actor_latents(detail::actor_noise(actor, o.noise_rows(n), rng), n, o);
   std::vector<Index> labels, lengths;
   for (Index i = 0; i < n * o.samples; ++i) {
     labels.push_back(actions[static_cast<std::size_t>(i % n)]);
@@ -26100,6 +26134,25 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
   const auto mu = actor.encode(two_motions, both).mu;
   return actor.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), all,
                       Offsets::equal(steps, length));
+}
+
+/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the other. All
+/// have `length` frames; the first and the last are those of generate.
+/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate and
+///         interpolate_rows throw
+template <Backend B, class G>
+Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
+  if (!actor.decoder)
+    raise<config_error>(102, "interpolate_actions: actions ", from, " and ", to,
+                        ": nothing is between them for a decoder that is no transformer");
+  const Index width = actor.config.latent_dim, both[] = {from, to};
+  const auto z = broadcast_to<2>(detail::actor_noise(actor, 1, rng), {2, width});
+  const auto ends = actor.decoder->memory(z, both).rows;
+  const Index tokens = ends.size(0) / 2;  // of one memory
+  const auto flat = reshape<2>(ends, {2, tokens * width});
+  const auto line = interpolate_rows(slice(flat, 0, 0, 1), slice(flat, 0, 1, 2), steps);
+  return (*actor.decoder)(Sequences<B>(reshape<2>(line, {steps * tokens, width}), Offsets::equal(steps, tokens)),
+                          Offsets::equal(steps, length));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -5566,7 +5566,7 @@ StGcn<B> load_stgcn(const TensorSet& file) {
 #ifndef MOTIONLANG_HAS_IO_AMASS_HPP  // <motionlang/io/amass.hpp>
 #define MOTIONLANG_HAS_IO_AMASS_HPP
 /// AMASS-style .npz files (poses as rotation vectors, Z up), which SMPL tools and the Blender add-ons read, and joint
-/// positions as .npy. No body model is needed; hands and faces are neither written nor kept.
+/// positions as .npy. No body model is needed; hands and faces are neither written nor kept: amass_body.hpp keeps them.
 ///
 /// AMASS stores tau, not the pelvis: a body model puts the pelvis at J_0(beta) + tau, where J_0 is its rest position in
 /// the model's own frame, some 20 cm off the origin. We do not have the model, so J_0 is an argument and 0 by default:
@@ -5685,31 +5685,43 @@ inline void write_amass(const FilePath& path, const Motion& motion, const AmassB
   write_npz(path, arrays);
 }
 
-/// Reads the body joints of an AMASS file: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are
-/// dropped, the two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws io_error
-/// 406 if an array is missing, 407 if one has another shape, 403 for an impossible frame rate,
-///         numeric_error 301 if a value is not finite
-inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
-  AmassSequence sequence = read_amass_sequence(path);
-  AmassClip clip{{smpl24_skeleton(), sequence.fps, {}, {}, path.stem()}, {}};
-  clip.body.gender = std::move(sequence.gender);
-  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
-  Motion& motion = clip.motion;
-  auto vector_at = [](const std::vector<double>& values, std::size_t at) {
-    return Vec3<double>{values[at], values[at + 1], values[at + 2]};
-  };
-  const auto frames = static_cast<std::size_t>(sequence.frames), columns = static_cast<std::size_t>(sequence.columns);
-  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  motion.local.assign(frames * joints, Quaternion<double>::identity());
+namespace detail {
+
+/// Joint `joint` of a sequence in one frame, as the file has it.
+inline Quaternion<double> amass_rotation(const AmassSequence& sequence, Index frame, Index joint) {
+  const double* const v = sequence.poses.data() + frame * sequence.columns + 3 * joint;
+  return to_quaternion(AxisAngle<double>{{v[0], v[1], v[2]}});
+}
+
+}  // namespace detail
+
+/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the two hand
+/// joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if a value is not finite
+inline Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {}) {
+  Motion motion{smpl24_skeleton(), sequence.fps, {}, {}, std::move(name)};
+  const Index joints = motion.skeleton.size();
+  motion.local.assign(static_cast<std::size_t>(sequence.frames * joints), Quaternion<double>::identity());
   const Quaternion<double> lying = detail::quarter_turn_about_x(-1);
-  for (std::size_t frame = 0; frame < frames; ++frame) {
-    motion.root.push_back(z_up_to_y_up(vector_at(sequence.trans, 3 * frame) + rest_pelvis));
+  for (Index frame = 0; frame < sequence.frames; ++frame) {
+    const double* const t = sequence.trans.data() + 3 * frame;
+    motion.root.push_back(z_up_to_y_up(Vec3<double>{t[0], t[1], t[2]} + rest_pelvis));
+    const auto local = motion.rotations(frame);
     for (std::size_t j = 0; j < detail::amass_joints; ++j) {
-      const auto q = to_quaternion(AxisAngle<double>{vector_at(sequence.poses, frame * columns + 3 * j)});
-      motion.local[frame * joints + j] = j == 0 ? lying * q : q;
+      const auto q = detail::amass_rotation(sequence, frame, static_cast<Index>(j));
+      local[j] = j == 0 ? lying * q : q;
     }
   }
   motion.validate();
+  return motion;
+}
+
+/// Reads the body joints of an AMASS file. Throws io_error 406 if an array is missing, 407 if one has another shape, 403 for an
+///         impossible frame rate, numeric_error 301 if a value is not finite
+inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
+  AmassSequence sequence = read_amass_sequence(path);
+  AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
+  clip.body.gender = std::move(sequence.gender);
+  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
   return clip;
 }
 
@@ -5739,6 +5751,87 @@ inline JointPositions read_joints_npy(const FilePath& path) {
   JointPositions out{array.shape[0], array.shape[1], {}};
   const std::vector<double> v = array.to<double>();
   for (std::size_t i = 0; i + 2 < v.size(); i += 3) out.positions.push_back(z_up_to_y_up({v[i], v[i + 1], v[i + 2]}));
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_AMASS_BODY_HPP  // <motionlang/io/amass_body.hpp>
+#define MOTIONLANG_HAS_IO_AMASS_BODY_HPP
+/// AMASS sequences on a body of SMPL's family: hands and face, shape, and the place where AMASS has the pelvis.
+///
+///     const auto clip = amass_on_body(read_amass_sequence("a.npz"), "a", body);
+///     write_body_glb("a.glb", body, std::span(&clip.motion, 1), std::span<const float>(clip.betas));
+///
+/// Source  Mahmood et al. (ICCV 2019); spec body-models.md 1, 2, 6
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct AmassOnBody {
+  Motion motion;                           // on the body's joints, turned to Y up
+  std::vector<typename B::scalar> betas;   // the file's, as many as the body has; the others are 0
+  std::vector<std::string> parts{};        // that move in the file besides the 22 body joints: "left hand", ...
+  std::vector<std::string> left_out{};     // those of them that the body does not have
+};
+
+namespace detail {
+
+/// Joints of a sequence that follow the 22 of the body.
+struct AmassPart {
+  std::string_view name;
+  Index first, count;
+};
+inline std::vector<AmassPart> amass_parts(Index columns) {
+  const auto after = static_cast<Index>(amass_joints), joints = columns / 3;
+  const BodyKind kind = body_kind_of(joints);
+  if (kind == BodyKind::other) return {{"joints after the 22nd", after, joints - after}};
+  const BodyKindInfo& info = body_kinds[static_cast<std::size_t>(kind)];
+  if (kind == BodyKind::smpl) return {{"hands", after, 2}};
+  std::vector<AmassPart> parts{{"left hand", info.left_hand, 15}, {"right hand", info.right_hand, 15}};
+  if (kind == BodyKind::smplx) parts.push_back({"jaw and eyes", after, 3});
+  return parts;
+}
+inline bool moves(const AmassSequence& sequence, const AmassPart& part) {
+  for (Index frame = 0; frame < sequence.frames; ++frame) {
+    const auto numbers = std::span(sequence.poses)
+                             .subspan(static_cast<std::size_t>(frame * sequence.columns + 3 * part.first),
+                                      static_cast<std::size_t>(3 * part.count));
+    if (std::any_of(numbers.begin(), numbers.end(), [](double x) { return x != 0; })) return true;
+  }
+  return false;
+}
+
+}  // namespace detail
+
+/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in motion_on_body.
+/// Throws  config_error 106 for a body of another kind, numeric_error 301 if a value is not finite
+template <Backend B>
+AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& name, const Body<B>& body) {
+  using S = typename B::scalar;
+  if (body.kind == BodyKind::other)
+    raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(), " joints is none of SMPL, SMPL-H and SMPL-X");
+  const Index coefficients = body.model.shapedirs.size(1);
+  std::vector<S> betas(static_cast<std::size_t>(coefficients), S(0));
+  const Index common = std::min(std::ssize(sequence.betas), coefficients - body.expressions);
+  std::transform(sequence.betas.begin(), sequence.betas.begin() + common, betas.begin(), [](double b) { return static_cast<S>(b); });
+
+  const Skeleton skeleton = body_skeleton(body, std::span<const S>(betas));
+  Motion motion = amass_motion(sequence, name, skeleton.offset(0));
+  std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());  // its legs: the path is not scaled
+  AmassOnBody<B> out{motion_on_body(body, motion, std::span<const S>(betas)), betas};
+  const auto names = body_joint_names(body_kind_of(sequence.columns / 3), sequence.columns / 3);
+  for (const detail::AmassPart& part : detail::amass_parts(sequence.columns)) {
+    if (!detail::moves(sequence, part)) continue;
+    const int own = skeleton.find(names[static_cast<std::size_t>(part.first)]);
+    (own >= 0 ? out.parts : out.left_out).emplace_back(part.name);
+    for (Index frame = 0; own >= 0 && frame < sequence.frames; ++frame) {
+      for (Index j = 0; j < part.count; ++j)
+        out.motion.rotations(frame)[static_cast<std::size_t>(own + j)] = detail::amass_rotation(sequence, frame, part.first + j);
+    }
+  }
+  out.motion.validate();
   return out;
 }
 
@@ -6807,7 +6900,8 @@ inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labe
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct BodyFileOptions {
-  Index betas = 10;        // coefficients of shape
+  Index betas = 10;       // coefficients of shape, which the file must have
+  Index most_betas = 0;   // so many of a file that has more of them than `betas`
   /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
   Index expressions = -1;
   /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of them.
@@ -6984,6 +7078,7 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
 
   const auto directions = arrays.read<S>("shapedirs", {vertices, 3, -1}, &shape);
   const Index first_expression = detail::first_expression(body.kind, shape[2], options.shape_directions);
+  const Index betas = std::max(options.betas, std::min(options.most_betas, first_expression));
   const Index expressions =
       options.expressions >= 0 ? options.expressions : std::min<Index>(10, shape[2] - first_expression);
   body.expressions = body.kind == BodyKind::smplx ? expressions : 0;
@@ -6993,11 +7088,11 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
                         " of expression asked for, the file has ", first_expression, " and ",
                         shape[2] - first_expression);
   }
-  const Index wanted = options.betas + body.expressions;
+  const Index wanted = betas + body.expressions;
   std::vector<S> chosen(static_cast<std::size_t>(3 * vertices * wanted));
   if (shape[2] > 0) {
-    detail::copy_columns(directions, shape[2], 0, options.betas, chosen, wanted, 0);
-    detail::copy_columns(directions, shape[2], first_expression, body.expressions, chosen, wanted, options.betas);
+    detail::copy_columns(directions, shape[2], 0, betas, chosen, wanted, 0);
+    detail::copy_columns(directions, shape[2], first_expression, body.expressions, chosen, wanted, betas);
   }
   model.shapedirs = tensor(chosen, 3 * vertices, wanted);
 
