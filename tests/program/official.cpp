@@ -104,7 +104,7 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   CHECK(w.joints("out/a_walk.npy") == std::vector<ml::Index>{25, 21, 3});
 }
 
-TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from text to text; others say that they cannot") {
+TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from text to text, others not") {
   const Workplace w;
   const auto generate = [&](std::vector<std::string> more) {
     more.insert(more.begin(), "generate");
@@ -135,8 +135,10 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused({"--model", "actor", "--action", "walk", "--towards", "dance"}, "action 'dance' is none of 0 ... 11");
-  refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"}, "[motionlang.config.101] 1 motions");
-  refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"}, "--noise is for diffusion models");
+  refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"},
+          "[motionlang.config.101] 1 motions");
+  refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"},
+          "--noise is for diffusion models");
 
   const auto sources = [](const std::string& model) -> std::vector<std::string> {
     return {"--model", model, "--statistics", model == "temos" ? "of64" : "of135", "--text-encoder", "words"};
@@ -163,7 +165,9 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
   }
   auto of_teach = sources("teach");
   of_teach.insert(of_teach.end(), {"--text", "walk", "--towards", "a walk"});
-  refused(of_teach, "[motionlang.config.102] teach: --towards is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is TEACH");
+  refused(of_teach,
+          "[motionlang.config.102] teach: --towards is for models with one latent for every motion (ACTOR, TEMOS, TMR, "
+          "SINC); this is TEACH");
   official::write_mdm_action_run(w / "mdm", official::small());
   refused({"--model", "mdm", "--action", "walk", "--towards", "run"}, "this is a diffusion model");
 }
@@ -174,7 +178,8 @@ TEST_CASE("generate --samples: ACTOR, TEMOS and MDM for actions") {
   official::write_mdm_action_run(w / "mdm", official::small());
   for (const std::string model : {"actor", "mdm"}) {
     CAPTURE(model);
-    w.did({"generate", "--model", model, "--action", "walk", "--seconds", "1", "--seed", "3", "--samples", "2", "--out", model + "_out"});
+    w.did({"generate", "--model", model, "--action", "walk", "--seconds", "1", "--seed", "3", "--samples", "2", "--out",
+           model + "_out"});
     w.did({"generate", "--model", model, "--action", "walk", "--seconds", "1", "--seed", "3", "--out", model + "_out"});
     const auto bytes = [&](const std::string& file) { return ml::read_file(w / (model + "_out/" + file)); };
     CHECK(bytes("walk_1.bvh") == bytes("walk.bvh"));
@@ -236,7 +241,8 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   official::write_temos_run(w / "temos", official::small_temos());
   official::write_temos_statistics(w / "statistics", 64);
   official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
-  const std::vector<std::string> temos{"convert", "short.bvh", "out.bvh", "--denoise", "temos", "--statistics", "statistics", "--text-encoder", "words"};
+  const std::vector<std::string> temos{"convert",      "short.bvh",  "out.bvh",        "--denoise", "temos",
+                                       "--statistics", "statistics", "--text-encoder", "words"};
   w.did(temos);
   const auto by_temos = ml::read_bvh_motion(w / "out.bvh");
   CHECK((by_temos.frames() >= 38 && by_temos.frames() <= 40));
@@ -249,13 +255,16 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
     CHECK_MESSAGE(contains(out.text, message), out.text);
     CHECK(!fs::exists(w / "out.bvh"));
   };
-  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"}, "[motionlang.config.102] ACTOR has to know which action a motion shows");
-  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"}, "action 'dance' is none of 0 ... 11");
+  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"},
+          "[motionlang.config.102] ACTOR has to know which action a motion shows");
+  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"},
+          "action 'dance' is none of 0 ... 11");
   auto with_action = temos;
   with_action.insert(with_action.end(), {"--action", "walk"});
   refused(with_action, "[motionlang.config.102] --action 'walk' is for ACTOR");
   official::write_mdm_action_run(w / "mdm", official::small());
-  refused({"convert", "short.bvh", "out.bvh", "--denoise", "mdm"}, "[motionlang.config.102] mdm: --denoise is for models with one latent");
+  refused({"convert", "short.bvh", "out.bvh", "--denoise", "mdm"},
+          "[motionlang.config.102] mdm: --denoise is for models with one latent");
 }
 
 TEST_CASE("generate: TEACH takes texts one after the other, SINC texts at the same time") {

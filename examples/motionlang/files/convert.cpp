@@ -49,8 +49,8 @@ Denoiser denoiser_of(const Options& o) {
   };
 }
 
-/// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, and feet are fixed and motions
-/// denoised there.
+/// Features that are not on the clip's own joints, AMASS and SMPL's bodies are on SMPL's joints, where feet are fixed and
+/// motions denoised.
 bool wants_smpl(const Options& o, const ml::Motion& m) {
   const bool on_smpl_body = !o.body.file.empty() && o.body.file != "free";
   const bool others = !o.features.empty() && ml::motion_features(o.features).skeleton().names != m.skeleton.names;
