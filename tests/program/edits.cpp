@@ -71,7 +71,8 @@ TEST_CASE("samples are reused like any motion") {
   const auto same = w.generate("before.txt", "b", {"--reuse", "a", "--samples", "2"});
   REQUIRE_MESSAGE(same.code == 0, same.text);
   CHECK_MESSAGE(contains(same.text, "reused: 240 of 240 frames are those of before"), same.text);
-  for (const char* file : {"/before_1.bvh", "/before_2.bvh"}) CHECK(w.bytes(std::string("a") + file) == w.bytes(std::string("b") + file));
+  for (const char* file : {"/before_1.bvh", "/before_2.bvh"})
+    CHECK(w.bytes(std::string("a") + file) == w.bytes(std::string("b") + file));
 }
 
 TEST_CASE("--keep-beyond keeps what is further away and is said to be no whole run") {

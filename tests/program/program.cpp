@@ -207,8 +207,10 @@ TEST_CASE("generate --samples: different motions, of which the first is the one 
   REQUIRE_MESSAGE(made.code == 0, made.text);
   const auto files = w.files("three");
   CHECK(files.size() == 3 * 5 + 1);
-  for (const char* file : {"two_1.bvh", "two_2.glb", "two_3.svg", "two_3.npz", "two.html"}) CHECK_MESSAGE(files.contains(file), file);
-  for (const char* name : {"\"two_1\"", "\"two_2\"", "\"two_3\""}) CHECK_MESSAGE(contains(files.at("two.html"), name), name);
+  for (const char* file : {"two_1.bvh", "two_2.glb", "two_3.svg", "two_3.npz", "two.html"})
+    CHECK_MESSAGE(files.contains(file), file);
+  for (const char* name : {"\"two_1\"", "\"two_2\"", "\"two_3\""})
+    CHECK_MESSAGE(contains(files.at("two.html"), name), name);
   const auto sample = [&](const std::string& file) { return ml::read_bvh_motion(w / file); };
   CHECK(synthetic::largest_distance(sample("three/two_1.bvh"), sample("one/two.bvh")) < 1e-3);
   CHECK(synthetic::largest_distance(sample("three/two_1.bvh"), sample("three/two_2.bvh")) > 1e-3);
@@ -230,7 +232,8 @@ TEST_CASE("generate --samples: different motions, of which the first is the one 
 
 TEST_CASE("a diffusion model has no latents: it does not go from text to text, and does not denoise a motion") {
   const Workplace w;
-  const std::string is = " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is a diffusion model";
+  const std::string is =
+      " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is a diffusion model";
   const auto towards = w.run({"generate", "--text", "walk", "--towards", "run", "--model", "model.safetensors"});
   CHECK(towards.code == 1);
   CHECK_MESSAGE(contains(towards.text, "[motionlang.config.102] model.safetensors: --towards" + is), towards.text);

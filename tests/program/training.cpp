@@ -196,10 +196,13 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     CAPTURE(name);
     const bool acts = name == "train-actor";
     const std::string kind = acts ? "--action" : "--text", walk = acts ? "walk" : "a person walks ahead",
-                      turn = acts ? "turn" : "a person turns left", line = acts ? "walk_to_turn" : "a_person_walks_ahead_to_a_person_turns_left";
-    const auto made = generate(name, {kind, walk, "--towards", turn, "--samples", "3", "--seconds", "0.8", "--out", "line"});
+                      turn = acts ? "turn" : "a person turns left",
+                      line = acts ? "walk_to_turn" : "a_person_walks_ahead_to_a_person_turns_left";
+    const auto made =
+        generate(name, {kind, walk, "--towards", turn, "--samples", "3", "--seconds", "0.8", "--out", "line"});
     REQUIRE_MESSAGE(made.code == 0, made.text);
-    for (const char* end : {"_1.bvh", "_2.svg", "_3.npz", ".html"}) CHECK_MESSAGE(std::filesystem::exists(clips / ("line/" + line + end)), end);
+    for (const char* end : {"_1.bvh", "_2.svg", "_3.npz", ".html"})
+      CHECK_MESSAGE(std::filesystem::exists(clips / ("line/" + line + end)), end);
     CHECK(ml::read_file(clips / ("line/" + line + "_1.bvh")) != ml::read_file(clips / ("line/" + line + "_2.bvh")));
 
     std::vector<std::string> convert{"convert", "clip1.bvh", name + ".bvh", "--denoise", name + "_whole/model"};

@@ -7,6 +7,25 @@ namespace program {
 using ml::Index;
 using B = ml::EigenBackend<float>;
 
+namespace {
+
+/// What brings a clip over another as a whole: the mean turn between their roots, then the mean way over the floor.
+ml::Placement placement_over(const ml::Motion& clip, const ml::Motion& other) {
+  const Index frames = std::min(clip.frames(), other.frames());
+  double sine = 0, cosine = 0;
+  for (Index f = 0; f < frames; ++f) {
+    const double turn = ml::turn_between(clip.rotations(f)[0], other.rotations(f)[0]);
+    sine += std::sin(turn), cosine += std::cos(turn);
+  }
+  ml::Placement p{std::atan2(sine, cosine), {}};
+  ml::Vec3<double> way{};
+  for (Index f = 0; f < frames; ++f) way = way + other.root_at(f) - p(clip.root_at(f));
+  p.shift = {way.x / static_cast<double>(frames), 0, way.z / static_cast<double>(frames)};
+  return p;
+}
+
+}  // namespace
+
 std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::Timeline& to, Index count,
                                             const GenerationSettings& settings) const {
   require_no_noise(settings);
@@ -31,7 +50,7 @@ ml::Motion FromLatent::denoised(const ml::Motion& motion, const std::string& act
     out = ml::blend_into(out, next, out.frames() - first);
     end = first + most;
   }
-  out = ml::resample(ml::placed(out, ml::placement_between(out, 0, seen, 0)), motion.fps);
+  out = ml::resample(ml::placed(out, placement_over(out, seen)), motion.fps);
   out.name = motion.name;
   return out;
 }

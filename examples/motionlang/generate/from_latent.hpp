@@ -1,5 +1,5 @@
-// Models with one latent for every motion (ACTOR, TEMOS, TMR, SINC) behind the Generator: motions between two, and motions
-// without their noise.
+// Models with one latent for every motion (ACTOR, TEMOS, TMR, SINC) behind the Generator: motions between two, and
+// motions without their noise.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,18 @@ class FromLatent : public EachAlone {
  public:
   std::string system() const final { return "a model with one latent for every motion"; }
 
-  /// `count` motions on the straight line from the latent of one timeline to that of another, which is as long, with the
-  /// same noise: the first and the last are those that `run` makes of either alone. Throws config_error 101 unless count
-  /// is 2 or more.
+  /// `count` motions on the straight line from the latent of one timeline to that of another, which is as long, with
+  /// the same noise: the first and the last are those that `run` makes of either alone. Throws config_error 101 unless
+  /// count is 2 or more.
   std::vector<ml::Motion> between(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
                                   const GenerationSettings& settings) const;
 
   /// A motion on SMPL's 24 joints as its latent keeps it: encoded, decoded, put where it was, at its rate. One that is
-  /// longer than those that the model learned from goes through it in parts, which share a quarter of their frames and are
-  /// blended.
+  /// longer than those that the model learned from goes through it in parts, which share a quarter of their frames and
+  /// are blended.
   /// action  of the motion, for ACTOR; "" for others
-  /// Throws  config_error 102 where the action is missing or not asked for, 103 for an unknown one, and what the features
-  ///         throw
+  /// Throws  config_error 102 where the action is missing or not asked for, 103 for an unknown one, and what the
+  ///         features throw
   ml::Motion denoised(const ml::Motion& motion, const std::string& action) const;
 
  private:

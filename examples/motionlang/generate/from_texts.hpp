@@ -10,8 +10,8 @@
 
 namespace program {
 
-/// A model, with encode_text, encode_motion and decode, and what turns texts and clips into what it reads and its rows into
-/// clips.
+/// A model, with encode_text, encode_motion and decode, and what turns texts and clips into what it reads and its rows
+/// into clips.
 template <class Model>
 struct TextLatents {
   using B = ml::EigenBackend<float>;

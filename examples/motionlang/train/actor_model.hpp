@@ -124,9 +124,10 @@ struct ActorModel {
     }
     return x.with(ml::Tensor<B, 2>::from(values, {x.offsets.rows(), seen.width()}));
   }
-  /// For each motion of x one on the line from its latent to that of another of its class, at a place by lot, as long as it.
-  ml::Sequences<B> between(const ml::Sequences<B>& x, const ml::Sequences<B>& others, std::span<const ml::Index> classes,
-                           ml::Philox& rng) const {
+  /// For each motion of x one on the line from its latent to that of another of its class, at a place by lot; as long
+  /// as it.
+  ml::Sequences<B> between(const ml::Sequences<B>& x, const ml::Sequences<B>& others,
+                           std::span<const ml::Index> classes, ml::Philox& rng) const {
     std::vector<typename B::scalar> places(classes.size());
     rng.uniform(std::span(places));
     const auto share = ml::Tensor<B, 2>::from(places, {x.count(), 1});

@@ -1,6 +1,6 @@
-// motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones, of these
-// denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that was trained on the
-// training part.
+// motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones, of
+// these denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that was
+// trained on the training part.
 #include <cstdio>
 #include <set>
 

@@ -154,10 +154,10 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
                       Offsets::equal(steps, length));
 }
 
-/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the other. All
-/// have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate and
-///         interpolate_rows throw
+/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
+/// other. All have `length` frames; the first and the last are those of generate.
+/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate
+///         and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)

@@ -157,7 +157,8 @@ struct LatentSampling {
 
 /// The latents of texts for sample `i` of text_to_motion: one vector of noise for all of them.
 template <Backend B>
-Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i, const LatentSampling& sampling = {}) {
+Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i,
+                             const LatentSampling& sampling = {}) {
   if (sampling.mean) return texts.mu;
   auto noise = rng.split(static_cast<std::uint64_t>(i));
   const auto eps = Tensor<B, 2>::randn({1, texts.mu.size(1)}, noise);
@@ -176,11 +177,11 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames. The first and
-/// the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames.
+/// The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
-Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length, const Philox& rng,
-                               const LatentSampling& sampling = {}) {
+Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
+                               const Philox& rng, const LatentSampling& sampling = {}) {
   const auto z = sampled_latents(model.encode_text(two_texts), rng, 0, sampling);
   return model.decode(interpolate_rows(slice(z, 0, 0, 1), slice(z, 0, 1, 2), steps), Offsets::equal(steps, length));
 }

@@ -65,7 +65,8 @@ TEST_CASE("every feature vector gives the poses back") {
 
 TEST_CASE("ACTOR's rows of any representation give the clip back") {
   const auto motion = synthetic::walk({.frames = 20, .turn = 0.3});
-  for (const auto form : {ml::PoseRepresentation::rotvec, ml::PoseRepresentation::rotmat, ml::PoseRepresentation::rot6d}) {
+  for (const auto form :
+       {ml::PoseRepresentation::rotvec, ml::PoseRepresentation::rotmat, ml::PoseRepresentation::rot6d}) {
     const ml::ActorFeatureOptions options{.rotations = form};
     const auto rows = ml::actor_rows_of_motion(motion, options);
     CHECK(std::ssize(rows) == 20 * 25 * ml::size(form));
