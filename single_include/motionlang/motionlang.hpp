@@ -14639,7 +14639,8 @@ struct ActorDecoder {
   }
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
     return decode_lengths(
-        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory, lengths, dropout_p, context);
+        seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory, lengths, dropout_p,
+        context);
   }
   /// Throws shape_error 203, 204.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
@@ -15286,7 +15287,8 @@ struct LatentSampling {
 
 /// The latents of texts for sample `i` of text_to_motion: one vector of noise for all of them.
 template <Backend B>
-Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i, const LatentSampling& sampling = {}) {
+Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, Index i,
+                             const LatentSampling& sampling = {}) {
   if (sampling.mean) return texts.mu;
   auto noise = rng.split(static_cast<std::uint64_t>(i));
   const auto eps = Tensor<B, 2>::randn({1, texts.mu.size(1)}, noise);
@@ -15305,11 +15307,11 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames. The first and
-/// the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames.
+/// The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
-Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length, const Philox& rng,
-                               const LatentSampling& sampling = {}) {
+Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
+                               const Philox& rng, const LatentSampling& sampling = {}) {
   const auto z = sampled_latents(model.encode_text(two_texts), rng, 0, sampling);
   return model.decode(interpolate_rows(slice(z, 0, 0, 1), slice(z, 0, 1, 2), steps), Offsets::equal(steps, length));
 }
@@ -26136,10 +26138,10 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
                       Offsets::equal(steps, length));
 }
 
-/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the other. All
-/// have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate and
-///         interpolate_rows throw
+/// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
+/// other. All have `length` frames; the first and the last are those of generate.
+/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate
+///         and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
