@@ -5771,7 +5771,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Backend B>
 struct AmassOnBody {
   Motion motion;                           // on the body's joints, turned to Y up
-  std::vector<typename B::scalar> betas;   // the file's, as many as the body has; the others are 0
+  std::vector<typename B::scalar> betas;   // the file's, as many as the body has, if it has these shapes; the others are 0
   std::vector<std::string> parts{};        // that move in the file besides the 22 body joints: "left hand", ...
   std::vector<std::string> left_out{};     // those of them that the body does not have
 };
@@ -5805,6 +5805,11 @@ inline bool moves(const AmassSequence& sequence, const AmassPart& part) {
 
 }  // namespace detail
 
+/// Whether betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
+inline bool has_shapes_of(const AmassSequence& sequence, BodyKind body) {
+  return (body_kind_of(sequence.columns / 3) == BodyKind::smplx) == (body == BodyKind::smplx);
+}
+
 /// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in motion_on_body.
 /// Throws  config_error 106 for a body of another kind, numeric_error 301 if a value is not finite
 template <Backend B>
@@ -5814,7 +5819,8 @@ AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& n
     raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(), " joints is none of SMPL, SMPL-H and SMPL-X");
   const Index coefficients = body.model.shapedirs.size(1);
   std::vector<S> betas(static_cast<std::size_t>(coefficients), S(0));
-  const Index common = std::min(std::ssize(sequence.betas), coefficients - body.expressions);
+  const Index common =
+      has_shapes_of(sequence, body.kind) ? std::min(std::ssize(sequence.betas), coefficients - body.expressions) : 0;
   std::transform(sequence.betas.begin(), sequence.betas.begin() + common, betas.begin(), [](double b) { return static_cast<S>(b); });
 
   const Skeleton skeleton = body_skeleton(body, std::span<const S>(betas));

@@ -145,6 +145,7 @@ TEST_CASE("weights are stored in another type; what the file says of the model s
   const auto motion = w.run({"convert", "model.safetensors", "motion.bvh", "--store", "F16"});
   CHECK(motion.code != 0);
   CHECK_MESSAGE(contains(motion.text, "--store: is for weights"), motion.text);
+  CHECK(contains(w.run({"convert", "model.safetensors", "m.safetensors", "--mirror"}).text, "--mirror: is not for weights"));
 }
 
 TEST_CASE("weights may ask for a sampler and a number of steps; the command line goes first") {
@@ -498,6 +499,13 @@ TEST_CASE("convert: clips are added to a data set in HumanML3D's or KIT-ML's for
                                                "rows of 263 (guoh3d)"),
                 guoh3d_into_kit.text);
   CHECK(ml::read_ids(w / "kit/all.txt").size() == 2);
+  std::filesystem::remove(w / "kit/all.txt");  // the form is that of any clip
+  CHECK(w.run({"convert", "walk.glb", "kit", "--features", "guoh3d"}).code == 1);
+
+  // as motions the clips of a data set are read once: not its joints as well
+  REQUIRE(w.run({"convert", "kit", "from_kit", "--as", ".bvh"}).code == 0);
+  CHECK(std::filesystem::exists(w / "from_kit/new_joint_vecs/walk.bvh"));
+  CHECK(!std::filesystem::exists(w / "from_kit/new_joints"));
 }
 
 TEST_CASE("convert and generate put motions on a character") {

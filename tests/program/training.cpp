@@ -454,7 +454,7 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
   const auto made = ml::read_bvh_motion(place / "made/a_person_walks.bvh");
   CHECK(made.frames() == 25);
   CHECK(made.skeleton.names == ml::kit21_skeleton().names);
-  CHECK(contains(said({"index", "made", "--model", "out/model", "-o", "moves.index"}), "3 clips"));  // .bvh, .glb, .npz
+  CHECK(contains(said({"index", "made", "--model", "out/model", "-o", "moves.index"}), "4 clips"));  // .bvh, .glb, .npz, .npy
   CHECK(contains(said({"search", "moves.index", "a person walks"}), "made/a_person_walks.bvh"));
   CHECK(contains(said({"search", "moves.index", "--like", "made/a_person_walks.bvh", "--top", "1"}), "  1  1.000"));
 

@@ -78,9 +78,11 @@ class OwnBody : public ShownBody {
     auto clip = ml::amass_on_body(sequence, name, body_);
     if (betas_.empty()) {
       const auto last = std::find_if(sequence.betas.rbegin(), sequence.betas.rend(), [](double b) { return b != 0; });
-      const auto has = sequence.betas.rend() - last, common = std::min(has, std::ssize(clip.betas));
+      const bool fit = ml::has_shapes_of(sequence, body_.kind);
+      const auto has = sequence.betas.rend() - last, common = fit ? std::min(has, std::ssize(clip.betas)) : 0;
+      if (has > 0 && !fit) clip.left_out.push_back("betas, which are of other shapes");
       if (common > 0) clip.parts.push_back(ml::concat_text("betas 1 to ", common, " (", sequence.gender, ")"));
-      if (has > common) clip.left_out.push_back(ml::concat_text("betas ", common + 1, " to ", has));
+      if (fit && has > common) clip.left_out.push_back(ml::concat_text("betas ", common + 1, " to ", has));
     }
     std::string told;
     for (const std::string& part : clip.parts) told += (told.empty() ? ": " : ", ") + part;

@@ -58,10 +58,10 @@ struct Loaded {
   Denoiser denoised;
 };
 
-/// Motions are denoised on SMPL's joints, feet are fixed there, AMASS and features that are not on the clip's own joints are
-/// on them, and the user's body has these or its own.
+/// Features that are not on the clip's own joints and AMASS are on SMPL's joints, feet are fixed there, and the user's body has
+/// these or its own.
 bool wants_smpl(const Options& o, const Loaded& loaded, const ml::Motion& m) {
-  if (loaded.denoised || (loaded.body != nullptr && !loaded.body->has_joints_of(m))) return true;
+  if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
   if (loaded.body != nullptr && o.body.file != "free") return false;
   const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
   return o.smpl || o.fix_feet || others || kind_of(o.out) == ".npz";
@@ -82,8 +82,8 @@ ml::Motion edited(ml::Motion m, const Options& o, const Loaded& loaded, ml::Reta
   }
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
   if (o.fps > 0) m = ml::resample(m, o.fps);
-  if (wants_smpl(o, loaded, m)) m = on_smpl(m, &report);
   if (loaded.denoised) m = loaded.denoised(m);
+  if (wants_smpl(o, loaded, m)) m = on_smpl(m, &report);
   if (o.mirror) m = ml::mirror(m);
   if (o.smooth) m = ml::smooth_motion(m);
   if (o.fix_feet) {
@@ -118,6 +118,7 @@ class Conversion {
     motions_.push_back(std::move(clip.motion));
     betas_ = std::move(clip.betas);
     told_ = std::move(clip.told);
+    if (loaded.denoised) told_ += o.in + ": what --denoise makes is without hands and face\n";
   }
 
   void run() {
@@ -267,7 +268,6 @@ void merge_hands(const Options& o) {
 void run(Options o) {
   if (!o.hands.empty()) return merge_hands(o);
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
-  if (!o.store.empty()) throw CLI::ValidationError("--store", "is for weights, written as .safetensors; the result is " + o.out);
   const bool folder = fs::is_directory(o.in);
   if (folder ? o.as.empty() : !fs::path(o.out).has_extension()) o.data_set = find_data_set_form(o.features);
   if (folder && o.as.empty() && o.data_set == nullptr)
@@ -340,9 +340,10 @@ void add_convert(CLI::App& app) {
                 "Of a folder: what the motion files in it and below become, .bvh for instance, with --body also .obj; "
                 "the result is a folder, too")
       ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png", ".obj"}));
-  c->add_option("--tensors", o->tensors,
+  const CLI::Option* tensors = c->add_option("--tensors", o->tensors,
                 "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
-  c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
+  const CLI::Option* store =
+      c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
       ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
   c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")
       ->check(CLI::PositiveNumber);
@@ -367,7 +368,7 @@ void add_convert(CLI::App& app) {
   CLI::Option* denoise =
       c->add_option("--denoise", o->denoise,
                     "Model (ACTOR, TEMOS, TMR, SINC: of our training or as published) that encodes and decodes the "
-                    "motion: what it does not know, noise for instance, is left out; on SMPL's 24 joints")
+                    "motion: what it does not know, noise for instance, is left out; on the joints of the model")
           ->check(CLI::ExistingPath);
   c->add_option("--action", o->action, "Of --denoise with ACTOR: name or number of the action that the motion shows")
       ->needs(denoise);
@@ -390,10 +391,14 @@ void add_convert(CLI::App& app) {
                     "Of a body of SMPL-H: MANO_LEFT.pkl and MANO_RIGHT.pkl, whose hands go into the result with it")
           ->expected(2)
           ->check(CLI::ExistingFile);
-  c->callback([o, c, hands] {
-    for (const CLI::Option* other : c->get_options()) {  // not by excludes, which --help would say at every option
-      if (!o->hands.empty() && other != hands && other->nonpositional() && other->count() > 0)
-        throw CLI::ExcludesError(hands->get_name(), other->get_name());
+  c->callback([o, c, hands, tensors, store] {
+    const bool weights = kind_of(o->out) == ".safetensors";
+    for (const CLI::Option* option : c->get_options()) {  // not by excludes, which --help would say at every option
+      if (!option->nonpositional() || option->count() == 0) continue;
+      if (!o->hands.empty() && option != hands) throw CLI::ExcludesError(hands->get_name(), option->get_name());
+      if ((option == tensors || option == store) != weights && option != hands)
+        throw CLI::ValidationError(option->get_name(), ml::concat_text(weights ? "is not" : "is", " for weights, written as "
+                                                                       ".safetensors; the result is ", o->out));
     }
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
     run(*o);

@@ -33,9 +33,14 @@ inline const DataSetForm* find_data_set_form(std::string_view features) {
   return nullptr;
 }
 
+/// Of a file of NumPy's, from its header. Throws io_error 401 to 405.
+inline std::vector<ml::Index> npy_shape(const std::filesystem::path& npy) {
+  return ml::detail::npy_parts(ml::MappedFile::open(npy)->bytes(), npy.string()).header.shape;
+}
+
 /// The form of a file of features, by the width of its rows. Throws io_error 401 to 405, 407 for another width.
 inline const DataSetForm& data_set_form_of(const std::filesystem::path& npy) {
-  const auto shape = ml::read_npy(npy).shape;
+  const auto shape = npy_shape(npy);
   for (const DataSetForm& f : data_set_forms) {
     if (shape.size() == 2 && shape[1] == f.form.width()) return f;
   }

@@ -47,17 +47,22 @@ namespace {
 /// Files that cannot be read count: their reader says why.
 bool has_frames(const std::filesystem::path& npy) {
   try {
-    return ml::detail::npy_parts(ml::MappedFile::open(npy)->bytes(), npy.string()).header.shape.size() >= 2;
+    return npy_shape(npy).size() >= 2;
   } catch (const ml::error&) {
     return true;
   }
+}
+/// The joints of a data set of features: the same clips once more.
+bool is_second_form(const std::filesystem::path& file) {
+  const auto folder = file.parent_path();
+  return folder.filename() == "new_joints" && is_data_set(folder.parent_path());
 }
 }  // namespace
 
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || !is_motion_file(entry.path())) continue;
+    if (!entry.is_regular_file() || !is_motion_file(entry.path()) || is_second_form(entry.path())) continue;
     if (kind_of(entry.path()) != ".npy" || has_frames(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
@@ -188,7 +193,10 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
                             const DataSetForm& form, double fps) {
   const auto list = folder / "all.txt";
   auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
-  const auto other = ids.empty() ? std::filesystem::path() : rows_file(folder, ids.front());
+  auto other = ids.empty() ? std::filesystem::path() : rows_file(folder, ids.front());
+  if (!std::filesystem::exists(other) && is_data_set(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "new_joint_vecs")) other = entry.path();
+  }
   if (std::filesystem::exists(other)) {
     if (const DataSetForm& is = data_set_form_of(other); is.features != form.features)
       ml::raise<ml::config_error>(102, other.string(), ": rows of ", is.form.width(), " numbers (", is.features,

@@ -41,7 +41,7 @@ bool is_weights(const std::filesystem::path& path) {
 }
 bool holds_motion(const std::filesystem::path& npz) { return ml::NpzArchive::open(npz).has("poses"); }
 bool holds_joints(const std::filesystem::path& npy) {
-  const auto shape = ml::detail::npy_parts(ml::MappedFile::open(npy)->bytes(), npy.string()).header.shape;
+  const auto shape = npy_shape(npy);
   return shape.size() == 3 && shape.back() == 3;
 }
 

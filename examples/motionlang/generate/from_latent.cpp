@@ -38,7 +38,7 @@ std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::
 }
 
 ml::Motion FromLatent::denoised(const ml::Motion& motion, const std::string& action) const {
-  const ml::Motion seen = ml::resample(motion, fps());
+  const ml::Motion seen = ml::resample(on_its_joints(motion), fps());
   const Index frames = seen.frames(), most = longest();
   const Index shared = std::min(std::max<Index>(2, most / 4), most - 1);
   const auto part = [&](Index first) { return decoded(ml::crop(seen, first, std::min(frames, first + most)), action); };
@@ -89,6 +89,7 @@ class FromActions final : public FromLatent {
     for (Index i = 0; i < count; ++i) motions.push_back(actor_.motion_of(made[i].span()));
     return motions;
   }
+  ml::Motion on_its_joints(const ml::Motion& motion) const override { return on_smpl(motion); }
   ml::Motion decoded(const ml::Motion& motion, const std::string& action) const override {
     if (action.empty())
       ml::raise<ml::config_error>(102,

@@ -8,6 +8,7 @@
 #include <motionlang/systems/actor.hpp>
 
 #include "../files/feature_motion.hpp"
+#include "../files/motion_files.hpp"
 
 namespace program {
 
@@ -21,7 +22,7 @@ class FromLatent : public EachAlone {
   std::vector<ml::Motion> between(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
                                   const GenerationSettings& settings) const;
 
-  /// A motion on SMPL's 24 joints as its latent keeps it: encoded, decoded, put where it was, at its rate. One that is
+  /// A motion as its latent keeps it, on the joints of the model: encoded, decoded, put where it was, at its rate. One that is
   /// longer than those that the model learned from goes through it in parts, which share a quarter of their frames and
   /// are blended.
   /// action  of the motion, for ACTOR; "" for others
@@ -35,6 +36,8 @@ class FromLatent : public EachAlone {
   /// Encoded and decoded. The motion has the rate of the model.
   virtual ml::Motion decoded(const ml::Motion& motion, const std::string& action) const = 0;
   virtual ml::Index longest() const = 0;  // frames that the model learned from
+  /// The motion on joints that `decoded` takes: SMPL's 24, or those of the model's features.
+  virtual ml::Motion on_its_joints(const ml::Motion& motion) const = 0;
 };
 
 /// The generator as such a model. Throws config_error 102 for another.

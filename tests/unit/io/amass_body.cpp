@@ -66,15 +66,18 @@ TEST_CASE("parts are found by their joints, and what a body does not have is nam
   const auto on_x = ml::amass_on_body(smplh, "h", body_of(ml::BodyKind::smplx));
   CHECK(on_x.parts == Names{"left hand", "right hand"});
   CHECK(on_x.left_out.empty());
+  CHECK(on_x.betas == std::vector<double>{0});  // SMPL-X has shapes of its own
   CHECK(ml::distance(on_x.motion.rotations(1)[25], ml::detail::amass_rotation(smplh, 1, 22)) < 1e-12);
   CHECK(ml::distance(on_x.motion.rotations(1)[54], ml::detail::amass_rotation(smplh, 1, 51)) < 1e-12);
   CHECK(on_x.motion.rotations(1)[22] == ml::Quaternion<double>::identity());  // the jaw
   const auto on_h = ml::amass_on_body(smplx, "x", body_of(ml::BodyKind::smplh));
   CHECK(on_h.parts == Names{"left hand", "right hand"});
   CHECK(on_h.left_out == Names{"jaw and eyes"});
+  CHECK(on_h.betas == std::vector<double>{0});
   CHECK(ml::distance(on_h.motion.rotations(0)[37], ml::detail::amass_rotation(smplx, 0, 40)) < 1e-12);
   const auto on_smpl = ml::amass_on_body(smplh, "h", body_of(ml::BodyKind::smpl));
   CHECK(on_smpl.parts.empty());
+  CHECK(on_smpl.betas == std::vector<double>{0.7});
   CHECK(on_smpl.left_out == Names{"left hand", "right hand"});
   CHECK(ml::amass_on_body(sequence_of(72), "s", body_of(ml::BodyKind::smplh)).left_out == Names{"hands"});
   CHECK(ml::amass_on_body(sequence_of(66), "b", body_of(ml::BodyKind::smplh)).left_out.empty());
