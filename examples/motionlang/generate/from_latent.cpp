@@ -1,4 +1,4 @@
-#include "from_latent.hpp"
+#include "from_actions.hpp"
 
 #include <motionlang/kinematics/blend.hpp>
 

@@ -2,11 +2,6 @@
 // motions without their noise.
 #pragma once
 
-#include <functional>
-
-#include <motionlang/backend/eigen.hpp>
-#include <motionlang/systems/actor.hpp>
-
 #include "../files/feature_motion.hpp"
 #include "../files/motion_files.hpp"
 
@@ -44,16 +39,5 @@ class FromLatent : public EachAlone {
 /// option  what asks for it;   model   where it was loaded from
 const FromLatent& from_latent(const Generator& generator, const std::string& option,
                               const std::filesystem::path& model);
-
-/// ACTOR with what turns its rows into clips and back.
-struct ActorLatents {
-  ml::Actor<ml::EigenBackend<float>> model;
-  std::vector<std::string> labels;
-  double fps = 20;
-  ml::Index longest = 60;
-  std::function<ml::Motion(std::span<const float>)> motion_of;  // on the floor
-  std::function<std::vector<double>(const ml::Motion&)> rows_of;
-};
-std::unique_ptr<Generator> from_actions(ActorLatents actor);
 
 }  // namespace program

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 
+#include <motionlang/backend/eigen.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/vae/text_motion.hpp>
 

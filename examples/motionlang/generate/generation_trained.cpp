@@ -7,6 +7,7 @@
 #include "../train/actor_model.hpp"
 #include "../train/text_motion_model.hpp"
 #include "../train/text_sources.hpp"
+#include "from_actions.hpp"
 #include "from_texts.hpp"
 
 namespace program {

@@ -1,6 +1,7 @@
 // ACTOR and TEMOS, as their repositories leave them, behind the Generator: one text, or one action, for each motion.
 #include <motionlang/io/vae_run.hpp>
 
+#include "from_actions.hpp"
 #include "from_texts.hpp"
 
 namespace program {
