@@ -44,10 +44,8 @@ using Denoiser = std::function<ml::Motion(const ml::Motion&)>;
 Denoiser denoiser_of(const Options& o) {
   if (o.denoise.empty()) return {};
   const std::shared_ptr<const Generator> generator = load_generator("eigen", o.denoise, o.sources);
-  from_latent(*generator, "--denoise", o.denoise);
-  return [generator, &o](const ml::Motion& m) {
-    return from_latent(*generator, "--denoise", o.denoise).denoised(m, o.action);
-  };
+  const FromLatent& model = from_latent(*generator, "--denoise", o.denoise);
+  return [generator, &model, &o](const ml::Motion& m) { return model.denoised(m, o.action); };
 }
 
 /// What the options name, read once for all files; null without the option.
@@ -340,11 +338,12 @@ void add_convert(CLI::App& app) {
                 "Of a folder: what the motion files in it and below become, .bvh for instance, with --body also .obj; "
                 "the result is a folder, too")
       ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png", ".obj"}));
-  const CLI::Option* tensors = c->add_option("--tensors", o->tensors,
-                "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
+  const CLI::Option* tensors =
+      c->add_option("--tensors", o->tensors,
+                    "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
   const CLI::Option* store =
       c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
-      ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
+          ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
   c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")
       ->check(CLI::PositiveNumber);
   c->add_option("--from", o->from, "Begin, seconds")->check(CLI::NonNegativeNumber);

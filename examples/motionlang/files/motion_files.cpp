@@ -195,7 +195,8 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
   auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
   auto other = ids.empty() ? std::filesystem::path() : rows_file(folder, ids.front());
   if (!std::filesystem::exists(other) && is_data_set(folder)) {
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "new_joint_vecs")) other = entry.path();
+    const std::filesystem::directory_iterator entries(folder / "new_joint_vecs");
+    if (entries != std::filesystem::directory_iterator()) other = entries->path();
   }
   if (std::filesystem::exists(other)) {
     if (const DataSetForm& is = data_set_form_of(other); is.features != form.features)
@@ -263,8 +264,12 @@ bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion) 
   return own.names == wanted.names && own.parents == wanted.parents;
 }
 
+ml::Motion on_joints_for(const ml::MotionFeatures& features, const ml::Motion& motion) {
+  return on_joints_of(features, motion) ? motion : on_smpl(motion);
+}
+
 std::vector<double> rows_of_motion(const ml::MotionFeatures& features, const ml::Motion& motion, double fps) {
-  return features.from_motion(ml::resample(on_joints_of(features, motion) ? motion : on_smpl(motion), fps));
+  return features.from_motion(ml::resample(on_joints_for(features, motion), fps));
 }
 
 }  // namespace program

@@ -69,7 +69,7 @@ class FromTexts final : public FromLatent {
     return motions;
   }
   ml::Motion on_its_joints(const ml::Motion& motion) const override {
-    return on_joints_of(*parts_.features, motion) ? motion : on_smpl(motion);
+    return on_joints_for(*parts_.features, motion);
   }
   ml::Motion decoded(const ml::Motion& motion, const std::string& action) const override {
     if (!action.empty())
