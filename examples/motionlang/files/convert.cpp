@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ConvertOptions {
   std::string in, out, tensors, store, features;
   std::string denoise, action;            // a model, and what it is told of the motion
   ModelSources sources;                   // of this model
@@ -41,7 +41,7 @@ struct Options {
 
 /// What a motion becomes by --denoise; none without it. The model is loaded at once.
 using Denoiser = std::function<ml::Motion(const ml::Motion&)>;
-Denoiser denoiser_of(const Options& o) {
+Denoiser denoiser_of(const ConvertOptions& o) {
   if (o.denoise.empty()) return {};
   const std::shared_ptr<const Generator> generator = load_generator("eigen", o.denoise, o.sources);
   const FromLatent& model = from_latent(*generator, "--denoise", o.denoise);
@@ -50,7 +50,7 @@ Denoiser denoiser_of(const Options& o) {
 
 /// What the options name, read once for all files; null without the option.
 struct Loaded {
-  explicit Loaded(const Options& o) : rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {}
+  explicit Loaded(const ConvertOptions& o) : rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {}
   RigWriter rig;
   std::unique_ptr<const ShownBody> body;
   Denoiser denoised;
@@ -58,7 +58,7 @@ struct Loaded {
 
 /// Features that are not on the clip's own joints and AMASS are on SMPL's joints, feet are fixed there, and the user's body has
 /// these or its own.
-bool wants_smpl(const Options& o, const Loaded& loaded, const ml::Motion& m) {
+bool wants_smpl(const ConvertOptions& o, const Loaded& loaded, const ml::Motion& m) {
   if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
   if (loaded.body != nullptr && o.body.file != "free") return false;
   const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
@@ -66,7 +66,7 @@ bool wants_smpl(const Options& o, const Loaded& loaded, const ml::Motion& m) {
 }
 
 /// `report` is set if the joints were others than SMPL's and had to become these.
-ml::Motion edited(ml::Motion m, const Options& o, const Loaded& loaded, ml::RetargetReport& report) {
+ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, ml::RetargetReport& report) {
   if (o.from > 0 || o.to > 0) {
     const auto frame = [&](double seconds) {
       return static_cast<ml::Index>(std::min(static_cast<double>(m.frames()), seconds * m.fps + 0.5));
@@ -106,7 +106,7 @@ fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& t
 class Conversion {
  public:
   /// taken: names that clips of a data set have already, or files.
-  Conversion(const Options& o, const Loaded& loaded, std::set<std::string>& taken)
+  Conversion(const ConvertOptions& o, const Loaded& loaded, std::set<std::string>& taken)
       : o_(o), loaded_(loaded), taken_(taken) {
     if (loaded.body == nullptr || kind_of(o.in) != ".npz") {
       motions_ = read_motions(o.in, o.read);
@@ -172,7 +172,7 @@ class Conversion {
                      m.skeleton.size());
   }
 
-  const Options& o_;
+  const ConvertOptions& o_;
   const Loaded& loaded_;
   std::vector<ml::Motion> motions_;
   std::vector<float> betas_;  // of an AMASS file
@@ -186,7 +186,7 @@ class Conversion {
 /// named and stops no other.
 class FolderConversion {
  public:
-  explicit FolderConversion(const Options& o) : o_(o), loaded_(o) {}
+  explicit FolderConversion(const ConvertOptions& o) : o_(o), loaded_(o) {}
 
   void run() {
     refuse_to_overwrite();
@@ -221,7 +221,7 @@ class FolderConversion {
 
   void convert(const fs::path& file) {
     try {
-      Options one = o_;
+      ConvertOptions one = o_;
       one.in = file.string();
       if (o_.data_set == nullptr) {
         const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
@@ -234,13 +234,13 @@ class FolderConversion {
     }
   }
 
-  const Options& o_;
+  const ConvertOptions& o_;
   const Loaded loaded_;
   std::set<std::string> taken_;
   std::vector<std::string> failures_;
 };
 
-void convert_file(const Options& o) {
+void convert_file(const ConvertOptions& o) {
   const Loaded loaded(o);
   std::set<std::string> taken;
   Conversion one(o, loaded, taken);
@@ -255,7 +255,7 @@ void convert_file(const Options& o) {
 }
 
 /// SMPL-H and MANO are downloads apart.
-void merge_hands(const Options& o) {
+void merge_hands(const ConvertOptions& o) {
   if (kind_of(o.out) != ".npz")
     ml::raise<ml::config_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
   ml::merge_smplh(o.in, o.hands.at(0), o.hands.at(1), o.out);
@@ -263,7 +263,7 @@ void merge_hands(const Options& o) {
               o.hands[1].c_str());
 }
 
-void run(Options o) {
+void run(ConvertOptions o) {
   if (!o.hands.empty()) return merge_hands(o);
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
   const bool folder = fs::is_directory(o.in);
@@ -277,7 +277,7 @@ void run(Options o) {
   convert_file(o);
 }
 
-void add_input(CLI::App& c, Options& o) {
+void add_input(CLI::App& c, ConvertOptions& o) {
   c.add_option("input", o.in,
                "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or "
                "a folder of them (.vrm, mostly avatars, are passed over there); for convert also weights, or a body "
@@ -289,7 +289,7 @@ void add_input(CLI::App& c, Options& o) {
       ->check(CLI::ExistingFile);
 }
 
-CLI::Option* add_body(CLI::App& c, Options& o) {
+CLI::Option* add_body(CLI::App& c, ConvertOptions& o) {
   CLI::Option* body = c.add_option("--body", o.body.file,
                                    "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; hands "
                                    "and shape of AMASS files are shown, too; \"free\" for capsules")
@@ -302,7 +302,7 @@ CLI::Option* add_body(CLI::App& c, Options& o) {
 }
 
 void add_picture(CLI::App& app, const std::string& name, const std::string& about, const std::string& extension) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ConvertOptions>();
   CLI::App* c = app.add_subcommand(name, about);
   add_input(*c, *o);
   c->add_option("output,-o,--output", o->out, "The result; of a folder the folder of the results; beside the motion unless given");
@@ -324,7 +324,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
 }  // namespace
 
 void add_convert(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ConvertOptions>();
   CLI::App* c = app.add_subcommand(
       "convert",
       "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");

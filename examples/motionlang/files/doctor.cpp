@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct DoctorOptions {
   std::string folder, report, clean;
   MotionReadOptions read;
   int strips = 3;
@@ -24,7 +24,7 @@ struct Options {
 
 class Doctor {
  public:
-  explicit Doctor(const Options& options) : o_(options), folder_(options.folder) {}
+  explicit Doctor(const DoctorOptions& options) : o_(options), folder_(options.folder) {}
 
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
@@ -113,7 +113,7 @@ class Doctor {
     }
   }
 
-  const Options& o_;
+  const DoctorOptions& o_;
   fs::path folder_;
   std::vector<ml::InspectedMotion> found_;
   std::set<std::string> copies_;  // their names
@@ -123,7 +123,7 @@ class Doctor {
 }  // namespace
 
 void add_doctor(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<DoctorOptions>();
   CLI::App* c = app.add_subcommand(
       "doctor", "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, jumps, feet, ...");
   c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to "

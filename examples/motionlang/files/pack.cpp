@@ -16,12 +16,12 @@ namespace {
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
 
-struct Options {
+struct PackOptions {
   std::string run, out, license, provenance, text_encoder, statistics;
   bool with_text_encoder = false;
 };
 
-void run(const Options& o) {
+void run(const PackOptions& o) {
   ml::pack_diffusion_run<B>(ml::find_run(o.run), o.out,
                             {.license = o.license,
                              .provenance = o.provenance,
@@ -69,7 +69,7 @@ std::string describe_folder(const std::filesystem::path& folder) {
 }
 
 void add_pack(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<PackOptions>();
   CLI::App* c = app.add_subcommand(
       "pack", "Makes one folder of config.json and weights.safetensors of a model that STMC, MDM or MotionDiffuse publish");
   c->add_option("run", o->run, "Folder as the repository leaves it")->required()->check(CLI::ExistingDirectory);

@@ -22,7 +22,7 @@ namespace program {
 
 namespace {
 
-struct Options {
+struct GenerateOptions {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
   double seconds = 5;                // of the text
   std::optional<ml::Index> samples;  // of each timeline; 1, with `towards` 5
@@ -53,7 +53,7 @@ ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
   return {{{text, 0, ml::frame_at(seconds, fps), ml::BodyParts::all()}}};
 }
 /// The timelines of the file, or the one text.
-std::vector<ml::Timeline> wanted_timelines(const Options& o, double fps) {
+std::vector<ml::Timeline> wanted_timelines(const GenerateOptions& o, double fps) {
   if (o.text.empty()) return read_timelines(o.timeline, fps);
   return {timeline_of(o.text, o.seconds, fps)};
 }
@@ -68,7 +68,7 @@ std::string name_of(const std::string& text) {
   while (!name.empty() && name.back() == '_') name.pop_back();
   return name.empty() ? "motion" : name;
 }
-std::string wanted_name(const Options& o) {
+std::string wanted_name(const GenerateOptions& o) {
   if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
   return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
 }
@@ -94,7 +94,7 @@ std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timeli
 }
 
 /// Motions from the text or action to the other one.
-std::vector<ml::ViewerMotion> line_of(const Options& o, ml::Index count, const std::string& name,
+std::vector<ml::ViewerMotion> line_of(const GenerateOptions& o, ml::Index count, const std::string& name,
                                       const Generator& generator, const GenerationSettings& settings) {
   const ml::Timeline from = timeline_of(o.text, o.seconds, generator.fps()),
                      to = timeline_of(o.towards, o.seconds, generator.fps());
@@ -129,7 +129,7 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
 }
 
-void run(const Options& o) {
+void run(const GenerateOptions& o) {
   o.machine.apply();
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
@@ -163,7 +163,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_generate(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<GenerateOptions>();
   CLI::App* c =
       app.add_subcommand("generate", "Motion from a timeline of texts: BVH, GLB, NPZ, NPY, film strip, HTML page");
   const auto what = c->add_option_group("what", "What is to be done: one of these");

@@ -22,7 +22,7 @@ namespace {
 using ml::Index;
 using Positions = std::vector<ml::Vec3<double>>;  // (frames, joints), world
 
-struct Options {
+struct JudgeOptions {
   std::string model = default_model().string(), backend = "eigen";
   GenerationSettings settings;
   int seeds = 10;
@@ -103,7 +103,7 @@ double distance(const Judgement& a, const Judgement& b, std::size_t shift = 0) {
 }
 
 /// A table in Markdown: what fewer steps cost. The first number of steps is what the others are compared with.
-void compare(const Generator& generator, const Options& o) {
+void compare(const Generator& generator, const JudgeOptions& o) {
   std::printf("| sampler | steps | prompts done | foot skate m/s | jitter m/s^3 | bone lengths +- %% | joints, mm away | processor s per s of motion |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
   std::string scale;
@@ -135,7 +135,7 @@ void compare(const Generator& generator, const Options& o) {
   std::printf(scale.empty() ? "\n" : "; between two seeds:%s mm\n", scale.c_str());
 }
 
-void run(const Options& o) {
+void run(const JudgeOptions& o) {
   o.machine.apply();
   const auto generator = load_generator(o.backend, model_file(o.model));
   if (!o.compare.empty()) return compare(*generator, o);
@@ -171,7 +171,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_judge(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<JudgeOptions>();
   CLI::App* c = app.add_subcommand(
       "judge",
       "Generates twelve prompts with several seeds, measures the motions, prints how many do what they should");

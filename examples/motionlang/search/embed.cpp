@@ -19,14 +19,14 @@ namespace {
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
 
-struct Options {
+struct EmbedOptions {
   std::string texts, encoder, out, name, pooling = "none";
   bool normalize = false, empty = true;
   ml::Index batch = 32;
 };
 
 /// annotations.json (TMR, STMC), or a text on each line.
-std::vector<std::string> read_texts(const Options& o) {
+std::vector<std::string> read_texts(const EmbedOptions& o) {
   std::vector<std::string> texts;
   if (o.empty) texts.emplace_back();  // "" is the unconditional text of diffusion models
   if (o.texts.ends_with(".json")) {
@@ -43,7 +43,7 @@ std::vector<std::string> read_texts(const Options& o) {
   return texts;
 }
 
-void run(Options o) {
+void run(EmbedOptions o) {
   const std::map<std::string, ml::Pooling> poolings{
       {"none", ml::Pooling::none}, {"mean", ml::Pooling::mean}, {"first", ml::Pooling::first}, {"end", ml::Pooling::end}};
   ml::TextEncoderOptions options{.text = {.pooling = poolings.at(o.pooling), .normalize = o.normalize}};
@@ -73,7 +73,7 @@ void run(Options o) {
 }  // namespace
 
 void add_embed(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<EmbedOptions>();
   CLI::App* c = app.add_subcommand(
       "embed", "Writes the vectors of texts to NAME.npy, NAME_slice.npy and NAME_index.json, as TMR and STMC read them");
   c->add_option("texts", o->texts, "A text on each line, or an annotations.json")->required()->check(CLI::ExistingFile);

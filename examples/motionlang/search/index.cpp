@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using ml::Index;
 
-struct Options {
+struct IndexOptions {
   std::string folder, model, out, text_encoder, captions, license;
   std::vector<std::string> remove;
   std::vector<double> windows{1, 2, 3};  // seconds
@@ -108,7 +108,7 @@ class LicenseFiles {
 
 class Indexer {
  public:
-  explicit Indexer(const Options& options) : o_(options) {
+  explicit Indexer(const IndexOptions& options) : o_(options) {
     if (!fs::exists(o_.out)) return;
     before_ = ml::MotionIndexFile::open(o_.out);
     index_ = before_->index();
@@ -380,7 +380,7 @@ class Indexer {
     return stopped;
   }
 
-  const Options& o_;
+  const IndexOptions& o_;
   std::optional<ml::MotionIndexFile> before_;
   std::optional<ml::MotionIndex> index_;
   std::optional<SearchModel> model_;
@@ -397,7 +397,7 @@ class Indexer {
 }  // namespace
 
 void add_index(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<IndexOptions>();
   CLI::App* c =
       app.add_subcommand("index", "Makes or updates a file in which `motionlang search` finds motions by words");
   c->add_option(

@@ -19,7 +19,7 @@ namespace {
 
 using ml::Index;
 
-struct Options {
+struct SearchOptions {
   std::string index, text, like, model, text_encoder, html;
   double from = 0, to = 0, overlap = 0.3;
   Index top = 10;
@@ -45,7 +45,7 @@ ml::Motion part_of(const ml::Motion& m, double from, double to) {
 
 class Search {
  public:
-  explicit Search(const Options& options) : o_(options), file_(ml::MotionIndexFile::open(o_.index)) {}
+  explicit Search(const SearchOptions& options) : o_(options), file_(ml::MotionIndexFile::open(o_.index)) {}
 
   void run() {
     if (o_.text.empty() == o_.like.empty())
@@ -130,7 +130,7 @@ class Search {
     ml::raise<ml::config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");
   }
 
-  const Options& o_;
+  const SearchOptions& o_;
   ml::MotionIndexFile file_;
   std::vector<ml::FoundMotion> found_;
 };
@@ -138,7 +138,7 @@ class Search {
 }  // namespace
 
 void add_search(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<SearchOptions>();
   CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit words, or another motion");
   c->add_option("index", o->index, "File of motionlang index")->required()->check(CLI::ExistingFile);
   c->add_option("text", o->text, "What is looked for: \"a person waves with the left hand\"");

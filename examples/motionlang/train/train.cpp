@@ -14,7 +14,7 @@ namespace program {
 
 namespace {
 
-struct Options {
+struct TrainOptions {
   std::string data, captions;
   StmcTrainingConfig config;
   RunOptions run;
@@ -34,7 +34,7 @@ std::map<std::string, std::string> quality_of(const TrainingSet& data) {
   return {{"real.skate", ml::concat_text(skate / n)}, {"real.jitter", ml::concat_text(jitter / n)}};
 }
 
-void run(const Options& o) {
+void run(const TrainOptions& o) {
   o.machine.apply();
   const auto data = [&] {
     ProgressBar bar("reading motions");
@@ -67,7 +67,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_train(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<TrainOptions>();
   CLI::App* c = app.add_subcommand(
       "train", "Trains a model on captioned BVH and AMC files; Ctrl-C saves, the same command goes on");
   c->add_option("--data", o->data, "Folder with the clips that the captions name")
