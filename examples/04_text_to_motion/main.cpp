@@ -1,5 +1,6 @@
 // Text in, motion out: the bundled model walks a timeline, and the result is written for other programs.
 //   usage: 04_text_to_motion [model.safetensors [folder]]
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
