@@ -1,4 +1,5 @@
 // A leg of three joints: where is the ankle when the knee bends, and which way must the knee turn to lift it?
+#include <cmath>
 #include <cstdio>
 #include <vector>
 

@@ -1,5 +1,6 @@
 // Text in, motion out: the bundled model walks a timeline, and the result is written for other programs.
 //   usage: 04_text_to_motion [model.safetensors [folder]]
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -22,9 +23,13 @@ int main(int argc, char** argv) {
 
   const auto way = motion.root_at(motion.frames() - 1) - motion.root_at(0);
   const auto joints = motion.positions();  // (frames, joints)
-  double highest = -9;
-  for (std::size_t f = 0; f < joints.size(); f += 24)
-    highest = std::max(highest, std::min(joints[f + 20].y - joints[f + 16].y, joints[f + 21].y - joints[f + 17].y));
+  const auto height = [&](ml::Index frame, const char* joint) {
+    return joints[static_cast<std::size_t>(frame * motion.skeleton.size() + motion.skeleton[joint])].y;
+  };
+  double highest = -9;  // of the lower of both wrists above its shoulder, metres
+  for (ml::Index f = 0; f < motion.frames(); ++f)
+    highest = std::max(highest, std::min(height(f, "left_wrist") - height(f, "left_shoulder"),
+                                         height(f, "right_wrist") - height(f, "right_shoulder")));
   std::printf("%.1f s, %td frames of %d joints\n", motion.seconds(), motion.frames(), motion.skeleton.size());
   std::printf("walked more than 2 m: %s\n", std::hypot(way.x, way.z) > 2 ? "yes" : "no");
   std::printf("both wrists above the shoulders at some moment: %s\n", highest > 0 ? "yes" : "no");

@@ -1,5 +1,7 @@
 // A denoiser of your own: a model is a struct that lists its fields, and every backend runs it.
 #include <cstdio>
+#include <span>
+#include <vector>
 
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>

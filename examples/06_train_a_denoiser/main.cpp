@@ -41,7 +41,7 @@ int main() {
       {.nfeats = 1, .tx_dim = 2, .latent_dim = 32, .ff_size = 64, .num_layers = 2, .num_heads = 2, .dropout = 0}, rng);
   ml::AdamW<A> adam{{.lr = 3e-3}};
   const auto x0 = lines<A>();
-  double first = 0, last = 0;
+  double first = 0, last = 0;  // mean loss of the first and of the last twenty steps
   for (int step = 0; step < 300; ++step) {
     std::vector<Index> t, t_of_row;  // a step of the process for each sequence
     for (Index i = 0; i < sequences; ++i) {
@@ -52,7 +52,8 @@ int main() {
     const auto noisy = x0.with(ml::q_sample(diffusion, x0.rows, t_of_row, noise));
     const auto loss = ml::mse(model(noisy, t, words<A>()).rows, x0.rows);  // the network predicts x0
     adam.step(model, ml::backward(loss));
-    (step < 20 ? first : last) += step < 20 || step >= 280 ? static_cast<double>(loss.item()) / 20 : 0;
+    if (step < 20) first += static_cast<double>(loss.item()) / 20;
+    if (step >= 280) last += static_cast<double>(loss.item()) / 20;
   }
   std::printf("the loss fell to less than a tenth: %s\n", last < first / 10 ? "yes" : "no");
 

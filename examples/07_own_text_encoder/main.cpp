@@ -1,6 +1,8 @@
 // STMC with a text encoder of your own: anything that turns texts into vectors.
 #include <cstdio>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/timeline_text.hpp>

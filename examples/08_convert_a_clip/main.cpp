@@ -21,7 +21,7 @@ ml::Motion swinging() {
     const auto rest = ml::Pose<double>::rest(m.skeleton);
     m.root.push_back({0, 0.95, 0.05 * f});
     m.local.insert(m.local.end(), rest.local.begin(), rest.local.end());
-    m.local[m.local.size() - 24 + shoulder] = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, std::sin(0.3 * f));
+    m.rotations(f)[shoulder] = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, std::sin(0.3 * f));
   }
   return m;
 }

@@ -8,6 +8,8 @@
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
 
+#include "option_checks.hpp"
+
 namespace program {
 
 struct MachineOptions {
@@ -16,7 +18,7 @@ struct MachineOptions {
 
   void add_to(CLI::App& command) {
     command.add_option("--threads", threads, "Threads; as many as the machine has unless given")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command
         .add_option("--precision", precision,
                     "Of products: fp32, or bf16 (factors rounded to 8 bits, sums in float): up to several times faster where the "

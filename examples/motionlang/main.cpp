@@ -13,6 +13,13 @@ void on_interrupt(int) {
   if (program::interrupted.exchange(true)) std::_Exit(program::stopped);  // twice: at once
 }
 
+/// CLI11 itself says no more of an unknown subcommand than that one is required.
+void require_known_subcommand(const CLI::App& app, int argc, char** argv) {
+  const auto meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(meant).empty())
+    throw CLI::ValidationError(std::string("there is no subcommand '") + argv[1] + "'");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -25,7 +32,11 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", MOTIONLANG_VERSION);
   app.footer(
       "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong;\n"
-      "3 the timeline is wrong; 130 stopped by Ctrl-C (what was finished is kept).");
+      "3 the timeline is wrong; 130 stopped by Ctrl-C (what was finished is kept)."
+#ifndef MOTIONLANG_TRAINING
+      "\nBuilt without train-tmr, train-temos, train-actor, train-classifier and evaluate (-DMOTIONLANG_TRAINING=ON has them)."
+#endif
+  );
   program::add_generate(app);
   program::add_check(app);
   program::add_info(app);
@@ -45,6 +56,7 @@ int main(int argc, char** argv) {
   program::add_embed(app);
   program::add_pack(app);
   try {
+    require_known_subcommand(app, argc, argv);
     app.parse(argc, argv);
     return program::ok;
   } catch (const CLI::ParseError& e) {

@@ -118,6 +118,34 @@ TEST_CASE("exit codes") {
   CHECK_MESSAGE(contains(whole.text, "(line 1, column 1)"), whole.text);
 }
 
+TEST_CASE("options that make no sense are refused before any work, and it is said what is wanted") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
+      {{"dance"}, "there is no subcommand 'dance'"},
+      {{"generate", "--text", ""}, "--text: is empty"},
+      {{"generate", "--text", "walk", "--seconds", "nan"}, "--seconds: 'nan' is not a number from 0.05 to 3600"},
+      {{"generate", "--text", "walk", "--overlap", "-1"}, "--overlap: '-1' is not 0 or a number above it"},
+      {{"judge", "--seeds", "0"}, "--seeds: '0' is not a number above 0"},
+      {{"check", "two.txt", "--fps", "inf"}, "--fps: 'inf' is not a number above 0"},
+      {{"convert", "walk.bvh", "out.bvh", "--fps", "nan"}, "--fps: 'nan' is not a number above 0"},
+      {{"convert", "walk.bvh", "out.bvh", "--from", "nan"}, "--from: 'nan' is not 0 or a number above it"},
+      {{"strip", "walk.bvh", "out.html"}, "out.html ends in '.html', not in '.svg' or '.png'"},
+      {{"view", "walk.bvh", "out.bvh"}, "out.bvh ends in '.bvh', not in '.html'"}};
+  for (const auto& [arguments, message] : refused) {
+    const auto out = w.run(arguments);
+    CHECK_MESSAGE(out.code == 2, out.text);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  }
+  for (const char* file : {"out.bvh", "out.html"}) CHECK(!std::filesystem::exists(w / file));
+  for (const auto& arguments : {std::vector<std::string>{"convert", "walk.bvh", "nowhere/out.bvh"},
+                                std::vector<std::string>{"doctor", ".", "--report", "nowhere/out.html"}}) {
+    const auto out = w.run(arguments);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] " + arguments.back() + ": there is no folder nowhere"), out.text);
+  }
+}
+
 TEST_CASE("check and info show what a file holds") {
   const Workplace w;
   const auto check = w.run({"check", "two.txt"});
@@ -129,6 +157,10 @@ TEST_CASE("check and info show what a file holds") {
   for (const char* word : {"60 tensors", "license", "denoiser.registers", "F16", "(2, 32)"})
     CHECK_MESSAGE(contains(model.text, word), word, " in ", model.text);
   CHECK(contains(w.run({"info", "two.txt"}).text, "2 texts, 1.00 s"));
+  ml::write_file(w / "pieces.txt", "walk # 0 # 6 # legs\nraise both arms # 2 # 4 # left arm # right arm\n\nrun # 0 # 2\n");
+  const auto pieces = w.run({"check", "pieces.txt"});
+  for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
+    CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
 }
 
 TEST_CASE("weights are stored in another type; what the file says of the model stays") {
@@ -370,11 +402,11 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   for (const char* out : {"body.glb", "body.html", "body.obj"}) {
     const auto made = w.run({"convert", "walk.bvh", out, "--body", "body.npz", "--betas", "1"});
     CHECK_MESSAGE(made.code == 0, made.text);
-    CHECK_MESSAGE(contains(made.text, "1 motions on SMPL of 144 vertices"), made.text);
+    CHECK_MESSAGE(contains(made.text, "1 motion on SMPL of 144 vertices"), made.text);
   }
   CHECK(ml::read_file(w / "body_0001.obj").starts_with("v "));
   const auto free = w.run({"convert", "walk.bvh", "free.obj", "--body", "free"});
-  CHECK_MESSAGE(contains(free.text, "1 motions on the free body of"), free.text);
+  CHECK_MESSAGE(contains(free.text, "free.obj in 40 files, one for each frame: 1 motion on the free body of"), free.text);
   CHECK(ml::read_file(w / "free_0001.obj").starts_with("v "));
   CHECK(contains(ml::read_file(w / "body.html"), "\"triangles\""));
   CHECK(w.run({"view", "walk.bvh", "page.html", "--body", "body.npz"}).code == 0);
@@ -393,7 +425,10 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   const auto unknown_features = w.run({"convert", "walk.bvh", "rows.npy", "--features", "poses"});
   CHECK_MESSAGE(contains(unknown_features.text, "'poses' is none of guoh3d"), unknown_features.text);
   CHECK(contains(ml::read_file(w / "page.html"), "<html"));
-  CHECK(contains(w.run({"info", "walk.npz"}).text, "sliding at"));
+  for (const char* file : {"walk.npz", "walk.bvh"}) CHECK_MESSAGE(contains(w.run({"info", file}).text, "sliding at"), file);
+  const auto page = w.run({"info", "page.html"});
+  CHECK(page.code == 1);
+  CHECK_MESSAGE(contains(page.text, "page.html: shown are weights, motions and timelines, not '.html'"), page.text);
 
   const auto unknown = w.run({"convert", "walk.bvh", "walk.fbx"});
   CHECK(unknown.code == 1);

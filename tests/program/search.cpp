@@ -92,6 +92,9 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
     CHECK(hits[i]["start"] == 0.0);
   }
   CHECK(g.search({"a person walks slowly", "--top", "2"}).size() == 2);
+  check_contains(g.run({"search", "moves.index", "a person walks", "--captions"}), 0, {"nothing was found: the index has 0 captions"});
+  check_contains(g.run({"index", "clips", "--model", "model", "-o", "nowhere/moves.index"}), 1,
+                 {"[motionlang.io.401] nowhere/moves.index: there is no folder nowhere"});
   CHECK(g.search({"a person turns left"}) != hits);
   const auto rounded = g.search({"a person walks slowly", "--precision", "bf16", "--threads", "1"});
   REQUIRE(rounded.size() == 6);

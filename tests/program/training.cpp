@@ -184,6 +184,9 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     const auto motion = ml::read_bvh_motion(clips / (name + "_made/a_person_turns_left.bvh"));
     CHECK(motion.seconds() == doctest::Approx(1).epsilon(0.1));
     CHECK(motion.skeleton.size() == 24);
+    const auto steps = generate(name, {"--text", "a person turns left", "--steps", "5"});
+    CHECK(steps.code == 1);
+    CHECK_MESSAGE(contains(steps.text, "--steps, --sampler, --preset and --guidance are for diffusion models"), steps.text);
   }
   REQUIRE(generate("train-actor", {"--action", "walk", "--seconds", "0.8", "--out", "made"}).code == 0);
   REQUIRE(generate("train-actor", {"--action", "1", "--seconds", "0.8", "--out", "made"}).code == 0);
@@ -347,6 +350,7 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
     CHECK(!std::filesystem::exists(clips / "out/checkpoint.safetensors"));
   };
   refused("train-tmr", "--captions", "clip0\t0\t2\tlegs", "wrong.tsv:2: expected clip, start, end, parts, captions");
+  refused("train-tmr", "--captions", "# no clip", "wrong.tsv: no line with clip, start, end, parts, captions");
   refused("train-temos", "--captions", "clip0\t0\t2\twings\ta person flies", "wrong.tsv:2: 'wings' is no body part");
   refused("train-tmr", "--captions", "clip0\t0\t2\tlegs\ta person walks | ", "wrong.tsv:2: an empty text");
   refused("train-tmr", "--captions", "clip9\t0\t2\tlegs\ta person walks", "wrong.tsv:2: no ./clip9.bvh");

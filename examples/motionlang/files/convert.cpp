@@ -15,6 +15,7 @@
 #include "../commands.hpp"
 #include "../formatted.hpp"
 #include "../generate/from_latent.hpp"
+#include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "motion_files.hpp"
 #include "weights.hpp"
@@ -274,14 +275,16 @@ void run(ConvertOptions o) {
   if (o.as == ".obj" && o.body.file.empty())
     throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
   if (folder) return FolderConversion(o).run();
+  if (o.data_set == nullptr) require_folder_of(o.out);
   convert_file(o);
 }
 
-void add_input(CLI::App& c, ConvertOptions& o) {
+/// more: what else the input may be.
+void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
                "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or "
-               "a folder of them (.vrm, mostly avatars, are passed over there); for convert also weights, or a body "
-               "(--hands)")
+               "a folder of them (.vrm, mostly avatars, are passed over there)" +
+                   more)
       ->required()
       ->check(CLI::ExistingPath);
   o.read.add_to(c);
@@ -312,6 +315,10 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
       if (o->out.empty()) o->out = o->in;
     }
     if (o->out.empty()) o->out = fs::path(o->in).replace_extension(extension).string();
+    const std::string kind = kind_of(o->out);
+    if (o->as.empty() && kind != extension && !(extension == ".svg" && kind == ".png"))
+      throw CLI::ValidationError("output", o->out + " ends in '" + kind + "', not in '" + extension +
+                                               (extension == ".svg" ? "' or '.png" : "") + "'; other formats: convert");
     run(*o);
   });
   if (extension == ".html")
@@ -328,7 +335,7 @@ void add_convert(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "convert",
       "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
-  add_input(*c, *o);
+  add_input(*c, *o, "; or weights, or a body (--hands)");
   c->add_option("output", o->out,
                 "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg or .png (film "
                 "strip), with --body .obj (one for each frame); of weights .safetensors, of a body (--hands) .npz; of "
@@ -344,13 +351,13 @@ void add_convert(CLI::App& app) {
   const CLI::Option* store =
       c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
           ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
-  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, 30 for GLB")
-      ->check(CLI::PositiveNumber);
-  c->add_option("--from", o->from, "Begin, seconds")->check(CLI::NonNegativeNumber);
-  c->add_option("--to", o->to, "End, seconds")->check(CLI::PositiveNumber);
-  c->add_option("--speed", o->speed, "How much faster")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, of a GLB input 30")
+      ->check(positive());
+  c->add_option("--from", o->from, "Begin, seconds")->check(not_negative());
+  c->add_option("--to", o->to, "End, seconds")->check(positive());
+  c->add_option("--speed", o->speed, "How much faster")->check(positive())->capture_default_str();
   c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   CLI::Option* rig =
       c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin): the result is this file with the motion added")
@@ -383,7 +390,7 @@ void add_convert(CLI::App& app) {
   c->add_flag("--smooth", o->smooth, "Without trembling");
   c->add_flag("--in-place", o->in_place, "The root stays over the origin");
   c->add_option("--loop", o->loop, "Makes a loop: so many seconds at the end are blended into the start")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   c->add_flag("--fix-feet", o->fix_feet, "On SMPL's 24 joints, and feet that stand do not slide");
   const CLI::Option* hands =
       c->add_option("--hands", o->hands,

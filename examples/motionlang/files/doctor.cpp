@@ -6,6 +6,7 @@
 #include <motionlang/io/npy.hpp>
 
 #include "../commands.hpp"
+#include "../option_checks.hpp"
 #include "motion_files.hpp"
 #include "../progress_bar.hpp"
 
@@ -29,6 +30,7 @@ class Doctor {
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
       ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
+    if (!o_.report.empty()) require_folder_of(o_.report);
     const auto files = motion_files_below(folder_);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");
@@ -133,7 +135,7 @@ void add_doctor(CLI::App& app) {
   c->add_option("--report", o->report, "A page (HTML) with the findings and film strips");
   c->add_option("--clean", o->clean, "Folder for copies (.bvh) in which is mended what can be mended");
   c->add_option("--strips", o->strips, "Film strips for each kind of finding on the page")
-      ->check(CLI::Range(0, 100))
+      ->check(in_range(0, 100))
       ->capture_default_str();
   o->read.add_to(*c);
   c->add_option("--asf", o->read.asf, "Skeleton of AMC files without one beside them")->check(CLI::ExistingFile);

@@ -26,8 +26,8 @@ void motion(const std::string& path, const ml::Motion& m) {
   }
   std::printf("  root moves within x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m\n", low.x, high.x, low.y, high.y,
               low.z, high.z);
-  if (m.skeleton.names == ml::smpl24_skeleton().names) {
-    const auto q = ml::motion_quality(m);
+  if (std::ranges::is_permutation(m.skeleton.names, ml::smpl24_skeleton().names)) {  // BVH has them depth first
+    const auto q = ml::motion_quality(on_smpl(m));
     std::printf(
         "  feet on the floor %.0f %% of the time, sliding at %.2f m/s; jitter %.0f m/s^3; "
         "%.1f cm below the floor\n",
@@ -58,8 +58,13 @@ void run(const std::string& path) {
     }
     return motion(path, motions.front());
   }
+  for (const char* drawn : {".html", ".svg", ".png", ".obj", ".asf"}) {
+    if (kind == drawn)
+      ml::raise<ml::config_error>(103, path, ": shown are weights, motions and timelines, not '", kind, "'");
+  }
   for (const auto& t : read_timelines(path, 20)) {
-    std::printf("timeline: %td texts, %.2f s\n", std::ssize(t.intervals), static_cast<double>(t.end()) / 20);
+    const auto texts = std::ssize(t.intervals);
+    std::printf("timeline: %td %s, %.2f s\n", texts, texts == 1 ? "text" : "texts", static_cast<double>(t.end()) / 20);
     for (const auto& i : t.intervals)
       std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
                   i.text.c_str());

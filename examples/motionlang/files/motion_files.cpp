@@ -14,15 +14,16 @@
 #include <CLI/CLI.hpp>
 
 #include "../formatted.hpp"
+#include "../option_checks.hpp"
 
 namespace program {
 
 void MotionReadOptions::add_to(CLI::App& command) {
   command.add_option("--scale", scale, "Metres per unit of BVH files")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command.add_option("--rate", rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command.add_option("--up", up, "Axis that points up in .npy files with joints; found unless given")
       ->check(CLI::IsMember({"y", "z"}));
 }
@@ -31,6 +32,12 @@ std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
   for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   return kind;
+}
+
+void require_folder_of(const std::filesystem::path& file) {
+  const auto folder = file.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    ml::raise<ml::io_error>(401, file.string(), ": there is no folder ", folder.string());
 }
 
 bool is_gltf(const std::filesystem::path& path) {

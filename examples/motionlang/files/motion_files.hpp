@@ -46,6 +46,9 @@ bool is_motion_file(const std::filesystem::path& path);
 /// deviation of a data set.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
 
+/// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after it.
+void require_folder_of(const std::filesystem::path& file);
+
 /// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
 std::string file_name(std::string name);
 /// A name that no other has: a second "walk" becomes "walk_2".

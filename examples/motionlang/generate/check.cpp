@@ -5,6 +5,7 @@
 #include <motionlang/io/stmc_file.hpp>
 
 #include "../commands.hpp"
+#include "../option_checks.hpp"
 #include "timelines.hpp"
 
 namespace program {
@@ -18,12 +19,16 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     fps = config.fps;
     longest = config.denoiser.longest_crop();
   }
-  auto timelines = read_timelines(path, fps);
+  const auto written = read_timelines(path, fps);
+  auto timelines = written;
   if (cut) cut_texts(timelines, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {
     const auto plan = ml::plan_timeline(timelines[m], {.overlap = ml::frame_at(overlap, fps), .longest_crop = longest});
-    std::printf("timeline %zu: %td frames, %.2f s, %td texts\n", m, plan.frames, static_cast<double>(plan.frames) / fps,
-                std::ssize(timelines[m].intervals));
+    const auto texts = written[m].intervals.size(), pieces = timelines[m].intervals.size();
+    std::printf("timeline %zu: %td frames, %.2f s, %zu %s", m, plan.frames, static_cast<double>(plan.frames) / fps, texts,
+                texts == 1 ? "text" : "texts");
+    if (pieces != texts) std::printf(" cut into %zu", pieces);
+    std::printf("\n");
     for (const auto& i : plan.timeline.intervals) {
       std::string parts;
       for (int p = 0; p < ml::body_part_count; ++p) {
@@ -59,8 +64,10 @@ void add_check(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "check", "Reads a timeline and shows which text moves which part when; errors name line and column");
   c->add_option("timeline", o->path, "Timeline file")->required();
-  c->add_option("--fps", o->fps, "Frames per second of the model")->capture_default_str();
-  c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")->capture_default_str();
+  c->add_option("--fps", o->fps, "Frames per second of the model")->check(positive())->capture_default_str();
+  c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")
+      ->check(not_negative())
+      ->capture_default_str();
   c->add_option("--model", o->model, "Weights: check against their frame rate and longest text as well");
   c->add_flag("--cut-texts,!--no-cut-texts", o->cut, "Texts are cut where others borrow body parts from them, as 'generate' does");
   c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut); });

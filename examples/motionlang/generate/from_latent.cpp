@@ -29,6 +29,7 @@ ml::Placement placement_over(const ml::Motion& clip, const ml::Motion& other) {
 std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::Timeline& to, Index count,
                                             const GenerationSettings& settings) const {
   require_no_noise(settings);
+  require_no_sampling(settings);
   if (count < 2)
     ml::raise<ml::config_error>(101, count,
                                 " motions from one text or action towards another: both ends are among them");

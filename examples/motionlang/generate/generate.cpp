@@ -14,6 +14,7 @@
 #include "../commands.hpp"
 #include "../formatted.hpp"
 #include "../machine_options.hpp"
+#include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "reuse.hpp"
 #include "timelines.hpp"
@@ -168,17 +169,19 @@ void add_generate(CLI::App& app) {
       app.add_subcommand("generate", "Motion from a timeline of texts: BVH, GLB, NPZ, NPY, film strip, HTML page");
   const auto what = c->add_option_group("what", "What is to be done: one of these");
   const auto timeline = what->add_option(
-      "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), or 'text # duration'");
-  what->add_option("--text", o->text, "One text for the whole body");
-  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM)");
+      "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), one timeline up to a blank line; or of lines 'text # duration', each a "
+      "motion of its own")
+                            ->check(not_empty());
+  what->add_option("--text", o->text, "One text for the whole body")->check(not_empty());
+  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM)")->check(not_empty());
   what->require_option(1);
   c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
       ->excludes(timeline)
-      ->check(CLI::Range(0.05, 3600.0))
+      ->check(in_range(0.05, 3600))
       ->capture_default_str();
   c->add_option("--samples", o->samples,
                 "Different motions of each timeline, text or action, NAME_1 to NAME_N: 1 unless given, with --towards 5")
-      ->check(CLI::Range(1, 1000));
+      ->check(in_range(1, 1000));
   c->add_option("--towards", o->towards,
                 "Another text or action: the samples are on the straight line from the one's latent to the other's, the first is the one's "
                 "own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
@@ -205,7 +208,7 @@ void add_generate(CLI::App& app) {
   const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")->capture_default_str();
   const auto steps = c->add_option("--steps", o->settings.steps,
                                    "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
-                         ->check(CLI::NonNegativeNumber);
+                         ->check(not_negative());
   const auto sampler = c->add_option("--sampler", o->settings.sampler, "How to sample; as the weights ask unless given")
                            ->check(CLI::IsMember({"ddpm", "ddim"}));
   const auto preset =
@@ -218,8 +221,9 @@ void add_generate(CLI::App& app) {
           ->capture_default_str();
   const auto guidance =
       c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
-          ->check(CLI::Range(0.0, 100.0));
+          ->check(in_range(0, 100));
   const auto overlap = c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
+                           ->check(not_negative())
                            ->capture_default_str();
   const auto noise = c->add_option("--noise", o->settings.noise_file,
                                    "safetensors file with noise/000 (initial), noise/001, ... instead of the seed");
@@ -236,7 +240,7 @@ void add_generate(CLI::App& app) {
   c->add_option("--keep-beyond", o->settings.keep_beyond,
                 "Of --reuse, an approximation: frames further than so many seconds from an edit stay as they were, though the model "
                 "would change them")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(in_range(0, 3600))
       ->needs(reuse);
   const auto cut_texts = c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
               "A text is cut where another takes body parts from it or gives them back; without, one crop as published")

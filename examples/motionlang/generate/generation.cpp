@@ -77,6 +77,11 @@ void require_no_noise(const GenerationSettings& settings) {
     ml::raise<ml::config_error>(102, "--record and --reuse are for diffusion models; this one makes every motion in one step");
 }
 
+void require_no_sampling(const GenerationSettings& settings) {
+  if (settings.steps || settings.guidance || !settings.sampler.empty())
+    ml::raise<ml::config_error>(102, "--steps, --sampler, --preset and --guidance are for diffusion models; this one takes no such steps");
+}
+
 std::filesystem::path model_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return path;
   std::vector<std::filesystem::path> found;

@@ -98,5 +98,7 @@ const ml::Interval& only_text(const ml::Timeline& timeline);
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
 /// Throws config_error 102 if there is a file of noise or a record, which models without diffusion do not take.
 void require_no_noise(const GenerationSettings& settings);
+/// Throws config_error 102 if steps, sampler or guidance are given, for models without diffusion.
+void require_no_sampling(const GenerationSettings& settings);
 
 }  // namespace program

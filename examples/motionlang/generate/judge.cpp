@@ -12,6 +12,7 @@
 #include "generation.hpp"
 #include "../commands.hpp"
 #include "../machine_options.hpp"
+#include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "prompts.hpp"
 
@@ -179,12 +180,12 @@ void add_judge(CLI::App& app) {
   const auto compare =
       c->add_option("--compare", o->compare,
                     "Numbers of steps: a table of what they cost, with both samplers, against the first of them (100 20 10 8 5)")
-          ->check(CLI::PositiveNumber);
-  c->add_option("--seeds", o->seeds, "Motions per prompt")->check(CLI::PositiveNumber)->capture_default_str();
+          ->check(positive());
+  c->add_option("--seeds", o->seeds, "Motions per prompt")->check(positive())->capture_default_str();
   c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(in_range(0, 100));
   c->add_option("--steps", o->settings.steps, "Denoising steps, 0: all; as the weights ask unless given")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->excludes(compare);
   c->add_option("--sampler", o->settings.sampler, "ddpm or ddim; as the weights ask unless given")
       ->check(CLI::IsMember({"ddpm", "ddim"}))

@@ -10,6 +10,7 @@
 #include <motionlang/io/text_encoder_folder.hpp>
 
 #include "../commands.hpp"
+#include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 
 namespace program {
@@ -89,7 +90,7 @@ void add_embed(CLI::App& app) {
       ->capture_default_str();
   c->add_flag("--normalize", o->normalize, "Vectors of texts get the length 1 (TMR's sent_embeddings)");
   c->add_flag("--empty,!--no-empty", o->empty, "Also the text \"\", the unconditional one")->capture_default_str();
-  c->add_option("--batch", o->batch, "Texts at a time")->check(CLI::Range(1, 4096))->capture_default_str();
+  c->add_option("--batch", o->batch, "Texts at a time")->check(in_range(1, 4096))->capture_default_str();
   c->callback([o] { run(*o); });
 }
 

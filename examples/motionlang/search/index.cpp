@@ -13,6 +13,7 @@
 #include "../train/clip_lines.hpp"
 #include "../commands.hpp"
 #include "../machine_options.hpp"
+#include "../option_checks.hpp"
 #include "../files/motion_files.hpp"
 #include "../progress_bar.hpp"
 #include "search_model.hpp"
@@ -119,6 +120,7 @@ class Indexer {
       ml::raise<ml::config_error>(102, "index: a folder of motions is missing (or --list, or --remove)");
     if (!index_ && (o_.folder.empty() || !o_.remove.empty()))
       ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
+    require_folder_of(o_.out);
     remove();
     if (!o_.folder.empty()) update();
     if (o_.list) list();
@@ -418,10 +420,10 @@ void add_index(CLI::App& app) {
                 "Of the motions below the folder; the first line of the LICENSE file beside or above them unless given");
   const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments, seconds")
                                    ->delimiter(',')
-                                   ->check(CLI::Range(0.05, 600.0))
+                                   ->check(in_range(0.05, 600))
                                    ->capture_default_str();
   const CLI::Option* stride = c->add_option("--stride", o->stride, "From one moment to the next, seconds")
-                                  ->check(CLI::Range(0.05, 600.0))
+                                  ->check(in_range(0.05, 600))
                                   ->capture_default_str();
   c->add_flag("--no-moments", o->no_moments, "Only whole clips: a smaller index, sooner made");
   c->add_flag("--again", o->again, "Reads all files, changed or not");
@@ -431,7 +433,7 @@ void add_index(CLI::App& app) {
   c->add_option("--graph", o->graph,
                 "From so many clips or moments on, searches follow a graph that finds most of the nearest, instead of "
                 "comparing all; additions are put into it, after removals it is made anew")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   o->machine.add_to(*c);
   c->callback([=] {

@@ -10,6 +10,7 @@
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
 #include "../machine_options.hpp"
+#include "../option_checks.hpp"
 #include "search_model.hpp"
 #include "../files/weights.hpp"
 
@@ -52,6 +53,7 @@ class Search {
       ml::raise<ml::config_error>(102, "search: either a text or --like with a file of motion");
     if (o_.moments && o_.captions)
       ml::raise<ml::config_error>(102, "search: --moments and --captions are two different searches");
+    if (!o_.html.empty()) require_folder_of(o_.html);
     const auto query = vector_of_query();
     const auto search = ml::open_motion_search(file_, o_.exact, o_.storage());
     const auto hits = o_.moments    ? search.moments(query, o_.top, o_.overlap)
@@ -81,6 +83,12 @@ class Search {
   }
 
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
+  /// How many of them there are.
+  Index gallery() const {
+    return o_.moments    ? std::ssize(index().moments())
+           : o_.captions ? std::ssize(index().caption_clips())
+                         : index().count();
+  }
   std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
 
   void say() const {
@@ -91,7 +99,7 @@ class Search {
       if (!f.clip.captions.empty()) std::printf("  \"%s\"", printable(f.clip.captions.front()).c_str());
       std::printf("\n");
     }
-    if (found_.empty()) std::printf("nothing was found: the index has %td clips\n", index().count());
+    if (found_.empty()) std::printf("nothing was found: the index has %td %s\n", gallery(), kind());
   }
   void say_json() const {
     nlohmann::ordered_json hits = nlohmann::ordered_json::array();
@@ -119,7 +127,7 @@ class Search {
       }
     }
     const std::string summary = ml::concat_text(
-        "The nearest ", kind(), " of ", o_.moments ? std::ssize(index().moments()) : index().count(), " in ", o_.index);
+        "The nearest ", kind(), " of ", gallery(), " in ", o_.index);
     ml::write_file(o_.html, ml::search_html(found_, query_text(), summary));
     if (!o_.json) std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).c_str());
   }
@@ -144,14 +152,14 @@ void add_search(CLI::App& app) {
   c->add_option("text", o->text, "What is looked for: \"a person waves with the left hand\"");
   c->add_option("--like", o->like, "A motion instead of words: .bvh, .amc, .npz (AMASS) or .glb")
       ->check(CLI::ExistingFile);
-  c->add_option("--from", o->from, "Of that motion: begin, seconds")->check(CLI::NonNegativeNumber);
-  c->add_option("--to", o->to, "Of that motion: end, seconds")->check(CLI::PositiveNumber);
+  c->add_option("--from", o->from, "Of that motion: begin, seconds")->check(not_negative());
+  c->add_option("--to", o->to, "Of that motion: end, seconds")->check(positive());
   c->add_flag("--moments", o->moments, "Moments of clips instead of whole clips");
   c->add_flag("--captions", o->captions, "Compares with the captions of clips instead of their motion");
-  c->add_option("--top", o->top, "How many are shown")->check(CLI::Range(1, 100000))->capture_default_str();
+  c->add_option("--top", o->top, "How many are shown")->check(in_range(1, 100000))->capture_default_str();
   c->add_option("--overlap", o->overlap,
                 "Moments of a clip that overlap a better one by more than this are left out (intersection over union)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(in_range(0, 1))
       ->capture_default_str();
   c->add_option("--html", o->html, "A page with film strips of what was found");
   c->add_flag("--exact", o->exact, "Compares with all vectors, even where the index has a graph");

@@ -61,6 +61,7 @@ std::vector<ClipLine> read_table(const std::filesystem::path& path, std::size_t 
     }
     lines.push_back(std::move(line));
   }
+  if (lines.empty()) ml::raise<ml::io_error>(403, path.string(), ": no line with ", expected);
   return lines;
 }
 

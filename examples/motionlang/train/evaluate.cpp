@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "../commands.hpp"
+#include "../option_checks.hpp"
 
 namespace program {
 
@@ -46,7 +47,7 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--classifier", o->classifier, "ACTOR: folder of the classifier that judges")
       ->check(CLI::ExistingDirectory);
   c->add_option("--seeds", o->seeds, "ACTOR, classifier: how often everything is drawn anew")
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->capture_default_str();
   c->add_option("--annotations", o->annotations, "Unified annotation file, as for training")->check(CLI::ExistingFile);
   c->add_option("--splits", o->splits, "Folder with train.txt, val.txt, test.txt, as for training")
@@ -57,7 +58,7 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--text-encoder", o->text_encoder, "As for training")->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->sentence_encoder, "As for training")->check(CLI::ExistingPath);
   c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(in_range(0, 1))
       ->capture_default_str();
   c->add_option("--nsim", o->nsim, "TMR: list of ids of dissimilar texts; chosen unless given")
       ->check(CLI::ExistingFile);
@@ -70,14 +71,14 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--moments", o->moments,
                 "TMR: makes so many long motions of several clips each, and measures whether the stretch of each text is found")
       ->excludes(synthesis)
-      ->check(CLI::Range(1, 1000000));
-  c->add_option("--joined", o->joined, "Clips in each of them, all of different texts")->check(CLI::Range(2, 100))->capture_default_str();
+      ->check(in_range(1, 1000000));
+  c->add_option("--joined", o->joined, "Clips in each of them, all of different texts")->check(in_range(2, 100))->capture_default_str();
   c->add_option("--windows", o->windows, "Seconds of the stretches that are compared with a text")
       ->delimiter(',')
-      ->check(CLI::Range(0.1, 10.0))
+      ->check(in_range(0.1, 10))
       ->capture_default_str();
   c->add_option("--samples", o->samples, "TEMOS: motions for each text")
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->capture_default_str();
   c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();

@@ -6,6 +6,7 @@
 
 #include "../commands.hpp"
 #include "../machine_options.hpp"
+#include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "stmc_training.hpp"
 #include "trainer.hpp"
@@ -69,7 +70,7 @@ void run(const TrainOptions& o) {
 void add_train(CLI::App& app) {
   const auto o = std::make_shared<TrainOptions>();
   CLI::App* c = app.add_subcommand(
-      "train", "Trains a model on captioned BVH and AMC files; Ctrl-C saves, the same command goes on");
+      "train", "Trains a model on captioned BVH, AMASS and AMC files; Ctrl-C saves, the same command goes on");
   c->add_option("--data", o->data, "Folder with the clips that the captions name")
       ->required()
       ->check(CLI::ExistingDirectory);
@@ -77,35 +78,35 @@ void add_train(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingFile);
   c->add_option("--out", o->run.out, "Folder for checkpoint, weights and loss curve")->capture_default_str();
-  c->add_option("--steps", o->config.steps, "Optimiser steps")->check(CLI::PositiveNumber)->capture_default_str();
-  c->add_option("--batch", o->config.batch, "Sequences per step")->check(CLI::PositiveNumber)->capture_default_str();
-  c->add_option("--lr", o->config.lr, "Peak learning rate")->check(CLI::PositiveNumber)->capture_default_str();
-  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--steps", o->config.steps, "Optimiser steps")->check(positive())->capture_default_str();
+  c->add_option("--batch", o->config.batch, "Sequences per step")->check(positive())->capture_default_str();
+  c->add_option("--lr", o->config.lr, "Peak learning rate")->check(positive())->capture_default_str();
+  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")->check(positive())->capture_default_str();
   c->add_option("--feed-forward", o->config.model.denoiser.ff_size, "Width of its feed-forward layers")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   c->add_option("--layers", o->config.model.denoiser.num_layers, "Layers of the denoiser")
-      ->check(CLI::Range(ml::Index{1}, ml::Index{256}))
+      ->check(in_range(1, 256))
       ->capture_default_str();
-  c->add_option("--vocabulary", o->config.vocabulary, "Word pieces to learn")->check(CLI::PositiveNumber)->capture_default_str();
+  c->add_option("--vocabulary", o->config.vocabulary, "Word pieces to learn")->check(positive())->capture_default_str();
   c->add_option("--dropout", o->config.model.denoiser.dropout, "Dropout of the denoiser")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(in_range(0, 0.9))
       ->capture_default_str();
   c->add_option("--velocity-weight", o->config.velocity_weight, "Weight of the loss on frame differences")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   c->add_option("--root-weight", o->config.root_weight, "Weight of the features that move the root")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   c->add_option("--foot-weight", o->config.foot_weight, "Weight of the loss on the velocity of the feet")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   c->add_option("--text-weight", o->config.text_weight,
                 "Weight of the loss that asks captions for a summary of their motion")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   c->add_option("--text-steps", o->config.text_steps, "Steps of the text encoder alone, at the beginning; stopped in them, they begin anew")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   c->add_option("--denoiser", o->denoiser, "Begin with the denoiser of this model; only texts are learnt anew")
       ->check(CLI::ExistingFile);
@@ -113,13 +114,13 @@ void add_train(CLI::App& app) {
   c->add_option("--license", o->license, "Licence of the weights, for their metadata: as the data allow");
   c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
-  c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")->capture_default_str();
+  c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")->check(not_negative())->capture_default_str();
   c->add_flag("--other-settings", o->run.other_settings,
               "Go on with a checkpoint that began with other numbers (batch, rates, weights of losses, samples); the "
               "result is then no longer that of one "
               "command");
   c->add_option("--noise-focus", o->config.noise_focus, "Share of the samples that come from the noisiest fifth")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(in_range(0, 1))
       ->capture_default_str();
   c->add_flag("--fresh", o->run.fresh, "Start anew even if there is a checkpoint");
   c->add_flag("--recompute", o->run.recompute, about_recompute);

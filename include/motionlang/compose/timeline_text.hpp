@@ -132,7 +132,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
   BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
   if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
   if (!(out.start < out.end) && !options.as_published) {
-    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
+    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
+              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
   }
   return out;
 }

@@ -89,7 +89,9 @@ class SvgSurface {
     constexpr std::array<std::string_view, 4> of_role{"", " class=\"title\"", " class=\"small\"", " class=\"bar\""};
     constexpr std::array<std::string_view, 3> of_anchor{"", " text-anchor=\"middle\"", " text-anchor=\"end\""};
     out_ += concat_text("<text", of_role[static_cast<std::size_t>(role)], of_anchor[static_cast<std::size_t>(anchor)],
-                        " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\">", escape_markup(text));
+                        " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\"");
+    if (!paler.empty()) out_ += " xml:space=\"preserve\"";  // it begins with a space, which some programs would leave out
+    out_ += ">" + escape_markup(text);
     if (!paler.empty()) out_ += concat_text("<tspan opacity=\".75\">", escape_markup(paler), "</tspan>");
     out_ += "</text>\n";
   }

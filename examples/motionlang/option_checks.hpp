@@ -1,0 +1,47 @@
+// What an option takes. CLI11's own checks let "nan" through, and say "not in range 0.000000 to 17976931348623157081..."
+// where "above 0" is meant.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "formatted.hpp"
+
+namespace program {
+
+/// A finite number for which `fits` holds.
+/// kind    what --help says about the option
+/// wanted  what the message says: "'-1' is not <wanted>"
+template <class Fits>
+CLI::Validator number_that(const std::string& kind, const std::string& wanted, Fits fits) {
+  return CLI::Validator(
+      [wanted, fits](const std::string& text) {
+        double x = 0;
+        const char* const end = text.data() + text.size();
+        const auto [last, status] = std::from_chars(text.data(), end, x);
+        const bool good = status == std::errc{} && last == end && std::isfinite(x) && fits(x);
+        return good ? std::string() : "'" + text + "' is not " + wanted;
+      },
+      kind);
+}
+
+inline CLI::Validator positive() {
+  return number_that("POSITIVE", "a number above 0", [](double x) { return x > 0; });
+}
+inline CLI::Validator not_negative() {
+  return number_that("NONNEGATIVE", "0 or a number above it", [](double x) { return x >= 0; });
+}
+inline CLI::Validator in_range(double low, double high) {
+  return number_that(formatted("%.9g to %.9g", low, high), formatted("a number from %.9g to %.9g", low, high),
+                     [low, high](double x) { return low <= x && x <= high; });
+}
+
+/// A text that is not there, "$TEXT" of a shell for instance, is not a text without words.
+inline CLI::Validator not_empty() {
+  return CLI::Validator([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); }, "");
+}
+
+}  // namespace program
