@@ -20,7 +20,9 @@ bool is_result(const std::string& tensor) { return tensor.starts_with("out/") ||
 }  // namespace
 
 Case::Case(const std::filesystem::path& path)
-    : file_(ml::SafetensorsFile::open(path)), folder_(path.parent_path()), name_(path.parent_path().filename() / path.stem()) {
+    : file_(ml::SafetensorsFile::open(path)),
+      folder_(path.parent_path()),
+      name_(path.parent_path().filename() / path.stem()) {
   const auto function = file_.metadata().find("function");
   if (function == file_.metadata().end()) ml::raise<ml::io_error>(403, name_, ": no function in the metadata");
   function_ = function->second;
@@ -40,7 +42,8 @@ std::vector<std::string> Case::names(const std::string& prefix) const {
 bool Case::in_double() const {
   if (config().value_or("dtype", "") == "float64") return true;
   const auto any = [&](ml::DType type) {
-    return std::ranges::any_of(file_.tensors(), [&](const ml::TensorView& t) { return !is_result(t.name) && t.dtype == type; });
+    return std::ranges::any_of(file_.tensors(),
+                               [&](const ml::TensorView& t) { return !is_result(t.name) && t.dtype == type; });
   };
   return any(ml::DType::F64) && !any(ml::DType::F32);
 }

@@ -65,7 +65,8 @@ void run_case(const fs::path& path, bool verbose, Tally& tally) {
       ++tally.failed;
       return;
     }
-    const bool in_double = c.in_double() && std::ranges::any_of(entry->second, [](const auto& v) { return !is_single(v.first); });
+    const bool in_double =
+        c.in_double() && std::ranges::any_of(entry->second, [](const auto& v) { return !is_single(v.first); });
     for (const auto& [variant, handler] : entry->second) {
       if (in_double && is_single(variant))
         ++tally.skipped;
