@@ -18,25 +18,36 @@ void mdm_smpl_forward(Case& c) {
   const auto mask = c.values<unsigned char>("in/mask");
   const auto x = ml::from_padded(tensor<B, 3>(c, "in/x"), std::span<const unsigned char>(mask));
   const auto t = c.values<Index>("in/t");
-  const auto text = golden::text_features<B>(c),
-             null = golden::text_features<B>(c, "in/text_null", "in/text_null_mask");
+  const auto text = golden::text_features<B>(c);
   const Index frames = c.shape("in/x")[1], tokens = c.shape("in/text")[1], width = m.registers.size(1);
 
   c.out("time_token", {x.count(), 1, width}, m.time_tokens(t).span());
   golden::out(c, "text_tokens", ml::to_padded(m.text_tokens(text), 0, tokens));
   if (c.wants("sequence")) {
-    // The file has the padded layout [time, text ... (padded), registers, frames (padded)]: positions behind a shorter
-    // text differ from ours, so intermediate outputs exist only where no text is padded.
+    // [time, text ... (padded), registers, frames (padded)]: what follows a shorter text stands behind its padding.
+    const Index behind = m.registers.size(0) + frames, length = 1 + tokens + behind;
+    auto out = [&](const std::string& name, const ml::Sequences<B>& s) {
+      std::vector<ml::Tensor<B, 3>> rows;
+      for (Index i = 0; i < s.count(); ++i) {
+        const Index front = 1 + text.tokens.offsets.length(i), own = s.offsets.length(i);
+        const auto padding = [&](Index n) { return ml::Tensor<B, 2>::zeros({n, width}); };
+        rows.push_back(ml::reshape<3>(ml::concat(0, ml::slice(s[i], 0, 0, front), padding(1 + tokens - front),
+                                                 ml::slice(s[i], 0, front, own), padding(behind - own + front)),
+                                      {1, length, width}));
+      }
+      golden::out_if_wanted(c, name, ml::concat(std::span<const ml::Tensor<B, 3>>(rows), 0));
+    };
     auto sequence = m.sequence(x, t, text);
-    const Index length = 1 + tokens + m.registers.size(0) + frames;
-    golden::out(c, "sequence", ml::to_padded(sequence, 0, length));
+    out("sequence", sequence);
     for (std::size_t i = 0; i < m.seqTransEncoder.layers.size(); ++i) {
       sequence.rows = m.seqTransEncoder.layers[i](sequence.rows, sequence.offsets);
-      golden::out_if_wanted(c, "layer_" + std::to_string(i), ml::to_padded(sequence, 0, length));
+      out("layer_" + std::to_string(i), sequence);
     }
   }
-  const auto cond = m(x, t, text), without = m(x, t, null);
+  const auto cond = m(x, t, text);
   golden::out(c, "output", ml::to_padded(cond, 0, frames));
+  if (!c.has("in/text_null")) return;
+  const auto without = m(x, t, golden::text_features<B>(c, "in/text_null", "in/text_null_mask"));
   golden::out(c, "output_null", ml::to_padded(without, 0, frames));
   golden::out(
       c, "output_guided",
@@ -55,17 +66,8 @@ void mdm_forward(Case& c) {
     const auto mask = c.values<unsigned char>("in/mask");
     return ml::from_padded(all, std::span<const unsigned char>(mask));
   }();
-  ml::TextFeatures<B> text;
-  if (c.has("in/text")) text = golden::text_features<B>(c);
-  if (c.has("in/action")) {  // one-hot rows pick the learned vector
-    const auto action = c.values<Index>("in/action");
-    std::vector<typename B::scalar> one_hot(action.size() * static_cast<std::size_t>(m.config.num_actions));
-    for (std::size_t i = 0; i < action.size(); ++i)
-      one_hot[i * static_cast<std::size_t>(m.config.num_actions) + static_cast<std::size_t>(action[i])] = 1;
-    text = ml::TextFeatures<B>::pooled(ml::Tensor<B, 2>::from(one_hot, {std::ssize(action), m.config.num_actions}));
-  }
-  const bool conditional = text.count() > 0;
-  const auto cond = m(x, t, text), null = conditional ? m(x, t, golden::zero_text(text)) : cond;
+  const auto text = golden::mdm_condition<B>(c, m.config, x.count());
+  const auto cond = m(x, t, text), null = m(x, t, golden::zero_text(text));
   auto out = [&](const std::string& name, const ml::Sequences<B>& s) {
     if (!c.wants(name)) return;
     const auto padded = ml::to_padded(s, 0, frames);
@@ -80,7 +82,9 @@ void mdm_forward(Case& c) {
   }
   golden::out_if_wanted(c, "time_token", m.time_tokens(t));
   if (c.wants("layer_0") && m.seqTransEncoder) {
-    const auto e = m.embed_text ? m.time_tokens(t) + (*m.embed_text)(text.tokens.rows) : m.time_tokens(t);
+    auto e = m.time_tokens(t);
+    if (m.embed_text) e = e + (*m.embed_text)(text.tokens.rows);
+    if (m.action_embedding) e = e + ml::matmul(text.tokens.rows, *m.action_embedding);
     auto sequence = ml::add_positions(
         ml::concat_tokens(ml::Sequences<B>(e, ml::Offsets::equal(x.count(), 1)), x.with(m.pose_embedding(x.rows))),
         m.positions.rows());

@@ -123,9 +123,6 @@ template <ml::Backend B>
 void out_like(Case& c, const std::string& name, const ml::Tensor<B, 2>& t) {
   if (c.wants(name)) c.out(name, c.shape("out/" + name), t.span());
 }
-void skip_double_cases(const Case& c, bool single) {
-  if (single && c.config().value_or("dtype", "float32") == "float64") c.skip("a case in double");
-}
 
 template <ml::Backend B>
 void forward_noising(Case& c) {
@@ -153,7 +150,6 @@ void posterior(Case& c) {
 
 template <ml::Backend B>
 void prediction_conversion(Case& c) {
-  skip_double_cases(c, sizeof(typename B::scalar) == 4);
   using ml::Prediction, ml::convert_prediction;
   const auto d = golden::diffusion_of(c.config());
   const auto t = c.values<Index>("in/t");
@@ -178,8 +174,9 @@ void prediction_conversion(Case& c) {
 
 template <ml::Backend B>
 void guidance(Case& c) {
-  const auto w = tensor<B, 1>(c, "in/w");
-  out_like(c, "guided", ml::guide(flat<B>(c, "in/cond"), flat<B>(c, "in/null"), ml::reshape<2>(w, {w.size(0), 1})));
+  const Index weights = c.shape("in/w").count();  // one for each sample, or one for all
+  const auto w = ml::Tensor<B, 2>::from(c.values<typename B::scalar>("in/w"), {weights, 1});
+  out_like(c, "guided", ml::guide(flat<B>(c, "in/cond"), flat<B>(c, "in/null"), w));
 }
 
 /// out = a_f x + b_f + c_f index / 1000 for channel f; guided with a second offset for the null call.
@@ -219,26 +216,7 @@ ml::StepOptions step_options(const ml::JsonView& config) {
           .clip = config.value_or("clip", false)};
 }
 
-template <ml::Backend B>
-void single_step(Case& c) {
-  const auto config = c.config();
-  const auto d = golden::diffusion_of(config);
-  const auto t = c.values<Index>("in/t");
-  const Toy<B> toy(c, c.shape("in/x_t"), config["feature_axis"].as<int>());
-  const auto x = flat<B>(c, "in/x_t");
-  const auto time = ml::coefficients<B, 2>(t, [](Index i) { return static_cast<double>(i); });
-  const auto options = step_options(config);
-  const auto step =
-      ml::ancestral_step(d, x, toy(x, time, config["guidance"].as<double>()), flat<B>(c, "noise/000"), t, options);
-  out_like(c, "x0", step.x0);
-  out_like(c, "mean", step.mean);
-  out_like(c, "x_prev", step.x_prev);
-  std::vector<double> factor;
-  for (Index i : t) factor.push_back(d.noise_factor(i, options.noise_scale, options.variance));
-  c.out("factor", factor);
-}
-
-/// Everything that the chains share: process, toy, hooks.
+/// Everything that a step and the chains share: process, toy, hooks.
 template <ml::Backend B>
 struct Chain {
   explicit Chain(Case& c_, const std::string& like = "noise/000")
@@ -247,11 +225,30 @@ struct Chain {
         d(respaced(config)),
         toy(c, c.shape(like), config["feature_axis"].template as<int>()) {}
 
+  double network_time(Index t) const {
+    return ::network_time(d, t, config.value_or("rescale_timesteps", false), config["T"].template as<Index>());
+  }
   auto network() const {
     return [this](const ml::Tensor<B, 2>& x, Index t) {
-      const double time =
-          network_time(d, t, config.value_or("rescale_timesteps", false), config["T"].template as<Index>());
-      return toy(x, time, config.value_or("guidance", 1.0));
+      return toy(x, network_time(t), config.value_or("guidance", 1.0));
+    };
+  }
+  /// The index of the first step.
+  Index first() const { return d.steps() - 1 - config.value_or("skip_timesteps", Index{0}); }
+  /// Where the chain begins: at the noise, or at a motion to which it is added. The initial noise is never shared.
+  ml::Tensor<B, 2> start() const {
+    const auto x = flat<B>(c, "noise/000");
+    const Index t = first();
+    if (t == d.steps() - 1 && !c.has("in/init_motion")) return x;
+    const auto motion = c.has("in/init_motion") ? flat<B>(c, "in/init_motion") : ml::Tensor<B, 2>::zeros(x.shape());
+    return ml::q_sample(d, motion, std::span(&t, 1), x);
+  }
+  /// Known values take the place of the clean estimate.
+  auto inpainting() const {
+    return [this](const ml::Tensor<B, 2>& x0, Index) {
+      if (!c.has("in/inpainting_mask")) return x0;
+      const auto mask = flat<B>(c, "in/inpainting_mask");
+      return ml::where_less(mask, ml::Tensor<B, 2>(0.5), x0, flat<B>(c, "in/inpainted_motion"));
     };
   }
   auto watch() const {
@@ -272,24 +269,30 @@ struct Chain {
 };
 
 template <ml::Backend B>
+void single_step(Case& c) {
+  const Chain<B> chain(c, "in/x_t");
+  const auto& d = chain.d;
+  const auto t = c.values<Index>("in/t");
+  const auto x = flat<B>(c, "in/x_t");
+  const auto time = ml::coefficients<B, 2>(t, [&](Index i) { return chain.network_time(i); });
+  const auto options = step_options(chain.config);
+  const auto output = chain.toy(x, time, chain.config.value_or("guidance", 1.0));
+  const auto step = ml::ancestral_step(d, x, output, flat<B>(c, "noise/000"), t, options);
+  out_like(c, "x0", step.x0);
+  out_like(c, "mean", step.mean);
+  out_like(c, "x_prev", step.x_prev);
+  std::vector<double> factor;
+  for (Index i : t) factor.push_back(d.noise_factor(i, options.noise_scale, options.variance));
+  c.out("factor", factor);
+}
+
+template <ml::Backend B>
 void ancestral_chain(Case& c) {
   const Chain<B> chain(c);
-  const auto skip = chain.config.value_or("skip_timesteps", Index{0});
-  const Index first = chain.d.steps() - 1 - skip;
-  auto x = flat<B>(c, "noise/000");  // the initial noise is never shared
-  if (skip > 0 || c.has("in/init_motion")) {
-    const auto motion = c.has("in/init_motion") ? flat<B>(c, "in/init_motion") : ml::Tensor<B, 2>::zeros(x.shape());
-    x = ml::q_sample(chain.d, motion, std::span(&first, 1), x);
-  }
-  auto fix = [&](const ml::Tensor<B, 2>& x0, Index) {
-    if (!c.has("in/inpainting_mask")) return x0;
-    const auto mask = flat<B>(c, "in/inpainting_mask");
-    return ml::where_less(mask, ml::Tensor<B, 2>(0.5), x0, flat<B>(c, "in/inpainted_motion"));
-  };
   out_like(c, "sample",
            ml::sample_ancestral(
-               chain.d, x, chain.network(), [&](Index draw) { return chain.noise(draw + 1); },
-               step_options(chain.config), fix, {}, first, chain.watch()));
+               chain.d, chain.start(), chain.network(), [&](Index draw) { return chain.noise(draw + 1); },
+               step_options(chain.config), chain.inpainting(), {}, chain.first(), chain.watch()));
 }
 
 template <ml::Backend B>
@@ -297,9 +300,9 @@ void ddim_chain(Case& c) {
   const Chain<B> chain(c);
   out_like(c, "sample",
            ml::sample_ddim(
-               chain.d, chain.noise(0), chain.network(), [&](Index draw) { return chain.noise(draw + 1); },
-               chain.config["eta"].template as<double>(), step_options(chain.config), ml::detail::KeepX0{}, {},
-               chain.watch()));
+               chain.d, chain.start(), chain.network(), [&](Index draw) { return chain.noise(draw + 1); },
+               chain.config["eta"].template as<double>(), step_options(chain.config), chain.inpainting(), {},
+               chain.watch(), chain.first()));
 }
 
 template <ml::Backend B>

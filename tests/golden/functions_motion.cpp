@@ -11,12 +11,6 @@ namespace {
 using golden::Case, golden::Registration;
 namespace ml = motionlang;
 
-/// Float variants do not serve cases in double.
-template <class S>
-void require_precision(const Case& c) {
-  if (sizeof(S) == 4 && c.config().value_or("dtype", "float32") == "float64") c.skip("a case in double");
-}
-
 template <class S>
 std::vector<S> flat(const std::vector<ml::Vec3<S>>& list) {
   std::vector<S> out;
@@ -32,7 +26,6 @@ std::vector<S> flat(const std::vector<ml::Matrix3<S>>& list) {
 
 template <class S>
 void smplrifke_forward(Case& c) {
-  require_precision<S>(c);
   const auto poses = c.values<S>("in/poses"), joints = c.values<S>("in/joints");
   const auto features = ml::smplrifke_from_poses(std::span<const S>(poses), std::span<const S>(joints));
   c.out("features", {c.shape("in/poses")[0], ml::smplrifke_size}, features);
@@ -40,7 +33,6 @@ void smplrifke_forward(Case& c) {
 
 template <class S>
 void smplrifke_inverse(Case& c) {
-  require_precision<S>(c);
   const auto features = c.values<S>("in/features");
   const ml::Index T = c.shape("in/features")[0];
   const auto angles = c.config()["first_angles"].as<std::vector<double>>();
@@ -81,7 +73,6 @@ void amass_resampling(Case& c) {
 
 template <class S>
 void amass_mirroring(Case& c) {
-  require_precision<S>(c);
   const auto poses = c.values<S>("in/poses"), trans = c.values<S>("in/trans");
   out_poses(c, ml::amass_mirror(std::span<const S>(poses), std::span<const S>(trans)));
 }

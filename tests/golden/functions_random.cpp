@@ -9,14 +9,8 @@
 
 namespace {
 
-using golden::Case, golden::Registration;
+using golden::Case, golden::Registration, golden::three_digits;
 namespace ml = motionlang;
-
-/// "000", "001", ...: names of outputs in order.
-std::string numbered(ml::Index i) {
-  const std::string digits = std::to_string(i);
-  return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
-}
 
 template <class T, class F>
 std::vector<T> repeat(ml::Index count, F draw) {
@@ -31,10 +25,10 @@ std::vector<ml::Index> counted(ml::Index n) {
   return out;
 }
 
-/// The seed of a case, which may be negative or above 2^63.
-ml::PythonRandom python_random(const ml::JsonView& seed) {
-  return seed.json().is_number_unsigned() ? ml::PythonRandom(seed.as<std::uint64_t>())
-                                          : ml::PythonRandom(seed.as<std::int64_t>());
+/// A generator from the seed of a case, which may be negative or above 2^63.
+template <class G>
+G seeded(const ml::JsonView& seed) {
+  return seed.json().is_number_unsigned() ? G(seed.as<std::uint64_t>()) : G(seed.as<std::int64_t>());
 }
 
 template <class S>
@@ -45,12 +39,12 @@ void torch_tensors(Case& c, ml::TorchRandom& rng) {
     const ml::Shape shape{std::span<const ml::Index>(shapes[i].as<std::vector<ml::Index>>())};
     std::vector<S> values(static_cast<std::size_t>(shape.count()));
     normal ? rng.normal(std::span<S>(values)) : rng.uniform(std::span<S>(values));
-    c.out(numbered(i), shape, values);
+    c.out(three_digits(i), shape, values);
   }
 }
 
 const Registration torch_random{"torch random numbers", "double", [](Case& c) {
-                                  ml::TorchRandom rng(c.config()["seed"].as<std::uint64_t>());
+                                  auto rng = seeded<ml::TorchRandom>(c.config()["seed"]);
                                   c.config()["dtype"].as<std::string>() == "float64" ? torch_tensors<double>(c, rng)
                                                                                      : torch_tensors<float>(c, rng);
                                 }};
@@ -67,17 +61,17 @@ const Registration numpy_random{
           const ml::Index count = number(3);
           const auto draw = [&] { return rng.randint(number(1), number(2)); };
           const auto values = repeat<ml::Index>(std::max<ml::Index>(count, 1), draw);
-          c.out(numbered(i), count == 0 ? ml::Shape{} : ml::Shape{count}, values);
+          c.out(three_digits(i), count == 0 ? ml::Shape{} : ml::Shape{count}, values);
         } else if (kind == "shuffle") {
           auto list = counted(number(1));
           rng.shuffle(list);
-          c.out(numbered(i), list);
+          c.out(three_digits(i), list);
         } else if (kind == "permutation") {
-          c.out(numbered(i), rng.permutation(number(1)));
+          c.out(three_digits(i), rng.permutation(number(1)));
         } else if (kind == "choice") {
-          c.out(numbered(i), rng.choice(number(1), number(2)));
+          c.out(three_digits(i), rng.choice(number(1), number(2)));
         } else if (kind == "rand" || kind == "randn") {
-          c.out(numbered(i), repeat<double>(number(1), [&] { return kind == "rand" ? rng.rand() : rng.randn(); }));
+          c.out(three_digits(i), repeat<double>(number(1), [&] { return kind == "rand" ? rng.rand() : rng.randn(); }));
         } else {
           ml::raise<ml::config_error>(103, "unknown call '", kind, "'");
         }
@@ -86,7 +80,7 @@ const Registration numpy_random{
 
 const Registration python_random_numbers{
     "python random numbers", "double", [](Case& c) {
-      ml::PythonRandom rng = python_random(c.config()["seed"]);
+      auto rng = seeded<ml::PythonRandom>(c.config()["seed"]);
       const auto calls = c.config()["calls"];
       for (ml::Index i = 0; i < calls.size(); ++i) {
         const auto call = calls[i];
@@ -94,26 +88,26 @@ const Registration python_random_numbers{
         const auto number = [&](ml::Index k) { return call[k].as<ml::Index>(); };
         const auto real = [&](ml::Index k) { return call[k].as<double>(); };
         if (kind == "randint") {
-          c.out(numbered(i), repeat<ml::Index>(number(3), [&] { return rng.randint(number(1), number(2)); }));
+          c.out(three_digits(i), repeat<ml::Index>(number(3), [&] { return rng.randint(number(1), number(2)); }));
         } else if (kind == "shuffle") {
           auto list = counted(number(1));
           rng.shuffle(list);
-          c.out(numbered(i), list);
+          c.out(three_digits(i), list);
         } else if (kind == "random") {
-          c.out(numbered(i), repeat<double>(number(1), [&] { return rng.random(); }));
+          c.out(three_digits(i), repeat<double>(number(1), [&] { return rng.random(); }));
         } else if (kind == "choice") {
-          c.out(numbered(i), repeat<ml::Index>(number(2), [&] { return rng.choice(number(1)); }));
+          c.out(three_digits(i), repeat<ml::Index>(number(2), [&] { return rng.choice(number(1)); }));
         } else if (kind == "getrandbits") {
-          c.out(numbered(i), repeat<ml::Index>(number(2), [&] { return rng.getrandbits(call[1].as<int>()); }));
+          c.out(three_digits(i), repeat<ml::Index>(number(2), [&] { return rng.getrandbits(call[1].as<int>()); }));
         } else if (kind == "gauss") {
-          c.out(numbered(i), repeat<double>(number(3), [&] { return rng.gauss(real(1), real(2)); }));
+          c.out(three_digits(i), repeat<double>(number(3), [&] { return rng.gauss(real(1), real(2)); }));
         } else if (kind == "uniform") {
-          c.out(numbered(i), repeat<double>(number(3), [&] { return rng.uniform(real(1), real(2)); }));
+          c.out(three_digits(i), repeat<double>(number(3), [&] { return rng.uniform(real(1), real(2)); }));
         } else if (kind == "sample") {
-          c.out(numbered(i), rng.sample(number(1), number(2)));
+          c.out(three_digits(i), rng.sample(number(1), number(2)));
         } else if (kind == "sample_counts") {
           const auto counts = call[1].as<std::vector<ml::Index>>();
-          c.out(numbered(i), rng.sample_counts(counts, number(2)));
+          c.out(three_digits(i), rng.sample_counts(counts, number(2)));
         } else {
           ml::raise<ml::config_error>(103, "unknown call '", kind, "'");
         }

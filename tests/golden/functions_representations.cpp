@@ -240,15 +240,11 @@ void actor_motion_features(Case& c) {
                             .global = config["glob"].as<bool>()}));
 }
 
-std::string three_digits(std::size_t k) {
-  const std::string digits = std::to_string(k);
-  return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
-}
 void temos_subsampling(Case& c) {
   const auto old_fps = c.values<double>("in/framerate"), new_fps = c.values<double>("in/new_framerate");
   const auto frames = c.values<ml::Index>("in/num_frames");
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    c.out(three_digits(k), ml::every_nth_frame(frames[k], old_fps[k], new_fps[k]));
+    c.out(golden::three_digits(static_cast<ml::Index>(k)), ml::every_nth_frame(frames[k], old_fps[k], new_fps[k]));
   }
 }
 template <class S>

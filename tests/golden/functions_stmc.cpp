@@ -16,11 +16,12 @@ using golden::Case, golden::Registration, golden::tensor;
 namespace ml = motionlang;
 using ml::Index;
 
-ml::BatchPlan plan_of(const Case& c) { return ml::plan_timelines(golden::timelines_of(c), golden::plan_options(c)); }
-ml::PlanOptions hard_cuts(const Case& c) {
+ml::BatchPlan plan_of(const Case& c) { return golden::planned(c, golden::timelines_of(c), golden::plan_options(c)); }
+/// SINC's plan: neither extensions nor transition crops.
+ml::BatchPlan hard_cuts(const Case& c) {
   auto options = golden::plan_options(c);
   options.extend = options.transition_crops = false;
-  return options;
+  return golden::planned(c, golden::timelines_of(c), options);
 }
 
 template <ml::Backend B>
@@ -37,7 +38,7 @@ void stitching(Case& c) {
 
 template <ml::Backend B>
 void interpolation(Case& c) {
-  const auto plan = ml::plan_timelines(golden::timelines_of(c), hard_cuts(c));
+  const auto plan = hard_cuts(c);
   const auto motion = golden::rows<B>(c, "in/motion");
   c.out("motion", c.shape("in/motion"),
         ml::interpolate_transitions(plan, golden::layout_of(c), motion, c.shape("in/motion")[1]).span());
@@ -73,7 +74,7 @@ void single_step(Case& c) {
   for (Index i = 0; i < offsets.count(); ++i) lengths.push_back(offsets.length(i));
   c.out("lengths", lengths);
   auto crops = [&](const std::string& name, const ml::Tensor<B, 2>& rows) {
-    golden::out(c, name, ml::to_padded(ml::Sequences<B>(rows, offsets), 0, c.shape("out/" + name)[1]));
+    golden::out(c, name, ml::to_padded(ml::Sequences<B>(rows, offsets)));
   };
   crops("crops", s.crops);
   crops("cond", s.cond);
@@ -96,7 +97,7 @@ struct Host {
   const D& denoiser;
   ml::FeatureLayout layout;
   ml::TextFeatures<B> text, null;
-  ml::Prediction prediction = ml::Prediction::x0;
+  ml::Prediction prediction = golden::prediction_of(c.config());
   std::function<ml::Tensor<B, 3>(const std::string&)> noise;  // a file's noise as (sequences, frames, features)
 
   /// Returns the motions, normalised, and hands over x_after_... and first_composite through `out`.
@@ -175,8 +176,10 @@ template <ml::Backend B>
 void chain(Case& c) {
   const auto m = golden::mdm_smpl_model<B>(c);
   const auto mode = c.config()["mode"].as<std::string>();
-  const auto timelines = mode == "singletrack" || mode == "onetext" ? converted(c) : golden::timelines_of(c);
-  const auto plan = ml::plan_timelines(timelines, is_independent(c) ? hard_cuts(c) : golden::plan_options(c));
+  const auto plan = is_independent(c) ? hard_cuts(c)
+                    : mode == "singletrack" || mode == "onetext"
+                        ? golden::planned(c, converted(c), golden::plan_options(c))
+                        : plan_of(c);
   const Host<B, ml::MdmSmplDenoiser<B>> host{.c = c,
                                              .denoiser = m.denoiser,
                                              .layout = golden::layout_of(c),
@@ -238,37 +241,56 @@ void out_mdm(Case& c, const std::string& name, const ml::Tensor<B, 3>& t) {
               golden::mdm_layout(ml::reshape<2>(t, {t.size(0) * t.size(1), t.size(2)}), {s[0], s[1], s[2], t.size(1)}));
 }
 
+/// The plain loop on a whole batch: one call of the network with the texts, and if it is guided another without them.
+/// noise: a file's as the frames that the network sees; out(name, those frames).
+template <ml::Backend B, class D, class Noise, class Out>
+void plain_chain(const Case& c, const D& denoiser, const ml::TextFeatures<B>& text, ml::Prediction prediction,
+                 const Noise& noise, const Out& out) {
+  const auto config = c.config();
+  const auto d = golden::diffusion_of(config);
+  const double w = config.value_or("guidance", 1.0);
+  const auto without = golden::zero_text(text);
+  const ml::Sequences<B> start = noise(golden::noise_name(0));
+  auto network = [&](const ml::Tensor<B, 2>& x, Index t) {
+    const std::vector<Index> steps(static_cast<std::size_t>(start.count()), d.network_t(t));
+    const auto cond = denoiser(start.with(x), steps, text).rows;
+    return w == 1 ? cond : ml::guide(cond, denoiser(start.with(x), steps, without).rows, w);
+  };
+  const auto end = ml::sample_ancestral(
+      d, start.rows, network, [&](Index draw) { return noise(golden::noise_name(draw + 1)).rows; },
+      {.prediction = prediction, .noise_scale = golden::noise_scale_of(config)}, ml::detail::KeepX0{}, {}, -1,
+      [&](Index t, const auto& step) { out("x_after_" + golden::three_digits(t), start.with(step.x_prev)); });
+  out("motion", start.with(end));
+}
+
 template <ml::Backend B>
 void mdm_text_chain(Case& c) {
   const auto m = golden::mdm_model<B>(c);
-  const auto s = c.shape("noise/000");
-  const std::vector<Index> lengths(static_cast<std::size_t>(s[0]), s[3]);
-  const auto text = golden::text_features<B>(c);
-  const Host<B, ml::MdmDenoiser<B>> host{.c = c,
-                                         .denoiser = m,
-                                         .layout = whole_layout(m.config.nfeats),
-                                         .text = text,
-                                         .null = golden::zero_text(ml::gather(text, std::vector<Index>{0})),
-                                         .noise = [&](const std::string& name) { return mdm_noise<B>(c, name); }};
-  auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { out_mdm(c, name, t); };
-  out("motion", host.run(one_timeline_each(lengths), false, out));
+  const auto shape = c.shape("noise/000");
+  auto noise = [&](const std::string& name) {
+    if (!m.config.mask_frames) return ml::from_equal(mdm_noise<B>(c, name));
+    const auto mask = c.values<unsigned char>("in/mask");
+    return ml::from_padded(mdm_noise<B>(c, name), std::span<const unsigned char>(mask));
+  };
+  plain_chain<B>(
+      c, m, golden::mdm_condition<B>(c, m.config, shape[0]), golden::prediction_of(c.config()), noise,
+      [&](const std::string& name, const ml::Sequences<B>& x) { out_mdm(c, name, ml::to_padded(x, 0, shape[3])); });
 }
 
 template <ml::Backend B>
 void motiondiffuse_text_chain(Case& c) {
   const auto m = golden::motiondiffuse_model<B>(c);
   const auto lengths = c.values<Index>("in/lengths");
-  const auto text = golden::clip_features<B>(c);
-  const Host<B, ml::MotionDiffuseDenoiser<B>> host{
-      .c = c,
-      .denoiser = m,
-      .layout = whole_layout(m.config.input_feats),
-      .text = text,
-      .null = ml::gather(text, std::vector<Index>{0}),
-      .prediction = ml::Prediction::eps,
-      .noise = [&](const std::string& name) { return tensor<B, 3>(c, name); }};
-  auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { golden::out_if_wanted(c, name, t); };
-  out("motion", host.run(one_timeline_each(lengths), false, out));
+  const Index frames = c.shape("noise/000")[1];
+  auto cut = [&](const ml::Tensor<B, 3>& x) { return ml::from_padded(x, std::span<const Index>(lengths)); };
+  auto noise = [&](const std::string& name) {  // standard attention masks nothing
+    const auto all = tensor<B, 3>(c, name);
+    return m.config.no_eff ? ml::from_equal(all) : cut(all);
+  };
+  plain_chain<B>(c, m, golden::clip_features<B>(c), ml::Prediction::eps, noise,
+                 [&](const std::string& name, const ml::Sequences<B>& x) {
+                   golden::out_if_wanted(c, name, ml::to_padded(cut(ml::to_padded(x, 0, frames)), 0, frames));
+                 });
 }
 
 /// Joints of normalised features, (timelines, frames, 22, 3), zero behind the ends.
@@ -290,8 +312,7 @@ void out_joints(Case& c, const ml::Tensor<B, 3>& motion, const ml::BatchPlan& pl
 template <ml::Backend B>
 void chain_on_mdm(Case& c) {
   const auto m = golden::mdm_model<B>(c);
-  const auto plan =
-      ml::plan_timelines(golden::timelines_of(c), is_independent(c) ? hard_cuts(c) : golden::plan_options(c));
+  const auto plan = is_independent(c) ? hard_cuts(c) : plan_of(c);
   auto text = golden::text_features<B>(c);
   const auto empty = c.values<unsigned char>("in/text_is_empty");
   std::vector<typename B::scalar> keep(empty.size());
@@ -313,8 +334,7 @@ void chain_on_mdm(Case& c) {
 template <ml::Backend B>
 void chain_on_motiondiffuse(Case& c) {
   const auto m = golden::motiondiffuse_model<B>(c);
-  const auto plan =
-      ml::plan_timelines(golden::timelines_of(c), is_independent(c) ? hard_cuts(c) : golden::plan_options(c));
+  const auto plan = is_independent(c) ? hard_cuts(c) : plan_of(c);
   const Host<B, ml::MotionDiffuseDenoiser<B>> host{
       .c = c,
       .denoiser = m,

@@ -73,7 +73,10 @@ void mdm_smpl_training(Case& c) {
     std::vector<Index> t_of_row;
     for (Index s : ml::sequence_of_row(x0.offsets)) t_of_row.push_back(t[static_cast<std::size_t>(s)]);
     const auto x_t = x0.with(ml::q_sample(d, x0.rows, t_of_row, eps.rows));
-    return ml::sum(ml::square(x0.rows - m.denoiser(x_t, t, text).rows)) *
+    // always between clean motions, whatever the network predicts
+    const auto clean = ml::to_x0(d, golden::prediction_of(c.config()), m.denoiser(x_t, t, text).rows, x_t.rows,
+                                 std::span<const Index>(t_of_row));
+    return ml::sum(ml::square(x0.rows - clean)) *
            (1.0 / static_cast<double>(c.shape("in/x").count()));  // the mean counts padding
   });
 }
@@ -95,9 +98,11 @@ void mdm_training(Case& c) {
     for (Index s = 0; s < shape[0]; ++s)
       t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(frames), t[static_cast<std::size_t>(s)]);
     const auto x_t = ml::q_sample(d, x0, t_of_row, golden::mdm_rows(tensor<A, 4>(c, golden::noise_name(k))));
-    auto text = golden::text_features<A>(c);
-    const auto drop = tensor<A, 1>(c, "noise/drop_" + std::to_string(k));
-    text.tokens.rows = text.tokens.rows * (1.0 - ml::reshape<2>(drop, {shape[0], 1}));
+    auto text = golden::mdm_condition<A>(c, m.config, shape[0]);
+    if (const auto drop = "noise/drop_" + std::to_string(k); c.has(drop)) {
+      const auto kept = 1.0 - ml::reshape<2>(tensor<A, 1>(c, drop), {shape[0], 1});
+      text.tokens.rows = text.tokens.rows * ml::repeat_for_rows(kept, text.tokens.offsets);
+    }
     const auto out = m(ml::from_equal(padded(x_t)), t, text);  // no key padding mask in training
     const auto predicted = ml::from_padded(padded(out.rows), std::span<const unsigned char>(mask));
     const auto per_sample = ml::mse_per_sequence(target, predicted.rows);

@@ -64,6 +64,7 @@ void append(std::vector<S>& out, const ml::Rotation6dRows<S>& r) {
 /// Hands over f(0), f(1), ..., f(count - 1) in the shape that the case has.
 template <class S, class F>
 void out_each(Case& c, const std::string& name, std::size_t count, F f) {
+  if (!c.wants(name)) return;
   std::vector<S> flat;
   for (std::size_t i = 0; i < count; ++i) append(flat, f(i));
   c.out(name, c.shape("out/" + name), flat);

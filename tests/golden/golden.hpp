@@ -6,9 +6,11 @@
 //     void lengths_to_mask(golden::Case& c) { ... c.out("mask", shape, values); }
 //     const golden::Registration r{"lengths to mask", "double", lengths_to_mask};
 //
-// A variant is a label ("double", "float", "reference<double>", "eigen<float>", ...); each gets a line of its own.
+// A variant is a label ("double", "float", "reference<double>", "eigen<float>", ...); each gets a line of its own. Those
+// in float do not serve cases in double.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -23,10 +25,11 @@ namespace golden {
 
 namespace ml = motionlang;
 
-/// Thrown by `Case::skip`: this variant does not apply to this case.
-struct Skipped {
-  std::string reason;
-};
+/// "000", "001", ...: names of tensors that are numbered; of more than a thousand, "1000", ...
+inline std::string three_digits(ml::Index n) {
+  const std::string digits = std::to_string(n);
+  return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
+}
 
 /// How far one output is from what is wanted. `ratio` = largest |got - want| / (atol + rtol |want|); at most 1 passes.
 struct Comparison {
@@ -64,9 +67,12 @@ class Case {
   /// Names below a prefix, without it: names("weights/").
   std::vector<std::string> names(const std::string& prefix) const;
   const ml::SafetensorsFile& file() const { return file_; }
+  /// Whether the published numbers were computed in double: the config says so, or all numbers with a fraction are.
+  bool in_double() const;
 
   // ---- results ------------------------------------------------------------------------------------------------------
-  /// Compares an output. Every one in the file has to be handed over; others are an error, unless `wants` says no.
+  /// Compares an output. Every one in the file has to be handed over. Others are not looked at (a source has not every
+  /// intermediate result), but a gradient that the file has not is an error: those parameters are not trained.
   template <class T>
   void out(const std::string& name, const ml::Shape& shape, std::span<const T> values) {
     result("out/" + name, name, shape, values);
@@ -91,9 +97,6 @@ class Case {
   }
   /// Whether the file holds this output: intermediate ones are missing in large cases.
   bool wants(const std::string& output) const { return has("out/" + output); }
-
-  /// Ends the handler: the variant does not apply (a float64 case for a float variant).
-  [[noreturn]] void skip(std::string reason) const { throw Skipped{std::move(reason)}; }
 
   // ---- for the runner -----------------------------------------------------------------------------------------------
   void begin_variant() { comparisons_.clear(), produced_.clear(); }

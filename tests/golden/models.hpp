@@ -111,6 +111,20 @@ ml::TextFeatures<B> text_features(const Case& c, const std::string& text = "in/t
   const auto valid = c.values<unsigned char>(mask);
   return {ml::from_padded(x, std::span<const unsigned char>(valid))};
 }
+/// What an MDM is conditioned by: in/text, one-hot rows of in/action (they pick a learned vector), or as many rows
+/// that nobody reads.
+template <ml::Backend B>
+ml::TextFeatures<B> mdm_condition(const Case& c, const ml::MdmConfig& config, Index sequences) {
+  if (config.condition == ml::MdmCondition::text) return text_features<B>(c);
+  const Index width = config.condition == ml::MdmCondition::action ? config.num_actions : 1;
+  std::vector<typename B::scalar> one_hot(static_cast<std::size_t>(sequences * width));
+  if (config.condition == ml::MdmCondition::action) {
+    Index row = 0;
+    for (const Index action : c.values<Index>("in/action"))
+      one_hot.at(static_cast<std::size_t>(row++ * width + action)) = 1;
+  }
+  return ml::TextFeatures<B>::pooled(ml::Tensor<B, 2>::from(one_hot, {sequences, width}));
+}
 /// One vector as the features of one text.
 template <ml::Backend B>
 ml::TextFeatures<B> one_text(const Case& c, const std::string& name) {

@@ -41,10 +41,6 @@ ml::Gradients<A> out_gradients(Case& c, const M& model, const ml::Tensor<A, 0>& 
   });
   return gradients;
 }
-inline std::string three_digits(ml::Index n) {
-  std::string digits = std::to_string(n);
-  return std::string(3 - digits.size(), '0') + digits;
-}
 inline std::string noise_name(ml::Index k) { return "noise/" + three_digits(k); }
 
 /// MDM's [batch, joints, features, frames] as packed rows (frames of all, J C), and back.

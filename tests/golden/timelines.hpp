@@ -2,6 +2,7 @@
 #pragma once
 
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/core/python_random.hpp>
 #include <motionlang/features/layout.hpp>
 
 #include "golden.hpp"
@@ -31,6 +32,14 @@ inline ml::PlanOptions plan_options(const Case& c) {
           .extend = c.config().value_or("extend", true),
           .transition_crops = c.config().value_or("transition_crops", true),
           .gaps = ml::Gaps::refuse};
+}
+
+/// Equal texts as the case wants them: the first one, or as CPython shuffles them (one generator for all timelines).
+inline ml::BatchPlan planned(const Case& c, const std::vector<ml::Timeline>& timelines,
+                             const ml::PlanOptions& options) {
+  if (c.config().value_or("ties", "lowest") != "cpython_random") return ml::plan_timelines(timelines, options);
+  ml::PythonRandom random(c.config()["seed"].as<std::int64_t>());
+  return ml::plan_timelines(timelines, options, random);
 }
 
 inline ml::FeatureLayout layout_of(const Case& c) {

@@ -110,7 +110,8 @@ struct IgnoreSteps {
 };
 
 /// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
-/// also the last x (c0 is 1 and the noise factor 0 at t = 0). Throws `cancelled` if progress says so.
+/// also the last x (c0 is 1 and the noise factor 0 at t = 0); of a network that predicts x_{t-1}, what it says last.
+/// Throws `cancelled` if progress says so.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -119,7 +120,7 @@ Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Networ
   for (Index t = first; t >= 0; --t) {
     const auto step = ancestral_step(d, x, network(x, t), noise(first - t), std::span(&t, 1), options, fix);
     watch(t, step);
-    x = t > 0 ? step.x_prev : step.x0;
+    x = t > 0 || options.prediction == Prediction::x_prev ? step.x_prev : step.x0;
     progress(first - t + 1, first + 1);
   }
   return x;
@@ -143,22 +144,23 @@ AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x,
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// A whole DDIM run. It saves time only on a respaced process. `noise` is asked for only if eta > 0, but then at every
-/// step.
+/// A whole DDIM run, from index `first` (the last of the process when -1) on. It saves time only on a respaced process.
+/// `noise` is asked for only if eta > 0, but then at every step.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
                          const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
-                         const Watch& watch = {}) {
-  for (Index t = d.steps() - 1; t >= 0; --t) {
+                         const Watch& watch = {}, Index first = -1) {
+  if (first < 0) first = d.steps() - 1;
+  for (Index t = first; t >= 0; --t) {
     const auto output = network(x, t);
     const auto step = [&] {
       if (eta == 0) return ddim_step<B, R>(d, x, output, nullptr, t, eta, options, fix);
-      const Tensor<B, R> z = noise(d.steps() - 1 - t);
+      const Tensor<B, R> z = noise(first - t);
       return ddim_step(d, x, output, &z, t, eta, options, fix);
     }();
     watch(t, step);
     x = step.x_prev;
-    progress(d.steps() - t, d.steps());
+    progress(first - t + 1, first + 1);
   }
   return x;
 }
