@@ -478,6 +478,22 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused({"--set", "features=guoh3d"}, "kit/new_joint_vecs/00001.npy: an array (30, 251), expected (30, 263)");
+
+  // the data set's own statistics in place of those of the motions to train on
+  refused({"--statistics", "kit"}, "[motionlang.io.401] kit: no statistics of the motions");
+  const std::vector<float> quarters(251, 0.25f), more_quarters(263, 0.25f);
+  ml::write_npy(kit + "/Mean.npy", ml::NpyArray::of(std::span<const float>(more_quarters), {263}));
+  ml::write_npy(kit + "/Std.npy", ml::NpyArray::of(std::span<const float>(quarters), {251}));
+  refused({"--statistics", "kit"}, "[motionlang.io.407]");
+  ml::write_npy(kit + "/Mean.npy", ml::NpyArray::of(std::span<const float>(quarters), {251}));
+  auto with_statistics = one_epoch;
+  with_statistics.insert(with_statistics.end(), {"--statistics", "kit"});
+  const auto own = train_tiny("train-tmr", place.path, with_statistics);
+  REQUIRE_MESSAGE(own.code == 0, own.text);
+  const auto weights = ml::SafetensorsFile::open(place / "out/model/weights.safetensors");
+  CHECK(ml::values_of<float>(weights.tensor("motion_normalizer.mean")) == quarters);
+  CHECK(ml::values_of<float>(weights.tensor("motion_normalizer.std")) == quarters);
+
   add_walk((place / "h3d").string(), "000000", 60, "guoh3d", ml::humanml3d_form);
   ml::write_ids(place / "h3d/train.txt", std::vector<std::string>{"000000"});
   const auto other = run({"evaluate", "out/model", "--data", "h3d", "--part", "training"}, place.path);

@@ -34,6 +34,7 @@ TEST_CASE("info: tensors, values and skipped classes of files in every format") 
   check_contains(info(sample("spec_legacy.pt")), {"torch legacy", "F16   (2)"});
   check_contains(info(sample("script.pt")), {"TorchScript", "layers.0.weight"});
   check_contains(info(sample("spec_joblib.pkl")), {"joblib", "0/poses", "0/g                      male"});
+  check_contains(info(sample("many_axes.pt")), {"F32   (1, 2, 1, 1, 3, 1, 1, 1, 1)"});
   check_contains(info(golden("tmr_run")), {"TMR run folder", "stats.mean"});
   check_contains(info(golden("repetitive.npz")), {"npz", "ramp", "I64   (3000)"});
   check_contains(info(golden("array_fortran.npy")), {"F64"});
@@ -65,6 +66,10 @@ TEST_CASE("convert: weights of any format become safetensors") {
   }
   CHECK(checkpoint.metadata().at("hyper_parameters/cfg/latent_dim") == "256");
   CHECK(checkpoint.metadata().at("format") == "pt");
+
+  const auto many = converted(sample("many_axes.pt"), {"--store", "F16"});
+  CHECK(many.tensor("w").shape == ml::FileShape{1, 2, 1, 1, 3, 1, 1, 1, 1});
+  CHECK(ml::values_of<float>(many.tensor("w")) == std::vector<float>{0, 1, 2, 3, 4, 5});
 
   const auto arrays = converted(golden("amass_deflated.npz"));
   CHECK(arrays.tensor("poses").shape == ml::Shape{4, 156});

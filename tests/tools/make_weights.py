@@ -114,6 +114,9 @@ plain = tensor(six, 0, (2, 3), (3, 1))
 # Order of bytes, packed storages, element types that come with the tensor, and what is not read.
 archive('big_endian.pt', {'w': plain, 't': tensor(six, 0, (3, 2), (1, 3))}, {'0': floats(0, 1, 2, 3, 4, 5, order='>')}, order='big')
 archive('deflated.pt', {'w': plain}, {'0': numbers}, root='other name', deflated=True)
+archive('many_axes.pt', {'w': tensor(six, 0, (1, 2, 1, 1, 3, 1, 1, 1, 1), (6, 3, 3, 3, 1, 1, 1, 1, 1)),
+                         'wt': tensor(six, 0, (1,) * 30 + (3, 2), (1,) * 30 + (1, 3)),
+                         'too_many': tensor(six, 0, (1,) * 65, (1,) * 65)}, {'0': numbers})
 untyped = Storage(storage.UntypedStorage, '1', 8)
 archive('v3.pt', {
     'w': Call(utils._rebuild_tensor_v3, untyped, 0, (2,), (1,), False, OrderedDict(), torch.float32),

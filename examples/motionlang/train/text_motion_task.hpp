@@ -22,6 +22,18 @@ inline ml::Normalizer<TrainingBackend> statistics_of(const std::vector<Described
   return {ml::Tensor<TrainingBackend, 1>::from(mean, {width}), ml::Tensor<TrainingBackend, 1>::from(std, {width})};
 }
 
+/// Mean and std of a folder: Mean.npy and Std.npy of HumanML3D and KIT-ML, mean.pt and std.pt of others.
+/// Throws  io_error 401 if there are none, 407 for features of another width
+inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path& folder, ml::Index width) {
+  const ml::RunFolder run = ml::find_run(folder);
+  if (!run.parts.empty()) {
+    if (auto found = ml::detail::find_normalizer<TrainingBackend>(ml::detail::statistics_of(run), width,
+                                                                  {"", "stats.", "meta.", "motion_stats."}))
+      return std::move(*found);
+  }
+  ml::raise<ml::io_error>(401, folder.string(), ": no statistics of the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
+}
+
 /// Motions with one text each, as a model takes them.
 template <ml::Backend B>
 struct TextMotionBatch {
@@ -94,8 +106,9 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
   static constexpr bool retrieves = std::is_same_v<System<B>, ml::Tmr<B>>;
 
   /// `states` (null with word pieces) and `sentences` have all texts of `data`. All three outlive the task.
+  /// statistics   a folder with those of the features; empty: of the motions to train on
   TextMotionTask(TextMotionConfig config, const DescribedMotions& data, const ml::EmbeddingCache* states,
-                 const ml::EmbeddingCache& sentences)
+                 const ml::EmbeddingCache& sentences, const std::filesystem::path& statistics = {})
       : Base(system_name<System>(), std::move(config), data), states_(states), sentences_(&sentences) {
     losses(config_);
     if (config_.validation.watch != "loss" && !(retrieves && config_.validation.watch == "retrieval"))
@@ -112,7 +125,8 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       config_.text.width = states_->width();
     }
     auto model = make_text_motion<System, B>(config_, data.width, pieces, ml::Philox{.seed = seed()}.split("init"));
-    model.motion_normalizer = statistics_of(data.training, data.width);
+    model.motion_normalizer =
+        statistics.empty() ? statistics_of(data.training, data.width) : statistics_of(statistics, data.width);
     Base::begin(std::move(model));
   }
 

@@ -9,7 +9,7 @@ namespace program {
 
 struct TextMotionOptions {
   TrainingOptions common;
-  std::filesystem::path captions, annotations, text_encoder, sentence_encoder;
+  std::filesystem::path captions, annotations, text_encoder, sentence_encoder, statistics;
 };
 
 template <template <class> class System>
@@ -34,7 +34,7 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
   std::optional<ml::EmbeddingCache> states;
   if (!pieces) states = token_states(o.text_encoder, texts);
   const auto sentences = sentence_vectors(o.sentence_encoder, data);
-  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences));
+  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_text_motion(folder, trainer.task().result(), trainer.task().config(), about(o.common, data));
@@ -57,6 +57,10 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
                 "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the same frames are "
                 "compared unless given")
       ->check(CLI::ExistingPath);
+  c->add_option("--statistics", o->statistics,
+                "Folder with mean and std of the features, such as that of HumanML3D or KIT-ML with Mean.npy and Std.npy; those of the "
+                "motions to train on unless given, as the published programs have it")
+      ->check(CLI::ExistingDirectory);
   c->callback([o, preset] { run_text_motion<System>(*o, preset(o->common.preset)); });
 }
 

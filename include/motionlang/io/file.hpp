@@ -7,11 +7,14 @@
 #include <sys/stat.h>  // fstat
 #include <unistd.h>    // close, fsync, getpid
 
+#include <algorithm>   // min, max
 #include <cerrno>      // errno
 #include <cstddef>     // byte
 #include <cstdint>     // addresses
 #include <cstdio>      // rename, remove
+#include <cstdlib>     // mkstemp
 #include <cstring>     // strerror
+#include <filesystem>  // folder of temporary files
 #include <memory>      // shared_ptr
 #include <mutex>       // list of mapped files
 #include <span>        // contents
@@ -28,6 +31,7 @@ namespace detail {
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
+  explicit Descriptor(int fd) : fd_(fd) {}
   Descriptor(const FilePath& path, int flags, mode_t mode = 0)
       : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
@@ -36,6 +40,16 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
+  /// Whether all bytes could be written; errno says why not.
+  bool write(std::span<const std::byte> bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      bytes = bytes.subspan(static_cast<std::size_t>(n));
+    }
+    return true;
+  }
   std::size_t size(const FilePath& path) const {
     struct stat s {};
     if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
@@ -54,6 +68,19 @@ class MappedFile {
   /// Throws io_error 401.
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  }
+  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
+  /// there is no place for it.
+  static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
+    std::error_code none;
+    std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+    const int fd = none || bytes.empty() ? -1 : ::mkstemp(name.data());
+    if (fd < 0) return nullptr;
+    const detail::Descriptor file(fd);
+    ::unlink(name.c_str());
+    if (!file.write(bytes)) return nullptr;
+    auto out = std::shared_ptr<MappedFile>(new MappedFile);
+    return out->map(fd, bytes.size()) ? out : nullptr;
   }
   /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes) {
@@ -79,10 +106,11 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
   /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
+  /// The system maps up to two megabytes around a byte that is read, so it takes whole ones.
   void forget(std::span<const std::byte> part) const {
-    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-    const std::uintptr_t begin = (address(part) + page - 1) / page * page,
-                         end = (address(part) + part.size()) / page * page;
+    constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
+    const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
+                         end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
     if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
@@ -93,12 +121,18 @@ class MappedFile {
  private:
   explicit MappedFile(const FilePath& path) {
     const detail::Descriptor file(path, O_RDONLY);
-    size_ = file.size(path);
-    if (size_ == 0) return;  // an empty mapping is an error of mmap
-    data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
-    if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+    const std::size_t size = file.size(path);
+    if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
+      raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+  }
+  MappedFile() = default;
+  bool map(int fd, std::size_t size) {
+    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED) return false;
+    data_ = data, size_ = size;
     const std::scoped_lock lock(mutex_);
     next_ = std::exchange(first_, this);
+    return true;
   }
   static std::uintptr_t address(std::span<const std::byte> bytes) {
     return reinterpret_cast<std::uintptr_t>(bytes.data());
@@ -129,12 +163,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   };
   {
     const detail::Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    while (!contents.empty()) {
-      const ssize_t n = ::write(file.get(), contents.data(), contents.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) failed("write");
-      contents = contents.subspan(static_cast<std::size_t>(n));
-    }
+    if (!file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");

@@ -10,6 +10,7 @@
 #include <limits>     // infinity
 #include <set>        // names
 
+#include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
@@ -52,8 +53,14 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       const auto numbers = direct<S>(view);
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
-    const std::vector<S> values = values_of<S>(view);
-    return C::from_span(std::span<const S>(values), view.shape);
+    if constexpr (requires(typename C::tensor t) { { t.data() } -> std::same_as<S*>; }) {  // a large table is not there twice
+      typename C::tensor out(Shape(view.shape));
+      copy_values(view, std::span<S>(out.data(), static_cast<std::size_t>(out.count())));
+      return out;
+    } else {
+      const std::vector<S> values = values_of<S>(view);
+      return C::from_span(std::span<const S>(values), view.shape);
+    }
   };
   if constexpr (AutodiffBackend<B>) {
     B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();
@@ -131,7 +138,7 @@ class TensorStore {
   /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
   /// for a number that F16 cannot hold.
   template <Scalar S>
-  void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
+  void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
       case DType::F32:
         return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
@@ -169,11 +176,11 @@ class TensorStore {
   struct Entry {
     std::string name;
     DType dtype;
-    Shape shape;
+    FileShape shape;
     std::vector<std::byte> bytes;
   };
   template <class Stored, Scalar S, class F>
-  void put(std::string name, const Shape& shape, std::span<const S> values, DType dtype, F convert) {
+  void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
     Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
     for (std::size_t i = 0; i < values.size(); ++i) {
       const Stored v = convert(values[i]);
@@ -185,17 +192,51 @@ class TensorStore {
 };
 
 namespace detail {
+/// Packs a weight that lies in a mapped file and gives its memory there back: who still reads it gets it from the file
+/// again. Numbers that are the tensor's own, because they had to be converted, are put aside first. False, and nothing
+/// done, for a weight that lies elsewhere in memory, where it would be twice.
+template <Backend B>
+bool pack_once(Tensor<B, 2>& weight) {
+  if constexpr (requires { B::prepare(weight.data()); }) {
+    const MappedFile* file = MappedFile::that_holds(std::as_bytes(weight.span()));
+    if (file == nullptr && weight.data().unique()) {
+      const auto aside = MappedFile::put_aside(std::as_bytes(weight.span()));
+      if (aside == nullptr) return false;
+      const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+      weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+      BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+      file = aside.get();
+    }
+    if (file == nullptr) return false;
+    B::prepare(weight.data());
+    file->forget(std::as_bytes(weight.span()));
+  }
+  return true;
+}
+
+/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+template <Backend B, int R>
+void copy_small(Tensor<B, R>& t) {
+  if constexpr (requires { t.data().attached(); }) {
+    constexpr std::size_t small = 1 << 14;
+    const auto bytes = std::as_bytes(t.span());
+    const MappedFile* const file = MappedFile::that_holds(bytes);
+    if (file == nullptr || t.data().attached() != nullptr || t.span().size() >= small) return;
+    auto copy = Tensor<B, R>::from(t.span(), t.shape());
+    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    t = std::move(copy);
+  }
+}
+
+/// always   packs weights that lie elsewhere in memory, too
+template <bool always>
 struct PrepareLoaded {
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
-    PrepareWeights{}(name, t);
-    if constexpr (requires { t.data().attached(); }) {
-      const MappedFile* const file = MappedFile::that_holds(std::as_bytes(t.span()));
-      if (file == nullptr) return;
-      constexpr std::size_t small = 1 << 14;  // numbers: for a bias the system may keep two megabytes of the file in memory
-      if (t.data().attached() == nullptr && t.span().size() < small) t = Tensor<B, R>::from(t.span(), t.shape());
-      file->forget(file->bytes());
+    if constexpr (R == 2) {
+      if (!pack_once(t) && always) PrepareWeights{}(name, t);
     }
+    copy_small(t);
   }
 };
 }  // namespace detail
@@ -204,7 +245,7 @@ struct PrepareLoaded {
 /// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
 template <Module M>
 void prepare_loaded(M& model) {
-  visit_tensors(model, detail::PrepareLoaded{});
+  visit_tensors(model, detail::PrepareLoaded<true>{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -28,7 +28,7 @@ class SafetensorsFile : public TensorSet {
   /// Longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
 
-  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
+  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
@@ -122,11 +122,11 @@ class SafetensorsFile : public TensorSet {
     return *dtype;
   }
 
-  static Shape read_shape(Cursor& json) {
-    Shape shape;
+  static FileShape read_shape(Cursor& json) {
+    FileShape shape;
     json.array([&] {
-      if (shape.rank() == Shape::max_rank) {
-        json.fail(404, json.position(), concat_text("more than ", Shape::max_rank, " axes are not supported"));
+      if (shape.rank() == FileShape::max_rank) {
+        json.fail(404, json.position(), concat_text("more than ", FileShape::max_rank, " axes are not supported"));
       }
       shape.push_back(json.count());
     });

@@ -9,6 +9,7 @@
 #include <cstddef>      // byte
 #include <cstdint>      // element types
 #include <cstring>      // memcpy: elements may be unaligned
+#include <initializer_list>  // sizes
 #include <optional>     // unknown names, direct views
 #include <span>         // bytes
 #include <string>       // names
@@ -61,17 +62,63 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated with, has six
+/// at most.
+class FileShape {
+ public:
+  static constexpr int max_rank = 64;
+
+  FileShape() = default;
+  FileShape(const Shape& shape) {
+    for (int i = 0; i < shape.rank(); ++i) push_back(shape[i]);
+  }
+  FileShape(std::initializer_list<Index> sizes) : FileShape(std::span<const Index>(sizes.begin(), sizes.size())) {}
+  explicit FileShape(std::span<const Index> sizes) {
+    for (const Index n : sizes) push_back(n);
+  }
+  /// Throws shape_error 206 for more than six.
+  operator Shape() const { return Shape(std::span<const Index>(sizes_)); }
+
+  int rank() const { return static_cast<int>(sizes_.size()); }
+  Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
+  Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  /// Number of elements.
+  Index count() const {
+    Index n = 1;
+    for (const Index size : sizes_) n *= size;
+    return n;
+  }
+  /// Throws shape_error 205 for a negative size, 206 for more than 64 of them.
+  void push_back(Index n) {
+    if (n < 0) raise<shape_error>(205, "FileShape: negative size ", n);
+    if (rank() == max_rank) raise<shape_error>(206, "FileShape: more than ", max_rank, " axes");
+    sizes_.push_back(n);
+  }
+  friend bool operator==(const FileShape&, const FileShape&) = default;
+  friend bool operator==(const FileShape& a, const Shape& b) { return a == FileShape(b); }
+
+ private:
+  std::vector<Index> sizes_;
+};
+
+/// "(2, 60, 512)"
+inline std::string to_string(const FileShape& s) {
+  std::string out = "(";
+  for (int i = 0; i < s.rank(); ++i) out += concat_text(i ? ", " : "", s[i]);
+  return out + ")";
+}
+
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {
   std::string name;
   DType dtype = DType::F32;
-  Shape shape;
+  FileShape shape;
   std::span<const std::byte> bytes;
 };
 
 /// A view of numbers in memory, for writing.
 template <class T>
-TensorView tensor_view(std::string name, const Shape& shape, std::span<const T> values) {
+TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
     raise<shape_error>(205, "tensor_view: ", values.size(), " values for '", name, "' of shape ", shape);
   }

@@ -11,9 +11,9 @@
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
 ///          value are stacked and whose text_projection is transposed
-/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers among them are packed for the kernels (prepare) and their
-///          memory in the file is given back, so that no weight is there twice. Weights that had to be converted or put together give
-///          theirs back, too, and are packed whenever they are used
+/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and their memory in
+///          the file is given back, so that no weight is there twice; those that had to be converted or put together lie in temporary
+///          files for that. Where there is no place for such files, they are packed whenever they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes, 102 for sizes far
 ///          above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
@@ -42,8 +42,12 @@ class RenamedTensors : public TensorSet {
     view.name = std::move(name);
     tensors_.push_back(std::move(view));
   }
+  /// A tensor that was made; matrices are put aside, so that they can be packed like those of the file.
   void add(TensorView view, std::string name, std::vector<std::byte> bytes) {
-    view.bytes = memory_->made.emplace_back(std::move(bytes));
+    if (auto aside = view.shape.rank() == 2 ? MappedFile::put_aside(bytes) : nullptr)
+      view.bytes = memory_->aside.emplace_back(std::move(aside))->bytes();
+    else
+      view.bytes = memory_->made.emplace_back(std::move(bytes));
     add(std::move(view), std::move(name));
   }
   void sort() {
@@ -53,6 +57,7 @@ class RenamedTensors : public TensorSet {
  private:
   struct Memory {
     std::shared_ptr<const void> file;
+    std::vector<std::shared_ptr<const MappedFile>> aside;
     std::deque<std::vector<std::byte>> made;
   };
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
@@ -190,22 +195,9 @@ inline RenamedTensors clip_tensors(const TensorSet& file) {
   return out;
 }
 
-/// Packs weights that lie in a mapped file, and gives their memory there back: who still reads them gets them from the file again.
-struct PrepareMapped {
-  template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && requires { B::prepare(t.data()); }) {
-      const auto bytes = std::as_bytes(t.span());
-      const MappedFile* file = MappedFile::that_holds(bytes);
-      if (file == nullptr) return;
-      B::prepare(t.data());
-      file->forget(bytes);
-    }
-  }
-};
 template <class Layer>
-void prepare_mapped(std::vector<Layer>& layers) {
-  for (Layer& layer : layers) visit_tensors(layer, PrepareMapped{});
+void pack_layers(std::vector<Layer>& layers) {
+  for (Layer& layer : layers) visit_tensors(layer, PrepareLoaded<false>{});
 }
 
 /// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
@@ -270,7 +262,7 @@ Network load_text_network(const BertConfig& config, const TensorSet& weights) {
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
-  detail::prepare_mapped(network.layers);
+  detail::pack_layers(network.layers);
   return network;
 }
 /// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
@@ -355,7 +347,7 @@ ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weight
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
-  detail::prepare_mapped(network.blocks);
+  detail::pack_layers(network.blocks);
   return network;
 }
 template <Backend B>
@@ -364,7 +356,8 @@ ClipText<B> load_clip_text(const JsonView& config, const TensorSet& weights) {
 }
 template <Backend B>
 ClipText<B> load_clip_text(const TensorSet& weights) {
-  return load_clip_text<B>(clip_text_config(weights), weights);
+  const auto tensors = detail::clip_tensors(weights);  // put together once
+  return load_clip_text<B>(clip_text_config(tensors), tensors);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

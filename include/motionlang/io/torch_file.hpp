@@ -77,7 +77,7 @@ struct StridedTensor {
   DType dtype = DType::F32;
   std::span<const std::byte> storage;
   std::uint64_t offset = 0;
-  Shape shape, strides;
+  FileShape shape, strides;
   bool swapped = false;  // big-endian
 
   bool contiguous() const {
@@ -94,7 +94,7 @@ struct StridedTensor {
 inline std::vector<std::byte> gathered(const StridedTensor& t) {
   const std::uint64_t size = bytes_of(t.dtype);
   std::vector<std::byte> out(static_cast<std::size_t>(t.shape.count()) * size);
-  Shape index = t.shape;
+  FileShape index = t.shape;
   for (int axis = 0; axis < index.rank(); ++axis) index[axis] = 0;
   std::uint64_t at = t.offset;
   for (std::size_t to = 0; to < out.size(); to += size) {
@@ -238,13 +238,13 @@ class TorchTensors {
     return t;
   }
   /// A tuple, or torch.Size.
-  static Shape sizes(const PickleValue& v) {
+  static FileShape sizes(const PickleValue& v) {
     const PickleValue list = v.name() == "torch.Size" ? v.arguments()[0] : v;
-    Shape shape;
+    FileShape shape;
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::int64_t n = list[i].integer();
       if (n < 0) v.fail(405, "a tensor with a negative size or stride");
-      if (shape.rank() == Shape::max_rank) v.fail(404, "a tensor with more than ", Shape::max_rank, " axes");
+      if (shape.rank() == FileShape::max_rank) v.fail(404, "a tensor with more than ", FileShape::max_rank, " axes");
       shape.push_back(static_cast<Index>(n));
     }
     return shape;

@@ -313,21 +313,21 @@ class WeightReader {
   }
 
   void add_tensor(TensorView view) {
-    memory_.spend(3 * sizeof(TensorView));
+    memory_.spend(3 * sizeof(TensorView) + static_cast<std::size_t>(view.shape.rank()) * sizeof(Index));
     view.name = joined(selection_.size(), separator_);
     if (view.name.empty()) view.name = "array";
     out_.tensors_.push_back(std::move(view));
   }
   /// Elements of an array as a tensor.
   void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
-    if (shape.size() > Shape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+    if (shape.size() > FileShape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
     DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
     if (kind != 'b' && !(kind == 'f' && size == 2)) {
       with_npy_number(kind, size, [&](auto number) {
         if constexpr (std::is_arithmetic_v<decltype(number)>) dtype = motionlang::dtype_of<decltype(number)>();
       });
     }
-    add_tensor({.name = {}, .dtype = dtype, .shape = Shape(std::span<const Index>(shape)), .bytes = bytes});
+    add_tensor({.name = {}, .dtype = dtype, .shape = FileShape(std::span<const Index>(shape)), .bytes = bytes});
   }
   void add_copy(NpyArray array) {
     memory_.spend(array.data.size());

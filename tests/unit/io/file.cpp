@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <vector>
 
@@ -42,6 +44,26 @@ TEST_CASE("MappedFile: the file that holds some bytes, among several, and nobody
   b.reset();
   CHECK(ml::MappedFile::that_holds(gone) == nullptr);
   CHECK(ml::MappedFile::that_holds(a->bytes()) == a.get());
+}
+
+TEST_CASE("MappedFile: bytes that are put aside are there as long as the mapping, and leave nothing behind") {
+  const TemporaryFolder folder;
+  const std::string text = numbered(100'000), before = std::filesystem::temp_directory_path();
+  const auto bytes = std::as_bytes(std::span(text));
+  ::setenv("TMPDIR", folder.path.c_str(), 1);
+  auto aside = ml::MappedFile::put_aside(bytes);
+  REQUIRE(aside != nullptr);
+  CHECK(std::filesystem::is_empty(folder.path));
+  aside->forget(aside->bytes());
+  CHECK(holds(aside, text));
+  CHECK(ml::MappedFile::that_holds(aside->bytes()) == aside.get());
+  const auto gone = aside->bytes();
+  aside.reset();
+  CHECK(ml::MappedFile::that_holds(gone) == nullptr);
+  CHECK(ml::MappedFile::put_aside({}) == nullptr);
+  ::setenv("TMPDIR", (folder.path / "missing").c_str(), 1);
+  CHECK(ml::MappedFile::put_aside(bytes) == nullptr);
+  ::setenv("TMPDIR", before.c_str(), 1);
 }
 
 TEST_CASE("MappedFile: what was forgotten takes no memory, and is read from the file again") {

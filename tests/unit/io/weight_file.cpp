@@ -49,6 +49,25 @@ TEST_CASE("PyTorch: both forms, views, halves, whole numbers") {
   CHECK(open("spec_legacy.pt").format() == "torch legacy");
 }
 
+TEST_CASE("tensors of more axes than ours have") {
+  const auto torch = open("many_axes.pt");
+  CHECK(torch.names() == std::vector<std::string>{"w", "wt"});  // 65 axes are more than PyTorch has
+  CHECK(torch.skipped().size() == 1);
+  CHECK(torch.tensor("w").shape == ml::FileShape{1, 2, 1, 1, 3, 1, 1, 1, 1});
+  CHECK(floats(torch, "w") == six);
+  CHECK(torch.tensor("wt").shape.rank() == 32);
+  CHECK(floats(torch, "wt") == transposed);
+  std::vector<ml::Index> sizes(40, 1);
+  sizes[38] = 2, sizes[39] = 3;
+  const auto npy = ml::npy_bytes(ml::NpyArray::of(std::span<const float>(six), sizes));
+  const auto array = ml::WeightFile::from_bytes(npy, "x.npy");
+  CHECK(array.tensor("array").shape == ml::FileShape(sizes));
+  CHECK(floats(array, "array") == six);
+  const auto again = ml::SafetensorsFile::from_bytes(ml::safetensors_bytes(array.tensors()));
+  CHECK(again.tensor("array").shape == ml::FileShape(sizes));
+  CHECK_ERROR(ml::Shape(array.tensor("array").shape), "[motionlang.shape.206]");
+}
+
 TEST_CASE("PyTorch: tensors that lie in order in the file are views of it") {
   const auto mapped = ml::MappedFile::open(sample("spec_zip.pt"));
   const auto bytes = mapped->bytes();

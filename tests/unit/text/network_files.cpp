@@ -28,53 +28,6 @@ Numbers replaced(const Numbers& numbers, const std::string& from, const std::str
   }
   return out;
 }
-std::pair<Shape, std::vector<double>> block_of_rows(const std::pair<Shape, std::vector<double>>& t, Index part) {
-  Shape s = t.first;
-  s[0] /= 3;
-  const auto from = t.second.begin() + part * s.count();
-  return {s, {from, from + s.count()}};
-}
-
-/// The tiny CLIP under the names of Hugging Face, by the table of spec text-encoders.md, section 5.
-Numbers hugging_face(const Numbers& openai) {
-  Numbers out;
-  for (const auto& [name, t] : openai) {
-    if (name == "logit_scale") {
-      out[name] = t;
-    } else if (name == "token_embedding.weight" || name == "positional_embedding") {
-      out[name[0] == 't' ? "text_model.embeddings.token_embedding.weight"
-                         : "text_model.embeddings.position_embedding.weight"] = t;
-    } else if (name == "text_projection") {
-      std::vector<double> transposed;
-      for (Index c = 0; c < t.first[1]; ++c) {
-        for (Index r = 0; r < t.first[0]; ++r)
-          transposed.push_back(t.second[static_cast<std::size_t>(r * t.first[1] + c)]);
-      }
-      out["text_projection.weight"] = {{t.first[1], t.first[0]}, transposed};
-    } else if (name.starts_with("ln_final")) {
-      out["text_model.final_layer_norm" + name.substr(8)] = t;
-    } else {
-      const auto dot = name.find('.', 22);
-      const std::string layer = "text_model.encoder.layers." + name.substr(22, dot - 22) + ".",
-                        part = name.substr(dot + 1);
-      if (part.starts_with("attn.in_proj_")) {
-        for (Index i = 0; i < 3; ++i)
-          out[layer + "self_attn." + "qkv"[i] + "_proj." + part.substr(13)] = block_of_rows(t, i);
-      } else {
-        const std::vector<std::pair<std::string, std::string>> names{{"ln_1", "layer_norm1"},
-                                                                     {"ln_2", "layer_norm2"},
-                                                                     {"attn.out_proj", "self_attn.out_proj"},
-                                                                     {"mlp.c_fc", "mlp.fc1"},
-                                                                     {"mlp.c_proj", "mlp.fc2"}};
-        for (const auto& [from, to] : names) {
-          if (part.starts_with(from)) out[layer + to + part.substr(from.size())] = t;
-        }
-      }
-    }
-  }
-  return out;
-}
-
 const Numbers openai = by_formula(clip_shapes()), distil = by_formula(bert_shapes<ml::DistilBertKeys>()),
               bert = by_formula(bert_shapes<ml::BertKeys>());
 const ml::TokenBatch text{{2, 7, 3, 19}, {4}};
