@@ -76,6 +76,7 @@ class OwnBody : public ShownBody {
               {},
               npz.string() + ": left out are hands and betas, for the body is none of SMPL's\n"};
     auto clip = ml::amass_on_body(sequence, name, body_);
+    const bool has_more = !clip.parts.empty();
     if (betas_.empty()) {
       const auto last = std::find_if(sequence.betas.rbegin(), sequence.betas.rend(), [](double b) { return b != 0; });
       const bool fit = ml::has_shapes_of(sequence, body_.kind);
@@ -89,7 +90,7 @@ class OwnBody : public ShownBody {
     if (!clip.left_out.empty()) told += told.empty() ? ": left out are " : "; left out are ";
     for (const std::string& part : clip.left_out) told += (&part == &clip.left_out.front() ? "" : ", ") + part;
     if (!told.empty()) told = npz.string() + " on " + to_string(body_.kind) + told + "\n";
-    return {std::move(clip.motion), std::move(clip.betas), std::move(told)};
+    return {std::move(clip.motion), std::move(clip.betas), std::move(told), has_more};
   }
   std::string write(const fs::path& path, std::vector<ml::Motion> motions,
                     const std::vector<float>& betas) const override {

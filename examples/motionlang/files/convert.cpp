@@ -117,7 +117,7 @@ class Conversion {
     motions_.push_back(std::move(clip.motion));
     betas_ = std::move(clip.betas);
     told_ = std::move(clip.told);
-    if (loaded.denoised) told_ += o.in + ": what --denoise makes is without hands and face\n";
+    if (loaded.denoised && clip.has_more) told_ += o.in + ": what --denoise makes is without hands and face\n";
   }
 
   void run() {

@@ -101,6 +101,7 @@ struct BodyClip {
   ml::Motion motion;           // on the joints of the body
   std::vector<float> betas{};  // the file's shape
   std::string told{};          // a line: what it has besides the 22 joints of the body, and what is left out
+  bool has_more = false;       // hands or a face, which move
 };
 /// A body that is read once for all motions that are shown on it.
 class ShownBody {

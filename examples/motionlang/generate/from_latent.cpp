@@ -97,9 +97,8 @@ class FromActions final : public FromLatent {
                                   "ACTOR has to know which action a motion shows to denoise it: --action names it");
     const Index known = class_of(action), frames = motion.frames(),
                 width = actor_.model.config.njoints * actor_.model.config.nfeats;
-    const std::vector<double> rows = actor_.rows_of(motion);
-    const std::vector<float> values(rows.begin(), rows.end());
-    const ml::Sequences<B> x(ml::Tensor<B, 2>::from(values, {frames, width}), ml::Offsets{frames});
+    const ml::Sequences<B> x(ml::Tensor<B, 2>::from(as_floats(actor_.rows_of(motion)), {frames, width}),
+                             ml::Offsets{frames});
     return actor_.motion_of(ml::denoise(actor_.model, x, std::span(&known, 1)).rows.span());
   }
   Index longest() const override { return actor_.longest; }

@@ -25,6 +25,10 @@ class FromLatent : public EachAlone {
   ///         features throw
   ml::Motion denoised(const ml::Motion& motion, const std::string& action) const;
 
+ protected:
+  /// Rows as a model reads them.
+  static std::vector<float> as_floats(const std::vector<double>& rows) { return {rows.begin(), rows.end()}; }
+
  private:
   virtual std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
                                        ml::Philox noise) const = 0;

@@ -11,13 +11,12 @@ using B = ml::EigenBackend<float>;
 std::unique_ptr<Generator> load_actor(const std::filesystem::path& run) {
   auto actor = ml::load_actor_run<B>(ml::FilePath(run));
   const ml::ActorFeatureOptions options = actor.features;
-  const ml::Index longest = actor.model.config.num_frames;
   const double fps = 20;  // the viewer's, of the repository; data have none
   return from_actions(
       {.model = std::move(actor.model),
        .labels = std::move(actor.labels),
        .fps = fps,
-       .longest = longest,
+       .longest = actor.longest,
        .motion_of =
            [=](std::span<const float> rows) { return ml::motion_of_actor(ml::actor_inverse(rows, 24, options), fps); },
        .rows_of = [=](const ml::Motion& motion) { return ml::actor_rows_of_motion(motion, options); }});

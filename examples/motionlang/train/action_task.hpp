@@ -1,6 +1,8 @@
 // Training of ACTOR and of classifiers: windows of motions with the class of each.
 #pragma once
 
+#include <functional>
+
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/metrics/accuracy.hpp>
@@ -114,23 +116,32 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
 
 class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTape>, Classifier<TrainingBackend>> {
  public:
-  /// generator: the folder of an ACTOR that makes config.generated_share of the motions that are learned from; "" for none.
-  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data, const std::filesystem::path& generator)
-      : ActionTask("classifier", config, data, labels_of(data)) {
+  /// generator  the folder of an ACTOR that makes config.generated_share of the motions that are learned from; "": none
+  /// read       the same data in other rows, for an ACTOR of another pose representation that is given recorded ones
+  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data, const std::filesystem::path& generator,
+                 const std::function<DescribedMotions(const RowMaker&)>& read)
+      : ActionTask("classifier", config, data, labels_of(data)), known_clips_(config_.clips) {
     const double share = config_.generated_share;
+    const std::string& kind = config_.generated_kind;
     if (share < 0 || share > 1) ml::raise<ml::config_error>(101, "generated_share ", share, " is not in [0, 1]");
     if ((share > 0) != !generator.empty())
       ml::raise<ml::config_error>(102, "generated_share = ", share, ", and --generated is '", generator.string(),
                                   "': one needs the other");
+    if (kind != "sampled" && kind != "denoised" && kind != "interpolated")
+      ml::raise<ml::config_error>(103, "generated_kind '", kind, "' is not sampled, denoised or interpolated");
     if (!generator.empty()) {
       generator_.emplace(generator);
       require_same_actions(generator_->file, labels_, config_.clips);
+      const ActorClipsConfig& clips = generator_->file.config.clips;
+      if (kind != "sampled") known_clips_.pose = clips.pose, known_clips_.translation = clips.translation;
+      if (known_clips_.pose != config_.clips.pose || known_clips_.translation != config_.clips.translation)
+        known_ = read(actor_row_maker(known_clips_));
     }
     begin(Classifier<B>(config_, std::ssize(labels_), ml::Philox{.seed = seed()}.split("init")));
   }
 
   ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context&) {
-    const auto b = with_generated(batch(rng, step), rng.split("generated"));
+    const auto b = generator_ ? partly_generated(rng, step) : batch(rng, step);
     return ml::cross_entropy(learner_.model.train(b.x, config_.clips).logits, b.classes);
   }
   std::vector<Measure> validate() {
@@ -146,29 +157,41 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
   }
 
  private:
-  /// Some motions, drawn by lot, replaced by generated ones of the same class and length.
-  ActionBatch<A> with_generated(ActionBatch<A> b, ml::Philox rng) const {
-    if (!generator_) return b;
-    std::vector<ml::Index> which, classes, lengths;
-    for (ml::Index i = 0; i < b.x.count(); ++i) {
-      if (rng.uniform() >= config_.generated_share) continue;
-      which.push_back(i);
-      classes.push_back(b.classes[static_cast<std::size_t>(i)]);
-      lengths.push_back(b.x.offsets.length(i));
+  /// The batch of a step, of which some motions, drawn by lot, are replaced by generated ones.
+  ActionBatch<A> partly_generated(const ml::Philox& rng, ml::Index step) const {
+    auto lot = rng.split("generated");
+    std::vector<ml::Index> kept, replaced;
+    for (const ml::Index i : batches_(step, seed()))
+      (lot.uniform() < config_.generated_share ? replaced : kept).push_back(i);
+    std::vector<ActionBatch<B>> parts;
+    if (!kept.empty())
+      parts.push_back(action_batch<B>(data_->training, classes_, kept, config_.clips, rng.split("windows")));
+    if (!replaced.empty()) parts.push_back(generated(replaced, lot));
+    ActionBatch<A> out;
+    std::vector<typename B::scalar> values;
+    std::vector<ml::Index> lengths;
+    for (const ActionBatch<B>& part : parts) {
+      values.insert(values.end(), part.x.rows.span().begin(), part.x.rows.span().end());
+      for (ml::Index i = 0; i < part.x.count(); ++i) lengths.push_back(part.x.offsets.length(i));
+      out.classes.insert(out.classes.end(), part.classes.begin(), part.classes.end());
     }
-    if (which.empty()) return b;
-    auto noise = rng.split("noise");
-    const auto made = generator_->generate(classes, lengths, noise, config_.clips);
-    const ml::Index width = b.x.width();
-    auto values = b.x.rows.to_vector();
-    for (std::size_t k = 0; k < which.size(); ++k)
-      std::copy_n(made.rows.span().begin() + made.offsets.begin(static_cast<ml::Index>(k)) * width, lengths[k] * width,
-                  values.begin() + b.x.offsets.begin(which[k]) * width);
-    b.x = b.x.with(ml::Tensor<A, 2>::from(values, b.x.rows.shape()));
-    return b;
+    const ml::Offsets offsets{std::span<const ml::Index>(lengths)};
+    out.x = {ml::Tensor<A, 2>::from(values, {offsets.rows(), config_.clips.width()}), offsets};
+    return out;
+  }
+  /// Motions of the generator in the places of recorded ones.
+  ActionBatch<B> generated(std::span<const ml::Index> which, const ml::Philox& rng) const {
+    const RecognitionSets<B> sets{*generator_, known_ ? known_->training : data_->training, classes_, known_clips_,
+                                  config_.clips};
+    const auto windows = rng.split("windows"), noise = rng.split("noise");
+    if (config_.generated_kind == "denoised") return sets.denoised(which, windows);
+    if (config_.generated_kind == "interpolated") return sets.interpolated(which, windows, rng.split("others"), noise);
+    return sets.sampled(which, windows, noise);
   }
 
   std::optional<ActorModel<B>> generator_;
+  ActorClipsConfig known_clips_;           // windows as the generator is given them
+  std::optional<DescribedMotions> known_;  // the data in its rows, where these are others
 };
 
 }  // namespace program

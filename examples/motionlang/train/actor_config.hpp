@@ -80,6 +80,7 @@ struct ClassifierConfig {
   ml::Index hidden_size = 128, num_layers = 2;  // of the GRU
   ml::Index width = 64;  // of the first blocks of ST-GCN; later ones have two and four times as much
   double generated_share = 0;  // of the motions that are learned from: made by the ACTOR that --generated names
+  std::string generated_kind = "sampled";  // or "denoised", "interpolated", made of recorded ones
   OptimiserConfig optimiser;
   ValidationConfig validation;
   DataConfig data;
@@ -87,7 +88,8 @@ struct ClassifierConfig {
   static constexpr auto fields() {
     using C = ClassifierConfig;
     return ml::fields("kind", &C::kind, "clips", &C::clips, "hidden_size", &C::hidden_size, "num_layers",
-                      &C::num_layers, "width", &C::width, "generated_share", &C::generated_share, "optimiser", &C::optimiser, "validation", &C::validation,
+                      &C::num_layers, "width", &C::width, "generated_share", &C::generated_share,
+                      "generated_kind", &C::generated_kind, "optimiser", &C::optimiser, "validation", &C::validation,
                       "data", &C::data);
   }
 };

@@ -37,6 +37,19 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
           .num_frames = std::max<ml::Index>(1, c.clips.num_frames)};
 }
 
+std::vector<ml::Index> others_of_class(std::span<const ml::Index> which, std::span<const ml::Index> classes,
+                                       ml::Philox& rng) {
+  std::vector<ml::Index> out;
+  for (const ml::Index i : which) {
+    std::vector<ml::Index> others;
+    for (ml::Index k = 0; k < std::ssize(classes); ++k) {
+      if (k != i && classes[static_cast<std::size_t>(k)] == classes[static_cast<std::size_t>(i)]) others.push_back(k);
+    }
+    out.push_back(others.empty() ? i : others[rng.below(static_cast<std::uint32_t>(others.size()))]);
+  }
+  return out;
+}
+
 void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std::span<const std::string> labels,
                           const ActorClipsConfig& seen) {
   const ActorClipsConfig& clips = model.config.clips;

@@ -134,11 +134,6 @@ struct ActorModel {
     const auto z = actor.encode(x, classes).mu * (1.0 - share) + actor.encode(others, classes).mu * share;
     return actor.decode(z, classes, x.offsets);
   }
-  /// A motion for each class, as a classifier reads them.
-  ml::Sequences<B> generate(std::span<const ml::Index> classes, std::span<const ml::Index> lengths, ml::Philox& noise,
-                            const ActorClipsConfig& seen) const {
-    return seen_by(ml::generate(actor, classes, lengths, noise), seen);
-  }
 };
 /// Throws config_error 102 if a classifier of these labels and clips cannot judge or learn from the motions of a model.
 void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std::span<const std::string> labels,
@@ -168,5 +163,55 @@ ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::sp
   out.x = {ml::Tensor<B, 2>::from(values, {offsets.rows(), clips.width()}), offsets};
   return out;
 }
+
+/// For each of these motions another one of its class by lot, or itself where there is no other.
+std::vector<ml::Index> others_of_class(std::span<const ml::Index> which, std::span<const ml::Index> classes,
+                                       ml::Philox& rng);
+
+/// Recorded motions and what an ACTOR makes of them, as a classifier reads them: the sets of thesis table 3.8. Every call
+/// gives one motion for each that is asked for, of its action, as long as its window.
+template <ml::Backend B>
+struct RecognitionSets {
+  using Numbers = std::span<const ml::Index>;
+
+  const ActorModel<B>& model;
+  const std::vector<DescribedMotion>& motions;
+  Numbers classes;                // of the motions
+  const ActorClipsConfig& clips;  // of the motions: the model's; any for `sampled`, which takes lengths alone
+  const ActorClipsConfig& seen;   // by the classifier
+
+  ActionBatch<B> recorded(Numbers which, const ml::Philox& windows) const {
+    return shown(which, windows, [](const ActionBatch<B>& b) { return b.x; });
+  }
+  ActionBatch<B> denoised(Numbers which, const ml::Philox& windows) const {
+    return shown(which, windows, [&](const ActionBatch<B>& b) { return ml::denoise(model.actor, b.x, b.classes); });
+  }
+  /// Between each motion and another of its action.
+  ActionBatch<B> interpolated(Numbers which, const ml::Philox& windows, const ml::Philox& windows_of_others,
+                              ml::Philox rng) const {
+    return shown(which, windows, [&](const ActionBatch<B>& b) {
+      const auto others = others_of_class(which, classes, rng);
+      return model.between(b.x, batch(others, windows_of_others).x, b.classes, rng);
+    });
+  }
+  ActionBatch<B> sampled(Numbers which, const ml::Philox& windows, ml::Philox noise) const {
+    return shown(which, windows, [&](const ActionBatch<B>& b) {
+      std::vector<ml::Index> lengths;
+      for (ml::Index i = 0; i < b.x.count(); ++i) lengths.push_back(b.x.offsets.length(i));
+      return ml::generate(model.actor, b.classes, lengths, noise);
+    });
+  }
+
+ private:
+  ActionBatch<B> batch(Numbers which, const ml::Philox& windows) const {
+    return action_batch<B>(motions, classes, which, clips, windows);
+  }
+  template <class Make>
+  ActionBatch<B> shown(Numbers which, const ml::Philox& windows, Make make) const {
+    auto b = batch(which, windows);
+    b.x = model.seen_by(make(b), seen);
+    return b;
+  }
+};
 
 }  // namespace program

@@ -7,7 +7,6 @@
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
-#include <motionlang/io/annotations.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../files/data_set_form.hpp"
@@ -155,6 +154,11 @@ void read_humanml3d(DescribedMotions& out, const DataSources& sources, const Row
   }
 }
 
+std::shared_ptr<const ml::AnnotationFile> annotation_file(const DataSources& sources) {
+  if (sources.opened) return sources.opened;
+  return std::make_shared<const ml::AnnotationFile>(ml::AnnotationFile::open(sources.annotations));
+}
+
 /// Ready-made features of a motion of the annotation file, if there are any.
 std::filesystem::path npy_of(const DataSources& sources, const ml::AnnotatedMotion& motion) {
   if (!ml::detail::is_clip_id(motion.path))
@@ -173,7 +177,8 @@ std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& make
 
 void read_annotations(DescribedMotions& out, const DataSources& sources, const DataConfig& config,
                       const RowMaker& maker, ml::Progress progress) {
-  const auto file = ml::AnnotationFile::open(sources.annotations);
+  const auto opened = annotation_file(sources);
+  const ml::AnnotationFile& file = *opened;
   std::vector<std::string> keys = file.ids();  // of the split: an id where there are lists, else the clip, mirrored or not
   if (sources.splits.empty()) {
     for (std::string& key : keys) {
@@ -217,11 +222,12 @@ const std::vector<DescribedMotion>& DescribedMotions::part(const std::string& na
   ml::raise<ml::config_error>(103, "'", name, "' is not training, validation or test");
 }
 
-std::string ready_made_features(const DataSources& sources) {
+std::string ready_made_features(DataSources& sources) {
   if (sources.data.empty() || !sources.captions.empty() || !sources.labels.empty()) return "";
   std::filesystem::path first;
   if (!sources.annotations.empty()) {
-    const auto file = ml::AnnotationFile::open(sources.annotations);
+    sources.opened = annotation_file(sources);
+    const ml::AnnotationFile& file = *sources.opened;
     for (std::size_t i = 0; i < file.ids().size() && first.empty(); ++i) {
       const auto npy = npy_of(sources, file.load(file.ids()[i]));
       if (std::filesystem::exists(npy)) first = npy;

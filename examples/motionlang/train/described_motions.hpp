@@ -6,12 +6,14 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <motionlang/core/fields.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/io/annotations.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 namespace program {
@@ -58,12 +60,13 @@ struct DataSources {
   std::filesystem::path
       annotations;  // JSON of TMR and STMC; its paths lead to .npy features, .npz (AMASS) or .bvh in `data`
   std::filesystem::path splits;  // folder with train.txt, val.txt and test.txt; of HumanML3D the data folder itself
+  std::shared_ptr<const ml::AnnotationFile> opened{};  // `annotations`, where it has been opened already
 };
 
 /// The features of what is ready-made there, by the width of its rows: of the first clip to train on of a data set, or
-/// of the first .npy file that the annotation file names. "" where there are clips only.
+/// of the first .npy file that the annotation file, which stays open, names. "" where there are clips only.
 /// Throws io_error 401 to 405, 407 for rows of another width.
-std::string ready_made_features(const DataSources& sources);
+std::string ready_made_features(DataSources& sources);
 
 struct DataConfig {
   double min_seconds = 2, max_seconds = 10;  // of what is trained on and validated with

@@ -68,19 +68,6 @@ struct Measured {
   }
 };
 
-/// For each of these motions one of its class, another if there is any, by lot.
-std::vector<Index> others_of_class(std::span<const Index> which, std::span<const Index> classes, ml::Philox& rng) {
-  std::vector<Index> out;
-  for (const Index i : which) {
-    std::vector<Index> others;
-    for (Index k = 0; k < std::ssize(classes); ++k) {
-      if (k != i && classes[static_cast<std::size_t>(k)] == classes[static_cast<std::size_t>(i)]) others.push_back(k);
-    }
-    out.push_back(others.empty() ? i : others[rng.below(static_cast<std::uint32_t>(others.size()))]);
-  }
-  return out;
-}
-
 /// The mean over seeds, with the interval of ACTOR's tables.
 std::string summary(const std::string& metric, std::span<const double> of_seeds) {
   const auto r = ml::actor_summary(metric, of_seeds);
@@ -106,45 +93,25 @@ void evaluate_actor(const EvaluationOptions& o) {
   Classifier<B> classifier(judge_file.config, kinds, ml::Philox{});
   load_action_weights(classifier, o.classifier);
 
-  auto recorded = [&](std::span<const Index> which, const ml::Philox& seed) {
-    return action_batch<B>(part, classes, which, clips, seed);
-  };
-  auto windows = [&](std::span<const Index> which, const ml::Philox& seed) {
-    auto b = recorded(which, seed);
-    b.x = model.seen_by(b.x, seen);
-    return b;
-  };
-  auto denoised = [&](std::span<const Index> which, const ml::Philox& seed) {
-    auto b = recorded(which, seed);
-    b.x = model.seen_by(ml::denoise(model.actor, b.x, b.classes), seen);
-    return b;
-  };
-  auto between = [&](std::span<const Index> which, const ml::Philox& windows_seed, const ml::Philox& seed) {
-    auto b = recorded(which, windows_seed);
-    auto draw = seed.split("between").split(static_cast<std::uint64_t>(which.front()));
-    const auto others = others_of_class(which, classes, draw);
-    b.x = model.seen_by(model.between(b.x, recorded(others, seed.split("others")).x, b.classes, draw), seen);
-    return b;
-  };
-  auto generated = [&](std::span<const Index> which, const ml::Philox& seed) {
-    auto b = recorded(which, seed.split("windows"));
-    std::vector<Index> lengths;
-    for (Index i = 0; i < b.x.count(); ++i) lengths.push_back(b.x.offsets.length(i));
-    auto noise = seed.split("noise").split(static_cast<std::uint64_t>(which.front()));
-    b.x = model.generate(b.classes, lengths, noise, seen);
-    return b;
-  };
+  const RecognitionSets<B> motions{model, part, classes, clips, seen};
   std::map<std::string, std::vector<double>> results;
   ProgressBar bar("evaluating");
   for (Index s = 0; s < o.seeds; ++s) {
     const auto seed = ml::Philox{.seed = o.seed + static_cast<std::uint64_t>(s)};
     const auto first = seed.split("gt"), second = seed.split("gt2");
+    const auto of_batch = [&](const char* name, std::span<const Index> which) {
+      return seed.split(name).split(static_cast<std::uint64_t>(which.front()));
+    };
     const std::map<std::string, Judged> sets{
-        {"gt", judge(classifier, seen, count, [&](auto which) { return windows(which, first); })},
-        {"gt2", judge(classifier, seen, count, [&](auto which) { return windows(which, second); })},
-        {"gen", judge(classifier, seen, count, [&](auto which) { return generated(which, seed); })},
-        {"denoised", judge(classifier, seen, count, [&](auto which) { return denoised(which, first); })},
-        {"between", judge(classifier, seen, count, [&](auto which) { return between(which, first, seed); })}};
+        {"gt", judge(classifier, seen, count, [&](auto which) { return motions.recorded(which, first); })},
+        {"gt2", judge(classifier, seen, count, [&](auto which) { return motions.recorded(which, second); })},
+        {"gen", judge(classifier, seen, count, [&](auto which) {
+           return motions.sampled(which, seed.split("windows"), of_batch("noise", which));
+         })},
+        {"denoised", judge(classifier, seen, count, [&](auto which) { return motions.denoised(which, first); })},
+        {"between", judge(classifier, seen, count, [&](auto which) {
+           return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
+         })}};
     for (const auto& [name, set] : sets) {
       ml::NumpyRandom random(static_cast<std::uint32_t>(o.seed) + static_cast<std::uint32_t>(s));
       results["accuracy_" + name].push_back(set.accuracy);

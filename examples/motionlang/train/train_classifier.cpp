@@ -14,9 +14,11 @@ struct Options {
 void run(const Options& o) {
   auto config = classifier_preset(o.common.preset);
   if (!configure(config, o.common)) return;
-  const auto data = read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data,
-                              actor_row_maker(config.clips));
-  Trainer trainer(ClassifierTask(config, data, o.generated));
+  const auto read = [&](const RowMaker& rows) {
+    return read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data, rows);
+  };
+  const auto data = read(actor_row_maker(config.clips));
+  Trainer trainer(ClassifierTask(config, data, o.generated, read));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_action_model(folder, trainer.task().result(), "classifier", trainer.task().file(), about(o.common, data));
@@ -31,7 +33,9 @@ void add_train_classifier(CLI::App& app) {
                                    "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
   add_training_options(*c, o->common, {"small", "stgcn-published"});
   c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
-  c->add_option("--generated", o->generated, "Model of train-actor that makes a part of the motions (generated_share)")
+  c->add_option("--generated", o->generated,
+                "Model of train-actor that makes a part of the motions (generated_share): sampled, or of the recorded "
+                "ones denoised or interpolated (generated_kind)")
       ->check(CLI::ExistingDirectory);
   c->callback([o] { run(*o); });
 }

@@ -14,7 +14,7 @@ struct TextMotionOptions {
 
 template <template <class> class System>
 void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset) {
-  const DataSources sources{o.common.data, o.captions, {}, o.annotations, o.common.splits};
+  DataSources sources{o.common.data, o.captions, {}, o.annotations, o.common.splits};
   TextMotionConfig config = preset;
   config.features.clear();
   read_settings(config, o.common);

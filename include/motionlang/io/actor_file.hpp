@@ -5,12 +5,12 @@
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames of fully connected
-///          networks. Without it the published values: 6D rotations, GELU, 4 heads, none, 60 frames
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len. Without it
+///          the published values: 6D rotations, GELU, 4 heads, none, 60 frames
 /// Ignored  tables of positions (*.pe), SMPL
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
 ///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
-/// Source   spec actor.md 2.8, 3.1, 3.2, 7.2, 7.3
+/// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
 #pragma once
 
 #include <motionlang/io/detail/run_reader.hpp>
@@ -76,7 +76,7 @@ inline ActorConfig actor_config(const RunReader& r) {
     c.num_classes = r.size(d + "embedding_x.weight", 1) - features - 1;
   } else {
     c.decoder = ActorDecoderKind::fully_connected;
-    c.num_frames = r.number({"num_frames"}, 60, 100'000);
+    c.num_frames = r.number({"num_frames"}, 60, 100'000, 2);
     features = r.size(d + "fully_connected.4.weight", 0) / c.num_frames;
     c.num_classes = r.size(d + "fully_connected.0.weight", 1) - c.latent_dim;
   }
@@ -103,6 +103,18 @@ inline ActorConfig actor_config(const RunReader& r) {
 }
 
 }  // namespace detail
+
+/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of any length)
+/// it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens. Spec actor.md 6.3
+inline Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config) {
+  const detail::RunReader r(run, weights, "");
+  const auto frames = [&r](const char* key, Index otherwise, Index least) {
+    const Index n = r.number({key}, otherwise, 100'000, least);
+    return n < 0 ? n : r.number({key}, otherwise, 100'000, 2);  // 0 and 1 frames are no motion
+  };
+  const Index stated = frames("num_frames", 60, -2), most = stated < 0 ? frames("max_len", -1, -1) : stated;
+  return std::min(most < 0 ? config.max_len : most, config.max_len - 2);
+}
 
 /// How a run writes motions, for `actor_points`.
 inline ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& weights) {

@@ -26,6 +26,7 @@ struct ActorRun {
   Actor<B> model;
   ActorFeatureOptions features{};
   bool camera = true;               // the figure stands on its head: Y down, as cameras have it
+  Index longest = 60;               // frames of motions that it learned from
   std::vector<std::string> labels;  // of the classes; empty if they are numbers
 };
 
@@ -90,6 +91,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   const detail::RunReader r(run, weights, "");
   ActorRun<B> out;
   out.model = load_actor<B>(weights, run);
+  out.longest = actor_longest(run, weights, out.model.config);
   out.features = actor_point_options(run, weights).features;
   const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
   if (out.model.config.njoints != joints)

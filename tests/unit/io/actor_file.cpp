@@ -70,6 +70,26 @@ TEST_CASE("ACTOR: a run folder") {
   CHECK(o.global_rotation == ml::Vec3<double>{3, 0.5, 0});
 }
 
+TEST_CASE("ACTOR: how long the motions were that a run learned from") {
+  const auto model = small_actor::model_of(small_actor::small());
+  const auto longest = [&](std::vector<ml::FileValue> options) {
+    ml::RunFolder run;
+    run.options = std::move(options);
+    return ml::actor_longest(run, file_of(model), model.config);
+  };
+  const auto option = [](const char* key, std::int64_t frames) { return ml::FileValue{key, frames}; };
+  CHECK(longest({}) == 60);
+  CHECK(longest({option("num_frames", 40), option("max_len", 100)}) == 40);
+  CHECK(longest({option("num_frames", -2), option("min_len", 60), option("max_len", 100)}) == 100);
+  CHECK(longest({option("num_frames", -1), option("max_len", 90)}) == 90);
+  CHECK(longest({option("num_frames", -1), option("max_len", -1)}) == 4998);  // 5000 positions, of which tokens have two
+  CHECK(longest({option("num_frames", -2)}) == 4998);
+  CHECK(longest({option("num_frames", 9000)}) == 4998);
+  for (const std::int64_t none : {-3, 0, 1})
+    CHECK_ERROR(longest({option("num_frames", none)}), "[motionlang.config.101]");
+  CHECK_ERROR(longest({option("num_frames", -1), option("max_len", 0)}), "[motionlang.config.101]");
+}
+
 TEST_CASE("ACTOR: what does not fit is refused") {
   const auto model = small_actor::model_of(small_actor::small());
   CHECK_ERROR(ml::load_actor<B>(file_of(model, {"encoder.extra"})), "[motionlang.io.406]");
