@@ -11,7 +11,8 @@ namespace ml = motionlang;
 using ml::Index;
 
 ml::RetrievalTable rounded_as_asked(const ml::RetrievalTable& table, const ml::JsonView& config) {
-  return config["rounding"].json().is_null() ? table : ml::rounded(table, config["rounding"].as<int>());
+  const int digits = config.value_or("rounding", -1);
+  return digits < 0 ? table : ml::rounded(table, digits);
 }
 
 template <class S>
@@ -19,9 +20,9 @@ void retrieval_metrics(Case& c) {
   const auto sims = c.values<S>("in/sims");
   const ml::Rows similarities(sims, c.shape("in/sims")[1]);
   std::vector<std::uint8_t> alike;
-  if (!c.config()["threshold"].json().is_null()) {
+  if (const double threshold = c.config().value_or("threshold", -1.0); threshold >= 0) {
     const auto sentences = c.values<S>("in/sent_emb");
-    alike = ml::texts_alike(ml::Rows(sentences, c.shape("in/sent_emb")[1]), c.config()["threshold"].as<double>());
+    alike = ml::texts_alike(ml::Rows(sentences, c.shape("in/sent_emb")[1]), threshold);
   }
   for (const auto& [name, value] : named(rounded_as_asked(ml::retrieval_table(similarities, alike), c.config())))
     c.out_scalar(name, value);

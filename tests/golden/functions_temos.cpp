@@ -55,13 +55,17 @@ void gru_decoder_forward(Case& c) {
   golden::out(c, "features", ml::to_padded(m(tensor<B, 2>(c, "in/z"), golden::lengths_of(c))));
 }
 
-/// The numbers are drawn as PyTorch draws them after that seed.
+/// The numbers are drawn as PyTorch draws them after the seed, if there is one.
 template <ml::Backend B>
 void latent_sampling(Case& c) {
   const auto shape = c.shape("in/mu");
-  ml::TorchRandom torch(c.config()["seed"].as<std::uint64_t>());
   std::vector<float> eps(static_cast<std::size_t>(shape.count()));
-  torch.normal(std::span<float>(eps));
+  if (const auto seed = c.config().value_or("seed", std::int64_t{-1}); seed >= 0) {
+    ml::TorchRandom torch(static_cast<std::uint64_t>(seed));
+    torch.normal(std::span<float>(eps));
+  } else {
+    eps = c.values<float>("noise/eps");
+  }
   const ml::LatentGaussian<B> g{tensor<B, 2>(c, "in/mu"), log(tensor<B, 2>(c, "in/std")) * 2.0};
   const auto noise = ml::Tensor<B, 2>::from(std::vector<typename B::scalar>(eps.begin(), eps.end()), shape);
   golden::out(c, "z", g.sample(noise, c.config().value_or("fact", 1.0)));

@@ -21,15 +21,17 @@ void training_sample(Case& c) {
   const ml::MotionVocabulary vocabulary{config["codebook"].as<Index>()};
   const Index longest = config["max_text_len"].as<Index>(), tokens = config["max_motion_len"].as<Index>();
   std::vector<ml::TokenEntry> entries;
-  for (const auto& [id, annotated] : c.text()["annotations"].json().items()) {
-    std::string text;
-    for (const auto& line : annotated) text += line.get<std::string>() + "\n";
+  // in the order of the file, which nlohmann::json does not keep
+  const auto text = nlohmann::ordered_json::parse(c.file().metadata().at("text"));
+  for (const auto& [id, annotated] : text.at("annotations").items()) {
+    std::string captions;
+    for (const auto& line : annotated) captions += line.get<std::string>() + "\n";
     const auto name = "in/tokens_" + id;
     const auto flat = c.values<Index>(name);
     const Index width = c.shape(name)[1];
     ml::TokenLines lines;
     for (auto at = flat.begin(); at != flat.end(); at += width) lines.emplace_back(at, at + width);
-    auto own = ml::token_entries(id, ml::parse_captions(text), std::move(lines),
+    auto own = ml::token_entries(id, ml::parse_captions(captions), std::move(lines),
                                  {.tokens_per_second = config["tokens_per_second"].as<double>(), .cut_again = true});
     entries.insert(entries.end(), own.begin(), own.end());
   }
