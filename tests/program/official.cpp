@@ -359,6 +359,15 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
   CHECK(contains(longer.text, "'walk' has 80 frames, the model makes 60"));
   CHECK(contains(w.run({"generate", "--model", "mdm", "--action", "walk", "--backend", "reference"}).text, "generated with backend 'eigen'"));
 
+  const auto none = ml::MdmCondition::none;
+  official::write_mdm_action_run(w / "free", official::small(), 0.1, none, R"(, "unconstrained": true)");
+  w.did({"generate", "--model", "free", "--action", "any", "--seconds", "2", "--steps", "3"});
+  CHECK(w.joints("out/any.npy") == std::vector<ml::Index>{40, 24, 3});
+  CHECK(contains(w.did({"info", "free"}), "actions                  any"));
+  CHECK(contains(w.run({"generate", "--model", "free", "--action", "walk"}).text, "action 'walk' is none of 0 ... 0; they are called any"));
+  official::write_mdm_action_run(w / "wrong", official::small(), 0.1, ml::MdmCondition::action, R"(, "cond_mode": "no_cond")");
+  CHECK(contains(w.run({"generate", "--model", "wrong", "--action", "any"}).text, "[motionlang.io.404]"));
+
   const fs::path run = official::write_tm2t_runs(w.path, official::small_tm2t());
   w.did({"generate", "--model", run.string(), "--text", "a person walks"});
   const auto shape = w.joints("out/a_person_walks.npy");

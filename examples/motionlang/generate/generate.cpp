@@ -170,7 +170,7 @@ void add_generate(CLI::App& app) {
   const auto timeline = what->add_option(
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), or 'text # duration'");
   what->add_option("--text", o->text, "One text for the whole body");
-  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM)");
+  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM");
   what->require_option(1);
   c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
       ->excludes(timeline)
