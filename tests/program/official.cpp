@@ -84,6 +84,64 @@ TEST_CASE("pack: one folder that generates the same; info says what a folder is"
   CHECK(contains(w.did({"info", "mdm"}), "model000475000.pt"));
 }
 
+TEST_CASE("pack: ACTOR, TEMOS, TEACH, SINC, TM2T and MDM for actions; the folder generates the same with nothing else") {
+  const Workplace w;
+  const auto teach = official::small_teach();
+  const auto sinc = official::small_sinc();
+  official::write_actor_run(w / "actor", official::small_actor());
+  official::write_mdm_action_run(w / "mdm", official::small());
+  official::write_temos_run(w / "temos", official::small_temos());
+  official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
+  official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
+  official::write_temos_statistics(w / "of64", 64);
+  official::write_temos_statistics(w / "of135", 135);
+  official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
+  const std::string tm2t = official::write_tm2t_runs(w.path, official::small_tm2t()).string();
+  const TemporaryFolder elsewhere;  // nothing is found beside it
+  const auto made = [&](const std::string& model, std::vector<std::string> what) {
+    what.insert(what.begin(), {"generate", "--model", model, "--seed", "4", "--out", "made"});
+    w.did(what);
+    const std::string bvh = ml::read_file(w / "made/walk.bvh");
+    fs::remove_all(w / "made");
+    return bvh;
+  };
+  const auto check_packs = [&](const std::string& run, const std::string& system, const std::vector<std::string>& what,
+                               const std::vector<std::string>& sources) {
+    CAPTURE(system);
+    const auto joined = [](std::vector<std::string> a, const std::vector<std::string>& b) {
+      a.insert(a.end(), b.begin(), b.end());
+      return a;
+    };
+    const std::string packed = (elsewhere / system).string();
+    const std::string said = w.did(joined({"pack", run, "-o", packed, "--license", "drawn by us", "--provenance", "this test",
+                                           "--with-text-encoder"},
+                                          sources));
+    CHECK_MESSAGE(contains(said, "license                  drawn by us"), said);
+    CHECK(contains(w.did({"info", packed}), "provenance               this test"));
+    CHECK(contains(ml::read_file(packed + "/config.json"), "\"system\": \"" + system + "\""));
+    CHECK(made(packed, what) == made(run, joined(what, sources)));
+    const std::string again = packed + "_again";  // such a folder is a run folder
+    w.did({"pack", packed, "-o", again, "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"});
+    CHECK(ml::read_file(again + "/weights.safetensors") == ml::read_file(packed + "/weights.safetensors"));
+    CHECK(ml::read_file(again + "/config.json") == ml::read_file(packed + "/config.json"));
+  };
+  const std::vector<std::string> action{"--action", "walk", "--seconds", "1"}, text{"--text", "walk", "--seconds", "1"};
+  check_packs("actor", "actor", action, {});
+  check_packs("mdm", "mdm", action, {});
+  check_packs("temos", "temos", text, {"--statistics", "of64", "--text-encoder", "words"});
+  check_packs("teach", "teach", text, {"--statistics", "of135", "--text-encoder", "words"});
+  check_packs("sinc", "sinc", text, {"--statistics", "of135", "--text-encoder", "words"});
+  check_packs(tm2t, "tm2t", {"--text", "walk"}, {});
+  const auto refused = [&](const std::string& run, const std::string& message) {
+    const Outcome out = w.run({"pack", run, "-o", "refused", "--license", "l", "--provenance", "p"});
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+    CHECK(!fs::exists(w / "refused"));
+  };
+  refused("temos", "no statistics of the motions");
+  refused("of64", "[motionlang.io.404]");
+}
+
 TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   const Workplace w;
   official::write_actor_run(w / "actor", official::small_actor());
@@ -300,6 +358,15 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
   CHECK(longer.code == 3);
   CHECK(contains(longer.text, "'walk' has 80 frames, the model makes 60"));
   CHECK(contains(w.run({"generate", "--model", "mdm", "--action", "walk", "--backend", "reference"}).text, "generated with backend 'eigen'"));
+
+  const auto none = ml::MdmCondition::none;
+  official::write_mdm_action_run(w / "free", official::small(), 0.1, none, R"(, "unconstrained": true)");
+  w.did({"generate", "--model", "free", "--action", "any", "--seconds", "2", "--steps", "3"});
+  CHECK(w.joints("out/any.npy") == std::vector<ml::Index>{40, 24, 3});
+  CHECK(contains(w.did({"info", "free"}), "actions                  any"));
+  CHECK(contains(w.run({"generate", "--model", "free", "--action", "walk"}).text, "action 'walk' is none of 0 ... 0; they are called any"));
+  official::write_mdm_action_run(w / "wrong", official::small(), 0.1, ml::MdmCondition::action, R"(, "cond_mode": "no_cond")");
+  CHECK(contains(w.run({"generate", "--model", "wrong", "--action", "any"}).text, "[motionlang.io.404]"));
 
   const fs::path run = official::write_tm2t_runs(w.path, official::small_tm2t());
   w.did({"generate", "--model", run.string(), "--text", "a person walks"});

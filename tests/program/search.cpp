@@ -380,6 +380,19 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   CHECK_MESSAGE(made.code == 0, made.text);
   CHECK(ml::read_bvh_motion(g / "made/a_person_walks.bvh").frames() == 20);
   check_contains(g.run({"generate", "--model", "tmr", "--text", "a person walks"}), 1, {"the states of distilbert: --text-encoder names it"});
+
+  // packed into one folder it is the same
+  check_contains(g.run({"pack", "tmr", "-o", "packed", "--license", "drawn by us", "--provenance", "this test"}), 0,
+                 {"license                  drawn by us", "latent 16, feed-forward 24"});
+  const auto again = g.run({"generate", "--model", "packed", "--text", "a person walks", "--seconds", "1", "--text-encoder",
+                            "states/bert.npy", "--out", "again"});
+  CHECK_MESSAGE(again.code == 0, again.text);
+  CHECK(ml::read_file(g / "again/a_person_walks.bvh") == ml::read_file(g / "made/a_person_walks.bvh"));
+  check_contains(g.run({"index", "clips", "--model", "packed", "-o", "packed.index"}), 0, {"6 clips"});
+  const auto found = [&](const char* index) {
+    return g.run({"search", index, "a person walks", "--text-encoder", "states/bert.npy"}).text;
+  };
+  CHECK(found("packed.index") == found("moves.index"));
   std::vector<std::string> ids;
   for (int i = 0; i < 34; ++i) {
     ids.push_back(std::to_string(100 + i));

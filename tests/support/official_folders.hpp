@@ -149,20 +149,22 @@ inline void write_mdm_run(const fs::path& folder, const Sizes& s) {
   write_npy_statistics(folder, statistics(c.nfeats, 3), "Mean.npy", "Std.npy");
 }
 
-inline ml::MdmDenoiser<B> mdm_actions(const Sizes& s) {
+inline ml::MdmDenoiser<B> mdm_actions(const Sizes& s, ml::MdmCondition condition = ml::MdmCondition::action) {
   ml::MdmConfig c = s.mdm;
-  c.nfeats = 150, c.condition = ml::MdmCondition::action, c.num_actions = 12, c.crop_frames = 60;
+  c.nfeats = 150, c.condition = condition, c.num_actions = 12, c.crop_frames = 60;
   ml::Philox rng{.seed = 32};
   return {c, rng};
 }
 /// args.json and a checkpoint of a model of HumanAct12; there are no statistics.
-inline void write_mdm_action_run(const fs::path& folder, const Sizes& s, double cond_mask_prob = 0) {
+/// said   more of args.json: ", \"unconstrained\": true"
+inline void write_mdm_action_run(const fs::path& folder, const Sizes& s, double cond_mask_prob = 0,
+                                 ml::MdmCondition condition = ml::MdmCondition::action, const std::string& said = "") {
   write_text(folder / "args.json",
              ml::concat_text(R"({"arch": "trans_enc", "cond_mask_prob": )", cond_mask_prob,
                              R"(, "dataset": "humanact12", "diffusion_steps": )", s.steps, R"(, "latent_dim": )", s.mdm.latent_dim,
-                             R"(, "layers": )", s.mdm.num_layers, R"(, "noise_schedule": "cosine", "num_frames": 60})"));
+                             R"(, "layers": )", s.mdm.num_layers, R"(, "noise_schedule": "cosine", "num_frames": 60)", said, "}"));
   TorchArchive archive;
-  add_module(archive, mdm_actions(s));
+  add_module(archive, mdm_actions(s, condition));
   add_zeros(archive, "sequence_pos_encoder.pe", {7, 1, s.mdm.latent_dim});
   add_zeros(archive, "rot2xyz.smpl_model.faces", {2, 3});
   write_bytes(folder / "model000350000.pt", archive.finish());

@@ -90,7 +90,8 @@ Lines mdm_of_actions(const ml::RunFolder& run) {
   const ml::WeightFile weights = ml::detail::run_weights(run);
   ml::DiffusionRun about;
   ml::detail::read_mdm(about, ml::detail::reader_of(run, weights));
-  return {{"actions", ml::concat_text(about.mdm.num_actions, " classes")},
+  const bool none = about.mdm.condition == ml::MdmCondition::none;
+  return {{"actions", none ? "any" : ml::concat_text(about.mdm.num_actions, " classes")},
           {"motions", ml::concat_text(about.mdm.nfeats, " numbers a frame")},
           {"diffusion", ml::concat_text(about.schedule, ", ", about.steps, " steps")},
           {"networks", transformer(about.mdm)}};

@@ -1,9 +1,8 @@
-// motionlang pack: the folder of a published diffusion model as a model folder of ours.
+// motionlang pack: the folder of a published model as a model folder of ours.
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/diffusion_folder.hpp>
-#include <motionlang/io/mdm_action_run.hpp>
+#include <motionlang/io/pack_run.hpp>
 
 #include "../commands.hpp"
 #include "model_summary.hpp"
@@ -17,16 +16,17 @@ namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
 
 struct PackOptions {
-  std::string run, out, license, provenance, text_encoder, statistics;
+  std::string run, out, license, provenance, text_encoder, statistics, tokenizer;
   bool with_text_encoder = false;
 };
 
 void run(const PackOptions& o) {
-  ml::pack_diffusion_run<B>(ml::find_run(o.run), o.out,
+  ml::pack_run<B>(ml::find_run(o.run), o.out,
                             {.license = o.license,
                              .provenance = o.provenance,
                              .sources = {.text_encoder = o.text_encoder, .statistics = o.statistics},
-                             .text_encoder = o.with_text_encoder});
+                             .text_encoder = o.with_text_encoder,
+                             .tokenizer = o.tokenizer});
   std::printf("%s\n%s", o.out.c_str(), describe_folder(o.out).c_str());
 }
 
@@ -44,10 +44,9 @@ std::string describe_folder(const std::filesystem::path& folder) {
   say("options", run.options_file.string());
   say("weights", run.weights.string());
   for (const auto& [part, file] : run.parts) say(part, file.string());
-  if (system == "motionlang") {
+  if (system == "motionlang" || run.packed) {
     const ml::ModelFolder model = ml::read_model_folder(folder);
-    system = model.system;
-    say("model of", system);
+    if (!run.packed) say("model of", system = model.system);
     say("license", model.license);
     say("provenance", model.provenance);
   }
@@ -71,7 +70,8 @@ std::string describe_folder(const std::filesystem::path& folder) {
 void add_pack(CLI::App& app) {
   const auto o = std::make_shared<PackOptions>();
   CLI::App* c = app.add_subcommand(
-      "pack", "Makes one folder of config.json and weights.safetensors of a model that STMC, MDM or MotionDiffuse publish");
+      "pack", "Makes one folder of config.json and weights.safetensors of a published model: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, "
+              "TEACH, SINC, TM2T");
   c->add_option("run", o->run, "Folder as the repository leaves it")->required()->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out, "Folder to make")->required();
   c->add_option("--license", o->license, "What the weights may be used for")->required();
@@ -79,7 +79,10 @@ void add_pack(CLI::App& app) {
   c->add_option("--statistics", o->statistics, "Folder with mean and std of the features, if they are not in the model's own")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->text_encoder, "Looked for beside the model unless given")->check(CLI::ExistingPath);
-  c->add_flag("--with-text-encoder", o->with_text_encoder, "Copies the text encoder into the folder");
+  c->add_option("--tokenizer", o->tokenizer, "TM2T: the folder of its motion tokenizer; looked for beside the model unless given")
+      ->check(CLI::ExistingDirectory);
+  c->add_flag("--with-text-encoder", o->with_text_encoder,
+              "Copies the text encoder into the folder; of TEMOS, TEACH and SINC the tokenizer, of TM2T the word vectors");
   c->callback([o] { run(*o); });
 }
 

@@ -173,7 +173,7 @@ void add_generate(CLI::App& app) {
       "motion of its own")
                             ->check(not_empty());
   what->add_option("--text", o->text, "One text for the whole body")->check(not_empty());
-  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM)")->check(not_empty());
+  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")->check(not_empty());
   what->require_option(1);
   c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
       ->excludes(timeline)

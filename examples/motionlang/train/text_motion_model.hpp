@@ -147,7 +147,7 @@ TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder
   if (width != features.width)
     ml::raise<ml::config_error>(102, run.folder.string(), ": a model of features of ", width, " numbers, '", features.name,
                                 "' has ", features.width);
-  auto statistics = ml::detail::find_normalizer<B>(ml::detail::statistics_of(run), width, {"stats.", ""});
+  auto statistics = ml::detail::find_normalizer<B>(weights, width, {"stats.", ""});
   if (!statistics)
     ml::raise<ml::io_error>(401, run.folder.string(),
                             ": no statistics of the motions: stats/mean.pt and std.pt are missing");

@@ -4,6 +4,7 @@
 ///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
 ///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as ACTOR has them
 ///
+/// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
 /// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
 #pragma once
 
@@ -23,7 +24,7 @@ struct MdmActionOptions {
 
 template <Backend B>
 struct MdmActions {
-  MdmDenoiser<B> denoiser;  // conditioned on actions
+  MdmDenoiser<B> denoiser;  // conditioned on actions, or on nothing
   GaussianDiffusion diffusion;
   double guidance = 1;  // the published models were trained without empty actions, and have none
 
@@ -32,10 +33,10 @@ struct MdmActions {
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
     const MdmConfig& c = denoiser.config;
-    if (c.condition != MdmCondition::action)
+    if (c.condition == MdmCondition::text)
       raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
     const Index n = std::ssize(actions), frames = c.crop_frames;
-    const double weight = options.guidance.value_or(guidance);
+    const double weight = c.condition == MdmCondition::none ? 1 : options.guidance.value_or(guidance);
     const Index calls = weight == 1 ? 1 : 2;  // the second one without actions
     std::vector<S> one_hot(static_cast<std::size_t>(calls * n * c.num_actions));
     for (Index i = 0; i < n; ++i) {

@@ -14,6 +14,7 @@ struct PackOptions {
   std::string license, provenance;
   DiffusionRunOptions sources{};
   bool text_encoder = false;  // copied into the folder
+  FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer, looked for beside the model unless given
 };
 
 namespace detail {

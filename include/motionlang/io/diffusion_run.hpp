@@ -219,11 +219,7 @@ inline RunFolder published_run(const RunFolder& run) {
   if (run.system == "motionlang") {
     const FileValue* system = run.option("system");
     out.system = system == nullptr ? "" : to_string(*system);
-    out.options.clear();
-    constexpr std::string_view below = "config/";
-    for (const FileValue& v : run.options) {
-      if (v.path.starts_with(below)) out.options.push_back({v.path.substr(below.size()), v.value});
-    }
+    out.options = options_of_config(run);
   }
   if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
     raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no system that is known" : "of " + out.system,

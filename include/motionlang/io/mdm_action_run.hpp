@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// MDM's models of actions (HumanAct12, UESTC) from the folders in which their repository leaves them.
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the folders in which their repository leaves them.
 ///
 ///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
 ///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
@@ -21,14 +21,22 @@ template <Backend B>
 struct MdmActionRun {
   MdmActions<B> model;
   ActorFeatureOptions features{};   // what a frame is made of
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" of an unconstrained model
   double fps = 20;                  // of the repository's videos; data have none
 };
 
-/// Whether a run folder is MDM's and of actions.
+namespace detail {
+inline bool is_unconstrained_mdm(const RunFolder& run) {
+  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
+  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
+}
+}  // namespace detail
+
+/// Whether a run folder is MDM's and of actions, or unconstrained.
 inline bool is_mdm_action_run(const RunFolder& run) {
   return run.system == "mdm" && !run.weights.empty() &&
-         detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value();
+         (detail::is_unconstrained_mdm(run) ||
+          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
 }
 
 template <Backend B>
@@ -43,7 +51,10 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
     raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ",
                     wanted);
-  if (c.condition != MdmCondition::action) raise<io_error>(404, weights.name(), ": not a model of actions");
+  const bool unconstrained = c.condition == MdmCondition::none;
+  if (c.condition == MdmCondition::text || unconstrained != detail::is_unconstrained_mdm(run))
+    raise<io_error>(404, weights.name(), ": not a model of actions");
+  if (unconstrained) c.num_actions = 1;
   c.crop_frames = r.number({"num_frames"}, 60, 10'000);
   NoInit zeros;
   MdmActionRun<B> out{
@@ -51,7 +62,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
                 .diffusion = about.diffusion(),
                 .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
       .features = features,
-      .labels = action_labels(r.text("dataset", ""), c.num_actions)};
+      .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   prepare_loaded(out.model.denoiser);
   return out;

@@ -15,6 +15,8 @@
 /// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
+/// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the folder of a system; that
+///                system, with its options and weights.safetensors
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 #pragma once
@@ -34,6 +36,7 @@ struct RunFolder {
   std::vector<FileValue> options;                      // of that file
   std::filesystem::path weights;                       // the file with the tensors; empty if they are in parts
   std::map<std::string, std::filesystem::path> parts;  // files by what the names of their tensors begin with
+  bool packed = false;                                 // one file of weights, with the statistics
 
   /// Null if no option has this path; follows references.
   const FileValue* option(std::string_view path) const { return find_option(options, path); }
@@ -115,6 +118,25 @@ inline std::string system_of_options(const RunFolder& run) {
   return run.option("model_type") != nullptr ? "hugging face" : "";
 }
 
+/// The options behind "config/", which in a folder of ours are those of the system.
+inline std::vector<FileValue> options_of_config(const RunFolder& run) {
+  constexpr std::string_view below = "config/";
+  std::vector<FileValue> out;
+  for (const FileValue& v : run.options) {
+    if (v.path.starts_with(below)) out.push_back({v.path.substr(below.size()), v.value});
+  }
+  return out;
+}
+/// Of a packed run the run.
+inline void unpack(RunFolder& run) {
+  const FileValue *published = run.option("published"), *system = run.option("system");
+  if (run.system != "motionlang" || published == nullptr || system == nullptr || to_string(*published) != "true") return;
+  run.system = to_string(*system);
+  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
+  run.options = options_of_config(run);
+  run.packed = true;
+}
+
 /// Files of statistics under the names "mean" and "std", behind that of their folder.
 inline void add_statistics(RunFolder& run) {
   const auto add = [&](const std::filesystem::path& folder, const std::string& prefix) {
@@ -152,7 +174,9 @@ inline void find_weights(RunFolder& run) {
   if (run.system.empty() && !split.empty()) run.system = "tmr";
   if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
 
-  if (run.system == "stmc" || run.system == "temos")
+  if (run.packed)
+    run.weights = whole;
+  else if (run.system == "stmc" || run.system == "temos")
     run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
   else if (run.system == "mdm")
     run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
@@ -198,6 +222,7 @@ inline RunFolder find_run(const FilePath& path) {
   if (!run.options_file.empty()) {
     run.options = read_options(run.options_file);
     run.system = detail::system_of_options(run);
+    detail::unpack(run);
   }
   detail::find_weights(run);
   return run;

@@ -21,7 +21,7 @@ namespace detail {
 
 inline bool beside_teach_and_sinc(const std::string& name) {
   return name.ends_with("sequence_pos_encoding.pe") ||
-         begins_with_any(name, {"textencoder.text_model.", "_losses.", "losses.", "metrics.", "eval_model."});
+         begins_with_any(name, {"textencoder.text_model.", "_losses.", "losses.", "metrics.", "eval_model.", "motion_normalizer."});
 }
 
 }  // namespace detail

@@ -68,7 +68,7 @@ Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
   Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {
     return name.ends_with("sequence_pos_encoding.pe") ||
-           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses."});
+           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
   });
   return model;
 }

@@ -52,6 +52,7 @@ inline bool has_motion_tokenizer(const RunFolder& run) {
 inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options) {
   namespace fs = std::filesystem;
   if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
+  if (run.packed) return run;
   const fs::path beside = run.folder.lexically_normal();
   const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
   std::vector<RunFolder> found;
@@ -81,6 +82,7 @@ inline FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options) 
     for (int up = 0; up < 5 && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
       places.push_back(folder);
       places.push_back(folder / "glove");
+      if (run.packed) places.push_back(folder / "text_encoder");
     }
   }
   for (const fs::path& place : places) {
@@ -120,6 +122,16 @@ inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
   return c;
 }
 
+/// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
+  auto out = find_normalizer<B>(weights, features, {"motion_normalizer."});
+  if (!out && !run.parts.empty()) out = find_normalizer<B>(statistics_of(run), features, {"meta.", ""});
+  if (!out)
+    raise<io_error>(401, run.folder.string(), ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
+  return *out;
+}
+
 }  // namespace detail
 
 /// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
@@ -156,14 +168,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
   detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
     return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
   });
-  auto statistics = tokenizer_run.parts.empty() ? std::nullopt
-                                                : detail::find_normalizer<B>(detail::statistics_of(tokenizer_run),
-                                                                             tokenizer.features, {"meta.", ""});
-  if (!statistics)
-    raise<io_error>(401, tokenizer_run.folder.string(),
-                    ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
-  statistics->eps = 0;
-  out.model.statistics = std::move(*statistics);
+  out.model.statistics = detail::tm2t_normalizer<B>(tokenizer_run, tokenizer_weights, tokenizer.features);
+  out.model.statistics.eps = 0;
   prepare_loaded(out.model.t2m_model);
   prepare_loaded(out.model.tokenizer);
   return out;

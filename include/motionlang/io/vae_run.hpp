@@ -61,10 +61,8 @@ inline void require_checkpoint(const RunFolder& run, const char* system, const c
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
 }
 
-/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
-template <Backend B>
-AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
-  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+/// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
+inline std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options) {
   std::filesystem::path folder = options.text_encoder.string();
   for (const auto& near : {run.folder, run.folder.parent_path()}) {
     for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
@@ -75,6 +73,14 @@ AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weig
   if (folder.empty())
     raise<io_error>(401, run.folder.string(), ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
                     "distilbert-base-uncased there, or name its folder");
+  return folder;
+}
+
+/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
+template <Backend B>
+AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  const std::filesystem::path folder = temos_text_folder(run, options);
   if (!inside) return load_text_encoder<B>(folder);
   AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
   AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(weights), weights)};
@@ -114,23 +120,31 @@ inline std::string lightning_system(const TensorSet& weights) {
 
 namespace detail {
 
+/// Of the options' folder, else in the weights of a packed run, else of the run's. Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
+  const bool elsewhere = !options.statistics.string().empty();
+  auto normalizer = elsewhere ? std::nullopt : find_normalizer<B>(weights, nfeats, {"motion_normalizer."});
+  const RunFolder statistics = elsewhere ? find_run(options.statistics) : run;
+  if (!normalizer && !statistics.parts.empty())
+    normalizer = find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
+  if (!normalizer)
+    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
+                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                    " (deps/transforms/... of TEMOS) there, or name their folder");
+  return *normalizer;
+}
+
 /// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
 template <Backend B, class Model>
 TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps, double eps,
                                         const TemosRunOptions& options) {
   const RunReader r(run, weights, "");
-  const Index nfeats = r.size("motiondecoder.final_layer.weight", 0);
-  const RunFolder statistics = options.statistics.string().empty() ? run : find_run(options.statistics);
-  auto normalizer = statistics.parts.empty()
-                        ? std::nullopt
-                        : find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
-  if (!normalizer)
-    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
-                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
-                    " (deps/transforms/... of TEMOS) there, or name their folder");
-  normalizer->eps = eps;
+  auto normalizer = temos_normalizer<B>(run, weights, options);
+  normalizer.eps = eps;
   TextMotionRun<B, Model> out{.model = std::move(model),
-                              .normalizer = std::move(*normalizer),
+                              .normalizer = std::move(normalizer),
                               .text_encoder = temos_text_encoder<B>(run, weights, options),
                               .fps = r.real("data/framerate", fps)};
   prepare_loaded(out.model);

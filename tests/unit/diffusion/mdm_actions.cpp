@@ -46,6 +46,21 @@ TEST_CASE(
   CHECK(tensors::distance(small(1, 0).generate(action, rng).rows, null) < 1e-12);
 }
 
+TEST_CASE("an unconstrained model makes motions of nothing, and is not guided") {
+  auto mdm = small(1, 2.5);
+  mdm.denoiser.config.condition = ml::MdmCondition::none;
+  mdm.denoiser.config.num_actions = 1;
+  mdm.denoiser.action_embedding.reset();
+  const ml::Philox rng{.seed = 9};
+  auto stream = rng.split("noise").split(std::uint64_t{0}).split(std::uint64_t{0});
+  const ml::Sequences<B> x(ml::Tensor<B, 2>::randn({5, 6}, stream), ml::Offsets{5});
+  const auto said = mdm.denoiser(x, std::vector<Index>{0}, ml::TextFeatures<B>{}).rows;
+  const std::vector<Index> any{0}, other{1};
+  CHECK(tensors::distance(mdm.generate(any, rng).rows, said) < 1e-12);
+  CHECK(tensors::distance(mdm.generate(any, rng, {.guidance = 7}).rows, said) < 1e-12);
+  CHECK_ERROR(mdm.generate(other, rng), "[motionlang.shape.203]");
+}
+
 TEST_CASE("a motion is the same alone and before others; fewer steps, other samplers") {
   const auto mdm = small(12, 2.5);
   const ml::Philox rng{.seed = 9};
