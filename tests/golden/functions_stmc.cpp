@@ -134,7 +134,7 @@ struct Host {
   ml::Tensor<B, 3> run(std::span<const ml::Timeline> timelines, const Out& out) const {
     const auto config = c.config();
     const auto mode = config.value_or("mode", std::string("none"));
-    const auto z_of = [&](Index draw, const ml::Shape& shape) {  // rows that the file does not have are never read by a crop
+    const auto z_of = [&](Index draw, const ml::Shape& shape) {  // a crop never reads rows that the file does not have
       const auto z = noise(golden::noise_name(draw));
       const Index more = shape[1] - z.size(1);
       return more <= 0 ? ml::slice(z, 1, 0, shape[1])
@@ -149,16 +149,16 @@ struct Host {
       if (t == 0) out("x0", cut(x0)), out("x_after_000", cut(x0));
       return x0;
     };
-    const auto motions = stmc.generate_from(
-        timelines, z_of,
-        {.overlap = config.value_or("overlap_frames", Index{10}),
-         .guidance = config["guidance"].template as<double>(),
-         .sampling = ml::SamplingOptions{.noise_scale = golden::noise_scale_of(config)},
-         .mode = mode == "sinc"        ? ml::StmcMode::sinc
-                 : mode == "sinc_lerp" ? ml::StmcMode::sinc_lerp
-                                       : ml::StmcMode::stmc,
-         .gaps = ml::Gaps::refuse},
-        watched);
+    const auto motions =
+        stmc.generate_from(timelines, z_of,
+                           {.overlap = config.value_or("overlap_frames", Index{10}),
+                            .guidance = config["guidance"].template as<double>(),
+                            .sampling = ml::SamplingOptions{.noise_scale = golden::noise_scale_of(config)},
+                            .mode = mode == "sinc"        ? ml::StmcMode::sinc
+                                    : mode == "sinc_lerp" ? ml::StmcMode::sinc_lerp
+                                                          : ml::StmcMode::stmc,
+                            .gaps = ml::Gaps::refuse},
+                           watched);
     std::vector<Index> lengths;
     for (const auto& m : motions) lengths.push_back(m.size(0));
     if (c.wants("n_frames")) c.out("n_frames", lengths);
@@ -196,7 +196,8 @@ Host<B, ml::MdmSmplDenoiser<B>> mdm_smpl_host(Case& c, std::span<const ml::Timel
   const auto m = golden::mdm_smpl_model<B>(c);
   return {.c = c,
           .stmc = {.denoiser = m.denoiser,
-                   .text_encoder = texts_of(timelines, golden::text_features<B>(c), golden::one_text<B>(c, "in/text_empty")),
+                   .text_encoder =
+                       texts_of(timelines, golden::text_features<B>(c), golden::one_text<B>(c, "in/text_empty")),
                    .motion_normalizer = m.motion_normalizer,
                    .text_normalizer = m.text_normalizer,
                    .diffusion = golden::diffusion_of(c.config()),
@@ -299,7 +300,8 @@ void mdm_text_chain(Case& c) {
 template <ml::Backend B>
 void motiondiffuse_text_chain(Case& c) {
   const auto text = golden::clip_features<B>(c);
-  run_motiondiffuse<B>(c, one_timeline_each(c.values<Index>("in/lengths")), ml::gather(text, std::vector<Index>{0}), true);
+  run_motiondiffuse<B>(c, one_timeline_each(c.values<Index>("in/lengths")), ml::gather(text, std::vector<Index>{0}),
+                       true);
 }
 
 /// Joints of normalised features, (timelines, frames, 22, 3), zero behind the ends.
@@ -309,7 +311,8 @@ void out_joints(Case& c, const ml::Tensor<B, 3>& motion, std::span<const ml::Tim
   const ml::Normalizer<B> statistics{tensor<B, 1>(c, "in/mean"), tensor<B, 1>(c, "in/std"), 0};
   std::vector<S> out(static_cast<std::size_t>(motion.size(0) * motion.size(1) * 66));
   for (std::size_t m = 0; m < timelines.size(); ++m) {
-    const auto one = ml::slice(ml::slice(motion, 0, static_cast<Index>(m), static_cast<Index>(m) + 1), 1, 0, timelines[m].end());
+    const auto one =
+        ml::slice(ml::slice(motion, 0, static_cast<Index>(m), static_cast<Index>(m) + 1), 1, 0, timelines[m].end());
     const auto features = statistics.denormalize(one);
     std::size_t at = m * static_cast<std::size_t>(motion.size(1)) * 66;
     for (const auto& j : ml::guoh3d_joints<S>(features.span())) out[at++] = j.x, out[at++] = j.y, out[at++] = j.z;

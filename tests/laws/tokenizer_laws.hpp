@@ -33,10 +33,12 @@ inline std::string valid_utf8(std::string_view text) {
 template <ml::Tokenizer T>
 void tokenizer_laws(const T& tokenizer) {
   using namespace std::string_literals;
+  // clang-format off
   const std::vector<std::string> texts{"walk forward", "", " \t\r\n ", "Sit down, and raise both arms!", "walk forward",
                                        "person's 12 jumps", "caf\u00e9 \u8d70\u8def \U0001F3C3 na\u0131ve",
                                        "an-unheard_of/word", "\xFF", "walk\xC3", "wa\xFFlk \xE2\x82 forward",
                                        "\xED\xA0\x80 \xF5\x80\x80\x80 \xC0\xAF", "a\0b"s, std::string(300, 'x')};
+  // clang-format on
   const Ids frame = tokenizer.encode("");
   REQUIRE(frame.size() >= 2);
   const T copy = tokenizer;

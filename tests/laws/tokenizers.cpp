@@ -11,12 +11,11 @@ using ml::Index;
 
 namespace {
 
-const std::vector<std::string> bert_pieces{"[PAD]", "[UNK]", "[CLS]", "[SEP]",   "a",      "person", "walk", "##s",
-                                           "##ing", "sit",   "down",  "and",     ".",      ",",      "'",    "!",
-                                           "-",     "12",    "cafe",  "x",       "##x",    "s",      "jump", "forward",
-                                           "b",     "\u8d70"};
-const ml::BytePairMerges clip_merges{{"w", "a"}, {"wa", "l"},     {"wal", "k</w>"}, {"wal", "k"}, {"s", "i"},
-                                     {"si", "t</w>"}, {"x", "x"}, {"xx", "xx"},     {"a", "n"}};
+const std::vector<std::string> bert_pieces{
+    "[PAD]", "[UNK]", "[CLS]", "[SEP]", "a",  "person", "walk", "##s", "##ing", "sit",  "down",    "and", ".",
+    ",",     "'",     "!",     "-",     "12", "cafe",   "x",    "##x", "s",     "jump", "forward", "b",   "\u8d70"};
+const ml::BytePairMerges clip_merges{{"w", "a"},      {"wa", "l"}, {"wal", "k</w>"}, {"wal", "k"}, {"s", "i"},
+                                     {"si", "t</w>"}, {"x", "x"},  {"xx", "xx"},     {"a", "n"}};
 
 ml::BertTokenizer bert(Index longest = 512, bool truncate = false) {
   ml::BertTokenizerOptions options;
@@ -27,7 +26,8 @@ ml::ClipTokenizer clip(ml::ClipCleaning cleaning, Index longest = 1000, bool tru
   return ml::ClipTokenizer(clip_merges, {.cleaning = cleaning, .longest = longest, .truncate = truncate});
 }
 ml::WordPiece learnt() {
-  return ml::WordPiece::learn(std::vector<std::string>{"walk forward", "raise both arms", "sit down", "walk and sit down"}, 40);
+  return ml::WordPiece::learn(
+      std::vector<std::string>{"walk forward", "raise both arms", "sit down", "walk and sit down"}, 40);
 }
 
 /// The numbers that TM2T takes: sos, the words, eos.
@@ -68,7 +68,8 @@ TEST_CASE("tokenizers cut a text to the length that is wanted, or refuse it") {
   for (const auto cleaning : {ml::ClipCleaning::original, ml::ClipCleaning::hugging_face})
     laws::length_law(text, 4, [&](std::string_view t, Index longest) { return clip(cleaning, longest).encode(t); });
 
-  const Index whole = std::ssize(bert().encode(text)), pieces = std::ssize(clip(ml::ClipCleaning::original).encode(text));
+  const Index whole = std::ssize(bert().encode(text)),
+              pieces = std::ssize(clip(ml::ClipCleaning::original).encode(text));
   CHECK(bert(whole).encode(text) == bert().encode(text));
   CHECK_ERROR(bert(whole - 1).encode(text), "[motionlang.config.101] BertTokenizer: a text of ");
   CHECK_ERROR(clip(ml::ClipCleaning::original, pieces - 1, false).encode(text),
