@@ -57,7 +57,8 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
     together = std::move(plan);
     plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
   }
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                              options.rows_at_once);
   const BatchPlan& wanted = hard_cuts ? together : collage.plan();
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
