@@ -1,4 +1,4 @@
-// The caption encoder, published networks behind a tokenizer, and one as a user would write it.
+// The caption encoder, published networks behind a tokenizer, tables of pieces and words, and one as a user would write it.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
@@ -6,7 +6,9 @@
 
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/clip_text.hpp>
+#include <motionlang/text/glove.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
+#include <motionlang/text/word_piece_tokens.hpp>
 
 #include "../support/small_modules.hpp"
 #include "text_encoder_laws.hpp"

@@ -74,14 +74,17 @@ TEST_CASE_TEMPLATE("no step after the second takes memory", B, ml::EigenBackend<
     for (auto sampler : {ml::SamplingOptions::Sampler::ddpm, ml::SamplingOptions::Sampler::ddim}) {
       for (double guidance : {1.0, 2.5}) {
         for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
-          ml::BufferPool::local().trim();
-          Counter counter;
-          model.generate(timelines, ml::Philox{.seed = 1},
-                         {.guidance = guidance,
-                          .sampling = ml::SamplingOptions{.sampler = sampler, .eta = 0.5, .clip = true},
-                          .mode = mode,
-                          .progress = counter});
-          counter.check(12);
+          for (Index rows_at_once : {ml::usual_rows_at_once, Index{50}}) {
+            ml::BufferPool::local().trim();
+            Counter counter;
+            model.generate(timelines, ml::Philox{.seed = 1},
+                           {.guidance = guidance,
+                            .sampling = ml::SamplingOptions{.sampler = sampler, .eta = 0.5, .clip = true},
+                            .mode = mode,
+                            .rows_at_once = rows_at_once,
+                            .progress = counter});
+            counter.check(12);
+          }
         }
       }
     }

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "../support/small_denoisers.hpp"
+#include "../support/threads.hpp"
 
 namespace ml = motionlang;
 using ml::BodyParts, ml::Index, ml::Timeline;
@@ -34,6 +35,24 @@ TEST_CASE_TEMPLATE("without overlap, neighbours know nothing of each other", D, 
     };
     const auto motion = model.generate_from(std::span(&alone, 1), stretch, {.overlap = 0}).front();
     CHECK_MESSAGE(small::numbers(motion) == small::numbers(ml::slice(whole, 0, interval.start, interval.end)), i);
+  }
+}
+
+TEST_CASE_TEMPLATE("however few rows go through the denoiser at once, the motion has the same bits", D,
+                   ml::MdmSmplDenoiser<B>, ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
+  auto model = small::model_of<D>();
+  ml::prepare(model);
+  const std::vector<Timeline> timelines{
+      {{{"walk forward", 0, 14, BodyParts::all()}, {"sit down", 14, 28, BodyParts::all()}}}, small::one_text(12)};
+  for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
+    const auto all = model.generate(timelines, noise_rng, {.mode = mode, .rows_at_once = 0});
+    for (int threads : {1, 2}) {
+      const Threads scope(threads);
+      for (Index rows : {1, 30, 50, 1000}) {
+        const auto some = model.generate(timelines, noise_rng, {.mode = mode, .rows_at_once = rows});
+        for (std::size_t m : {0u, 1u}) CHECK_MESSAGE(small::numbers(some[m]) == small::numbers(all[m]), rows, " rows");
+      }
+    }
   }
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The denoising step of STMC: all crops of all timelines through the network in one ragged batch, guided, stitched.
+/// The denoising step of STMC: all crops of all timelines through the network in ragged batches, guided, stitched.
 ///
 /// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
 #pragma once
 
-#include <map>  // equal sequences
+#include <limits>  // any number of rows
+#include <map>     // equal sequences
 
 #include <motionlang/compose/combine.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
@@ -20,24 +21,27 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    one call of the network per step. Sequences of the same frames and the same text go through it once: both calls of
-///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together. The longest
-///         come first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
-///         prepared here, not in the loop.
+/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
+///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
+///         text is "", and the unconditional calls of texts that begin and end together. The longest come first, so that threads
+///         end together; crops without frames are left out. Texts, offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
-  /// collage. Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for
-  /// the denoiser.
+  /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
+  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the denoiser,
+  /// config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
-          const TextFeatures<B>& null, double guidance)
+          const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
         layout_(layout),
         texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
                text.end_position},
-        guidance_(guidance) {
+        guidance_(guidance),
+        rows_at_once_(rows_at_once) {
+    if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
     check_texts(text.count(), null.count());
     prepare_step();
@@ -56,7 +60,11 @@ class Collage {
   Index stride() const { return motion_.stride; }
   Index rows() const { return motion_.stride * static_cast<Index>(plan_.timelines.size()); }
   /// Rows that go through the network in a step, without tokens for time and text.
-  Index batch_rows() const { return batch_offsets_.rows(); }
+  Index batch_rows() const {
+    Index rows = 0;
+    for (const Batch& b : batches_) rows += b.offsets.rows();
+    return rows;
+  }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
@@ -64,8 +72,7 @@ class Collage {
   CollageStep<B> step(const Tensor<B, 2>& x, Index t, F to_x0) const {
     CollageStep<B> s;
     s.crops = gather(x, crops_.rows);
-    const PoolVector<Index> steps(static_cast<std::size_t>(batch_offsets_.count()), t);
-    const auto out = (*denoiser_)(Sequences<B>(gather(x, batch_rows_), batch_offsets_), steps, batch_text_).rows;
+    const auto out = denoised(x, t);
     s.cond = gather(out, cond_);
     s.null = guidance_ == 1 ? s.cond : gather(out, null_);
     s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
@@ -83,6 +90,12 @@ class Collage {
   struct Job {
     Index first, length, text;  // first: row of the motions
     auto operator<=>(const Job&) const = default;
+  };
+  /// Jobs that go through the network together.
+  struct Batch {
+    std::vector<Index> rows;  // of x
+    Offsets offsets;
+    decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
   void check_texts(Index texts, Index nulls) const {
@@ -111,6 +124,27 @@ class Collage {
     }
     out.stride = motion_.stride;
     return out;
+  }
+
+  /// What the network makes of all jobs, one after the other.
+  Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
+    const auto of = [&](const Batch& b) {
+      const PoolVector<Index> steps(static_cast<std::size_t>(b.offsets.count()), t);
+      return (*denoiser_)(Sequences<B>(gather(x, b.rows), b.offsets), steps, b.text).rows;
+    };
+    if (batches_.size() == 1) return of(batches_.front());
+    PoolVector<Tensor<B, 2>> parts;
+    parts.reserve(batches_.size());
+    for (const Batch& b : batches_) parts.push_back(of(b));
+    return concat(std::span<const Tensor<B, 2>>(parts), 0);
+  }
+
+  /// Whether a sequence has the same result in any batch of these texts.
+  bool can_divide() const {
+    const BatchMates mates = denoiser_->traits().mates;
+    const Offsets& texts = texts_.tokens.offsets;
+    return mates == BatchMates::none ||
+           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
   }
 
   /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
@@ -143,16 +177,23 @@ class Collage {
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    std::vector<Index> lengths, which;
-    batch_rows_.clear();
+    const Index most = rows_at_once_ > 0 && can_divide() ? rows_at_once_ : std::numeric_limits<Index>::max();
+    batches_.clear();
+    std::vector<Index> rows, lengths, which;  // of the next batch
+    Index before = 0;                         // rows of the batches so far
+    const auto end_batch = [&] {
+      batches_.push_back({rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      before += std::ssize(rows);
+      rows.clear(), lengths.clear(), which.clear();
+    };
     for (const Job& job : jobs) {
-      begin[job] = static_cast<Index>(batch_rows_.size());
-      for (Index r = 0; r < job.length; ++r) batch_rows_.push_back(job.first + r);
+      if (!rows.empty() && std::ssize(rows) + job.length > most) end_batch();
+      begin[job] = before + std::ssize(rows);
+      for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
       lengths.push_back(job.length);
       which.push_back(job.text);
     }
-    batch_offsets_ = Offsets(lengths);
-    batch_text_ = encoded_text<B>(*denoiser_, gather(texts_, which));
+    end_batch();
     cond_.clear(), null_.clear();
     for (const auto& [with, without] : crops) {
       for (Index r = 0; r < with.length; ++r) {
@@ -174,12 +215,11 @@ class Collage {
   FeatureLayout layout_;
   TextFeatures<B> texts_;  // of all intervals, then the unconditional one
   double guidance_;
+  Index rows_at_once_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
-  std::vector<Index> batch_rows_;   // of x, for every row of the batch
-  std::vector<Index> cond_, null_;  // for every row of the crops its row of the batch, with its text and without
-  Offsets batch_offsets_;
-  decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
+  std::vector<Batch> batches_;
+  std::vector<Index> cond_, null_;  // for every row of the crops its row of all batches, with its text and without
 };
 
 /// x0 of all timelines at index t of the process.

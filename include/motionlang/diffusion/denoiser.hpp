@@ -9,6 +9,11 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
+///     all            everything (the released GRU of MDM)
+enum class BatchMates { none, longest_text, all };
+
 /// Properties of a denoiser that a host has to know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
@@ -16,6 +21,7 @@ struct DenoiserTraits {
   Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+  BatchMates mates = BatchMates::none;
 
   /// Frames that a crop may have; 0: any number.
   Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
@@ -23,7 +29,7 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch (tests/laws)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&

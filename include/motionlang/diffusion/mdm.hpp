@@ -89,7 +89,11 @@ struct MdmDenoiser {
   }
 
   DenoiserTraits traits() const {
-    return {.crop_frames = config.crop_frames, .uses_lengths = config.mask_frames, .empty_text_is_null = true};
+    const bool mixes = config.arch == MdmArch::gru && config.gru_over_batch;
+    return {.crop_frames = config.crop_frames,
+            .uses_lengths = config.mask_frames,
+            .empty_text_is_null = true,
+            .mates = mixes ? BatchMates::all : BatchMates::none};
   }
 
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return embed_timestep(positions.rows(), t); }

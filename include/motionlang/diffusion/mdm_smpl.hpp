@@ -76,7 +76,8 @@ struct MdmSmplDenoiser {
   /// Behind the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
-                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop()};
+                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop(),
+            .mates = BatchMates::longest_text};
   }
 
   /// (sequences, latent)

@@ -48,16 +48,23 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options, Estimate&& estimate) const {
+  return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                                       Estimate&& estimate) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  BatchPlan plan = plan_timelines(timelines, plan_options(options));
   BatchPlan together;  // what is stitched at the end where every text is sampled alone
   const auto [text, null] = encode(plan);
   if (hard_cuts) {
     together = std::move(plan);
     plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
   }
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                              options.rows_at_once);
   const BatchPlan& wanted = hard_cuts ? together : collage.plan();
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};

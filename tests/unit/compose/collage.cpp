@@ -47,8 +47,9 @@ const ml::Timeline timeline{{{"one", 0, 20, BodyParts::all()},
                              {"three", 5, 15, BodyParts{}.with(left_arm)}}};
 
 ml::Collage<B, Known> collage(const Known& denoiser, const ml::PlanOptions& options = {}, double guidance = 2.5,
-                              const ml::Timeline& t = timeline) {
-  return {denoiser, ml::plan_timelines(std::span(&t, 1), options), layout, texts({1, 2, 3}), texts({0}), guidance};
+                              const ml::Timeline& t = timeline, Index rows_at_once = ml::usual_rows_at_once) {
+  auto plan = ml::plan_timelines(std::span(&t, 1), options);
+  return {denoiser, std::move(plan), layout, texts({1, 2, 3}), texts({0}), guidance, rows_at_once};
 }
 
 constexpr ml::PlanOptions hard_cuts{.overlap = 0, .extend = false, .transition_crops = false};
@@ -101,6 +102,46 @@ TEST_CASE("one call per step, the longest first; crops without a text go through
   CHECK(guided.seen.back() == Offsets{22, 22, 14, 14, 12, 4, 4, 4});
   collage(guided, {.overlap = 0}).step(Matrix::zeros({30, 5}), 7);
   CHECK(guided.seen.back() == Offsets{20, 20, 10, 10, 10, 10});  // transitions without frames are left out
+}
+
+TEST_CASE("no more rows at once than wanted, but one crop at least; the answer is the same") {
+  const auto x = normal<B, 2>({30, 5}, 4);
+  const auto answer = [&](const Known& d, Index rows) {
+    const auto c = collage(d, {.overlap = 4}, 2.5, timeline, rows);
+    CHECK(c.batch_rows() == 108);
+    d.seen.clear();
+    return c.step(x, 7);
+  };
+  const Known says{.says_text = true};
+  const auto whole = answer(says, 0);
+  CHECK(says.seen == std::vector<Offsets>{{22, 22, 14, 14, 12, 12, 4, 4, 4}});
+  const std::map<Index, std::vector<Offsets>> batches{{108, {{22, 22, 14, 14, 12, 12, 4, 4, 4}}},
+                                                      {107, {{22, 22, 14, 14, 12, 12, 4, 4}, {4}}},
+                                                      {40, {{22}, {22, 14}, {14, 12, 12}, {4, 4, 4}}},
+                                                      {1, {{22}, {22}, {14}, {14}, {12}, {12}, {4}, {4}, {4}}}};
+  for (const auto& [rows, expected] : batches) {
+    const auto divided = answer(says, rows);
+    CHECK(says.seen == expected);
+    CHECK(same_bits(divided.cond, whole.cond));
+    CHECK(same_bits(divided.null, whole.null));
+    CHECK(same_bits(divided.x0, whole.x0));
+  }
+  CHECK_ERROR(answer(says, -1), "[motionlang.config.101] Collage: -1 rows at once");
+}
+
+TEST_CASE("a batch is not divided where a sequence depends on the others") {
+  const auto calls = [](ml::BatchMates mates, const Text& words) {
+    const Known d{.properties = {.mates = mates}};
+    const ml::Collage<B, Known> c(d, ml::plan_timelines(std::span(&timeline, 1)), layout, words, texts({0}), 2.5, 1);
+    c.step(Matrix::zeros({30, 5}), 0);
+    return d.seen.size();
+  };
+  const Text longer{{Matrix::zeros({4, 5}), Offsets{1, 2, 1}}};
+  CHECK(calls(ml::BatchMates::none, texts({1, 2, 3})) == 9);
+  CHECK(calls(ml::BatchMates::none, longer) == 9);
+  CHECK(calls(ml::BatchMates::longest_text, texts({1, 2, 3})) == 9);
+  CHECK(calls(ml::BatchMates::longest_text, longer) == 1);
+  CHECK(calls(ml::BatchMates::all, texts({1, 2, 3})) == 1);
 }
 
 TEST_CASE("texts that begin and end together share their unconditional crop, equal texts the other as well") {

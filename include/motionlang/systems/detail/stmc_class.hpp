@@ -31,6 +31,7 @@ struct StmcOptions {
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
   Progress progress{};  // called after every step; may cancel
 };
 
@@ -69,9 +70,14 @@ struct Stmc {
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
-  /// collage, features); whole(collage, x, t) is what a plain run takes. Not in the SINC modes, where nothing is stitched.
+  /// collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is that of the texts alone,
+  /// and what is estimated is not yet the motion.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
+                                          Estimate&& estimate) const;
+  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
   /// How timelines are planned for this model.
