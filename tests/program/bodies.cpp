@@ -10,6 +10,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../support/octahedra_body.hpp"
+#include "../support/official_vaes.hpp"
 #include "../support/synthetic_body.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
@@ -103,6 +104,12 @@ TEST_CASE("convert and view: hands stay on the body when the motion is edited") 
   CHECK(ml::distance(rotation(hands, "right_thumb3"), ml::detail::amass_rotation(sequence, 1, 51)) < 1e-3);
   const auto q = rotation(hands, "left_index1");
   CHECK(ml::distance(rotation(mirrored, "right_index1"), ml::Quaternion<double>{q.w, q.x, -q.y, -q.z}) < 1e-3);
+
+  official::write_actor_run(w / "actor", official::small_actor());
+  const std::vector<std::string> denoised{"--body", "smplh.npz", "--denoise", "actor", "--action", "walk"};
+  const std::string without = "what --denoise makes is without hands and face";
+  CHECK(contains(w.convert("hands.npz", "clean.glb", denoised), "hands.npz: " + without));
+  CHECK(!contains(w.convert("plain.npz", "clean.glb", denoised), without));
 
   const Outcome page = w.run({"view", "hands.npz", "--body", "smpl.npz"});
   CHECK_MESSAGE(page.code == 0, page.text);

@@ -7,6 +7,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 
+#include "../support/denoised.hpp"
 #include "../support/official_tm2t.hpp"
 #include "../support/official_vaes.hpp"
 #include "../support/synthetic_motion.hpp"
@@ -290,6 +291,25 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   const auto first_part = written(ml::crop(cleaned(ml::crop(walk, 0, 60)), 0, 45));
   CHECK(differ(ml::crop(whole, 0, 45), first_part) < 1e-2);
 
+  // other runs: as many frames at a time as they learned from, all at once where these were any
+  const std::string options = ml::read_file(w / "actor/opt.yaml"), frames_of_run = "num_frames: 60\n";
+  const auto begins_as_part_of = [&](ml::Index part, const std::string& learned_from) {
+    std::string other = options;
+    ml::write_file(w / "actor/opt.yaml", other.replace(other.find(frames_of_run), frames_of_run.size(), learned_from));
+    w.did({"convert", "long.bvh", "other.bvh", "--denoise", "actor", "--action", "walk"});
+    const auto made = ml::read_bvh_motion(w / "other.bvh");
+    CHECK(made.frames() == 150);
+    const ml::Index alone = part == 150 ? 150 : std::min(part - part / 4, 150 - part);  // before the last part
+    const auto expected = written(ml::crop(cleaned(ml::crop(walk, 0, part)), 0, alone));
+    CHECK_MESSAGE(differ(ml::crop(made, 0, alone), expected) < 1e-2, learned_from);
+    CHECK_MESSAGE(differ(ml::crop(made, 0, 45), first_part) > 2e-2, learned_from);
+  };
+  begins_as_part_of(80, "num_frames: 80\n");
+  begins_as_part_of(100, "num_frames: -2\nmin_len: 60\nmax_len: 100\n");
+  begins_as_part_of(120, "num_frames: -1\nmax_len: 120\n");
+  begins_as_part_of(150, "num_frames: -1\nmax_len: -1\n");
+  ml::write_file(w / "actor/opt.yaml", options);
+
   // at the rate of the motion, whatever the model's
   w.did({"convert", "short.bvh", "fast.bvh", "--fps", "40"});
   w.did({"convert", "fast.bvh", "slow.bvh", "--denoise", "actor", "--action", "walk"});
@@ -305,6 +325,19 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   const auto by_temos = ml::read_bvh_motion(w / "out.bvh");
   CHECK((by_temos.frames() >= 38 && by_temos.frames() <= 40));
   CHECK(by_temos.skeleton.size() == 21);
+
+  const auto sinc = official::small_sinc();
+  official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
+  official::write_temos_statistics(w / "of135", 135);
+  w.did({"convert", "short.bvh", "by_sinc.bvh", "--denoise", "sinc", "--statistics", "of135", "--text-encoder", "words"});
+  const auto by_sinc = ml::read_bvh_motion(w / "by_sinc.bvh");
+  CHECK(by_sinc.fps == doctest::Approx(20));
+  CHECK(by_sinc.skeleton.size() == 24);
+  const auto sinc_run = ml::load_sinc_run<official::B>(ml::find_run(w / "sinc"),
+                                                       {.text_encoder = w / "words", .statistics = w / "of135"});
+  const auto expected = models::denoised(sinc_run.model, sinc_run.normalizer, ml::motion_features("smplvelp-published"),
+                                         ml::crop(walk, 0, 40), 30);
+  CHECK(differ(by_sinc, written(ml::resample(expected, 20))) < 1e-2);
   fs::remove(w / "out.bvh");
 
   const auto refused = [&](std::vector<std::string> more, const std::string& message) {

@@ -9,8 +9,11 @@
 #include <motionlang/io/model_folder.hpp>
 #include <motionlang/io/npz.hpp>
 #include <motionlang/io/safetensors.hpp>
+#include <motionlang/kinematics/root_motion.hpp>
 
+#include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/body_arrays.hpp"
+#include "../support/denoised.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
@@ -285,6 +288,58 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
                  "model and classifier have other clips"));
 }
 
+TEST_CASE("a classifier learns from motions that a model samples, denoises or puts between two; validation motions are recorded") {
+  const Clips clips;
+  for (int i = 0; i < 8; ++i)  // no two alike
+    ml::write_bvh(clips / ("clip" + std::to_string(i) + ".bvh"),
+                  synthetic::walk({.frames = 40, .steps_per_second = 1 + 0.3 * i, .turn = i % 2 == 1 ? 0.8 : 0.0}));
+  // nothing is learnt at rate 0, and whole clips are not drawn: from epoch to epoch only what the model draws changes
+  const auto train = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(), {"--set", "optimiser.lr=0", "--set", "clips.num_frames=-1"});
+    return clips.train("train-classifier", out, more);
+  };
+  const auto learn = [&](const std::string& out, const std::string& kind, const std::string& share = "1",
+                         const std::string& model = "rot6d") {
+    return train(out, {"--generated", model + "/model", "--set", "generated_share=" + share, "--set",
+                       "generated_kind=" + kind});
+  };
+  for (const std::string pose : {"rot6d", "rotvec"})  // models whose latents tell motions apart
+    REQUIRE(clips.train("train-actor", pose, {"--set", "clips.pose=" + pose, "--set", "losses.kl=0", "--set",
+                                              "optimiser.epochs=40", "--set", "clips.num_frames=-1"}).code == 0);
+  REQUIRE(train("recorded", {}).code == 0);
+  for (const std::string kind : {"sampled", "denoised", "interpolated"}) {
+    const auto done = learn(kind, kind);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+  }
+  const auto epoch = [&](const std::string& out, std::size_t e) {  // mean loss, of two steps
+    return mean(std::span<const float>(clips.losses(out)).subspan(2 * e, 2));
+  };
+  const auto validations = [&](const std::string& out) {
+    return ml::values_of<double>(
+        ml::SafetensorsFile::open(clips / (out + "/checkpoint.safetensors")).tensor("validations"));
+  };
+  for (const std::string kind : {"recorded", "sampled", "denoised", "interpolated"}) {
+    CAPTURE(kind);
+    const bool drawn = kind == "sampled" || kind == "interpolated";
+    CHECK_MESSAGE((std::abs(epoch(kind, 0) - epoch(kind, 1)) > 2e-6) == drawn, epoch(kind, 0) << ", " << epoch(kind, 1));
+    CHECK(validations(kind) == validations("recorded"));
+    if (kind != "recorded") CHECK(std::abs(epoch(kind, 0) - epoch("recorded", 0)) > 1e-4);
+  }
+  REQUIRE(learn("again", "interpolated").code == 0);
+  CHECK(clips.losses("again") == clips.losses("interpolated"));
+  REQUIRE(learn("half", "denoised", "0.5").code == 0);
+  CHECK(std::abs(epoch("half", 0) - epoch("half", 1)) > 2e-6);  // which are denoised is drawn
+
+  // an ACTOR of another pose representation is given the motions in its own
+  const auto other = learn("other", "denoised", "1", "rotvec");
+  REQUIRE_MESSAGE(other.code == 0, other.text);
+  CHECK(std::abs(epoch("other", 0) - epoch("other", 1)) < 2e-6);
+  CHECK(validations("other") == validations("recorded"));
+
+  CHECK(contains(learn("no", "noisy").text,
+                 "[motionlang.config.103] generated_kind 'noisy' is not sampled, denoised or interpolated"));
+}
+
 TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {
   const Clips clips;
   const auto stopped = clips.train("train-tmr", "run", {"--set", "optimiser.epochs=20000"}, "training [");
@@ -461,6 +516,30 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
   CHECK(contains(said({"index", "made", "--model", "out/model", "-o", "moves.index"}), "4 clips"));  // .bvh, .glb, .npz, .npy
   CHECK(contains(said({"search", "moves.index", "a person walks"}), "made/a_person_walks.bvh"));
   CHECK(contains(said({"search", "moves.index", "--like", "made/a_person_walks.bvh", "--top", "1"}), "  1  1.000"));
+
+  // a clip on the joints of KIT is denoised as it is, not on SMPL's
+  ml::Motion on_mmm = ml::retarget(synthetic::walk({.frames = 60, .turn = 0.5}), ml::kit21_skeleton());
+  for (const char* arm : {"LE", "RE", "LW", "RW"}) {  // longer arms than SMPL's
+    auto& bone = on_mmm.skeleton.offsets[static_cast<std::size_t>(on_mmm.skeleton[arm])];
+    bone = 1.5 * bone;
+  }
+  ml::write_bvh(place / "mmm.bvh", on_mmm);
+  said({"convert", "mmm.bvh", "clean.bvh", "--denoise", "out/model"});
+  const auto clean = ml::read_bvh_motion(place / "clean.bvh"), read = ml::read_bvh_motion(place / "mmm.bvh");
+  CHECK(clean.skeleton.names == ml::kit21_skeleton().names);
+  CHECK(clean.fps == doctest::Approx(20));
+  const auto model = program::load_text_motion<ml::Tmr, ml::EigenBackend<float>>(
+      place / "out/model", program::read_text_motion_config(place / "out/model"));
+  const auto differs_from = [&](const ml::Motion& seen) {
+    const auto rows = models::denoised(model.system, model.motion_normalizer, ml::motion_features("kit"), seen, 12.5);
+    const auto expected = ml::resample(rows, 20);
+    const auto common = std::min(expected.frames(), clean.frames());
+    CHECK(std::abs(expected.frames() - clean.frames()) <= 1);
+    return synthetic::largest_distance(ml::crop(ml::placed(expected, ml::placement_between(expected, 0, clean, 0)), 0, common),
+                                       ml::crop(clean, 0, common));
+  };
+  CHECK(differs_from(read) < 1e-2);
+  CHECK(differs_from(ml::retarget(read)) > 2e-2);
 
   const auto temos = train_tiny("train-temos", place.path, one_epoch);
   REQUIRE_MESSAGE(temos.code == 0, temos.text);
