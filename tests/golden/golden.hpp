@@ -55,7 +55,7 @@ class Case {
   /// Tensors by full name: "in/x", "noise/000", "weights/encoder.muQuery".
   bool has(const std::string& tensor) const { return file_.find(tensor) != nullptr; }
   const ml::TensorView& tensor(const std::string& name) const { return file_.tensor(name); }
-  const ml::Shape& shape(const std::string& name) const { return tensor(name).shape; }
+  ml::Shape shape(const std::string& name) const { return tensor(name).shape; }
   template <class T>
   std::vector<T> values(const std::string& name) const {
     return ml::values_of<T>(tensor(name));

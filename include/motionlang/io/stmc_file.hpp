@@ -204,7 +204,7 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
 /// claim. Throws io_error 406, 407.
 inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
   auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const Shape& found = file.tensor(name).shape; found != shape)
+    if (const FileShape& found = file.tensor(name).shape; found != shape)
       raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
   };
   auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
