@@ -6540,142 +6540,172 @@ struct SkeletonTable {
   }
 };
 
-// clang-format off
-/// The built-in tables. Shares of the spine follow from the heights of the joints between hips and neck.
-inline const std::vector<SkeletonTable>& skeleton_tables() {
-  static const std::vector<SkeletonTable> tables{
-      {"SMPL",
-       {{"pelvis", "pelvis"}, {"spine1", "spine1"}, {"spine2", "spine2"}, {"spine3", "spine3"}, {"neck", "neck"}, {"head", "head"},
-        {"left_hip", "left_hip"}, {"left_knee", "left_knee"}, {"left_ankle", "left_ankle"}, {"left_foot", "left_foot"},
-        {"right_hip", "right_hip"}, {"right_knee", "right_knee"}, {"right_ankle", "right_ankle"}, {"right_foot", "right_foot"},
-        {"left_collar", "left_collar"}, {"left_shoulder", "left_shoulder"}, {"left_elbow", "left_elbow"}, {"left_wrist", "left_wrist"}, {"left_hand", "left_hand"},
-        {"right_collar", "right_collar"}, {"right_shoulder", "right_shoulder"}, {"right_elbow", "right_elbow"}, {"right_wrist", "right_wrist"}, {"right_hand", "right_hand"}}},
-      // Made from the MotionBuilder files. The turns were measured on the 58 trials that exist as both.
-      {"CMU Daz",
-       {{"pelvis", "hip"}, {"spine1", "hip", "+x+y", {}, "abdomen", 0.74}, {"spine2", "abdomen", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"},
-        {"neck", "neck", "+x+y", {6, 0, 0}}, {"head", "head", "+x+y", {-16, 0, 0}},
-        {"left_hip", "lThigh", "+x+y", {-4.7, 0, 0}}, {"left_knee", "lShin", "+x+y", {-4.2, 0, 0}}, {"left_ankle", "lFoot"},
-        {"right_hip", "rThigh", "+x+y", {-4.7, 0, 0}}, {"right_knee", "rShin", "+x+y", {-4.2, 0, 0}}, {"right_ankle", "rFoot"},
-        {"left_collar", "lCollar"}, {"left_shoulder", "lShldr", "+x+y", {0, 0, 8}}, {"left_elbow", "lForeArm", "+x+y", {0, 0, 8}}, {"left_wrist", "lHand", "+x+y", {0, 0, 8}}, {"left_hand", "lMid1"},
-        {"right_collar", "rCollar"}, {"right_shoulder", "rShldr", "+x+y", {0, 0, -8}}, {"right_elbow", "rForeArm", "+x+y", {0, 0, -8}}, {"right_wrist", "rHand", "+x+y", {0, 0, -8}}, {"right_hand", "rMid1"}},
-       false},
-      {"CMU MotionBuilder",
-       {{"pelvis", "Hips"}, {"spine1", "LowerBack"}, {"spine2", "Spine"}, {"spine3", "Spine1"}, {"neck", "Neck", "+x+y", {}, "Neck1", 0.5}, {"head", "Head"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
-        {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftFingerBase"}, {"left_hand", "LeftHandIndex1"},
-        {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightFingerBase"}, {"right_hand", "RightHandIndex1"}}},
-      {"CMU ASF",
-       {{"pelvis", "root"}, {"spine1", "lowerback"}, {"spine2", "upperback"}, {"spine3", "thorax"}, {"neck", "lowerneck", "+x+y", {}, "upperneck", 0.5}, {"head", "head"},
-        {"left_hip", "lfemur"}, {"left_knee", "ltibia"}, {"left_ankle", "lfoot"}, {"left_foot", "ltoes"},
-        {"right_hip", "rfemur"}, {"right_knee", "rtibia"}, {"right_ankle", "rfoot"}, {"right_foot", "rtoes"},
-        {"left_collar", "lclavicle"}, {"left_shoulder", "lhumerus"}, {"left_elbow", "lradius"}, {"left_wrist", "lhand"}, {"left_hand", "lfingers"},
-        {"right_collar", "rclavicle"}, {"right_shoulder", "rhumerus"}, {"right_elbow", "rradius"}, {"right_wrist", "rhand"}, {"right_hand", "rfingers"}}},
-      // Local axes of Maya's kind: x runs along the bone (on the right side against it), nothing is zero in a T-pose.
-      {"Bandai-Namco",
-       {{"pelvis", "Hips", "-y+x"}, {"spine1", "Hips", "-y+x", {}, "Spine", 0.48}, {"spine2", "Spine", "+z+x"}, {"spine3", "Chest", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
-        {"left_hip", "UpperLeg_L", "+y-x"}, {"left_knee", "LowerLeg_L", "+y-x"}, {"left_ankle", "Foot_L", "+y+z", {39.5, 0, 0}}, {"left_foot", "Toes_L", "+y+z", {21, 0, 0}},
-        {"right_hip", "UpperLeg_R", "+y+x"}, {"right_knee", "LowerLeg_R", "+y+x"}, {"right_ankle", "Foot_R", "+y-z", {39.5, 0, 0}}, {"right_foot", "Toes_R", "+y-z", {21, 0, 0}},
-        {"left_collar", "Shoulder_L", "+x+y"}, {"left_shoulder", "UpperArm_L", "+x+y"}, {"left_elbow", "LowerArm_L", "+x+y"}, {"left_wrist", "Hand_L", "+x+y"},
-        {"right_collar", "Shoulder_R", "+x-y"}, {"right_shoulder", "UpperArm_R", "+x-y"}, {"right_elbow", "LowerArm_R", "+x-y"}, {"right_wrist", "Hand_R", "+x-y"}}},
-      {"ReactIdle",
-       {{"pelvis", "pelvis"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "spine.001", 0.5}, {"spine3", "spine.001"}, {"neck", "neck"}, {"head", "face"},
-        {"left_hip", "thigh.L"}, {"left_knee", "shin.L"}, {"left_ankle", "foot.L"},
-        {"right_hip", "thigh.R"}, {"right_knee", "shin.R"}, {"right_ankle", "foot.R"},
-        {"left_collar", "shoulder.L"}, {"left_shoulder", "upper_arm.L"}, {"left_elbow", "forearm.L"},
-        {"right_collar", "shoulder.R"}, {"right_shoulder", "upper_arm.R"}, {"right_elbow", "forearm.R"}}},
-      {"ACCAD",
-       {{"pelvis", "Hips", "-z+x"}, {"spine1", "ToSpine"}, {"spine2", "Spine", "+z+x"}, {"spine3", "Spine1", "+z+x"}, {"neck", "Neck", "-z+x"}, {"head", "Head", "-y+x"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
-        {"left_collar", "LeftShoulder", "+z+x"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"},
-        {"right_collar", "RightShoulder", "+z+x"}, {"right_shoulder", "RightArm", "-x+y"}, {"right_elbow", "RightForeArm", "-x+y"}, {"right_wrist", "RightHand", "-x+y"}}},
-      // The figure of the first BVH files: upright, but with hanging arms when all rotations are zero.
-      {"Biovision",
-       {{"pelvis", "Hips"}, {"spine1", "Hips", "+x+y", {}, "Chest", 0.5}, {"spine2", "Chest"}, {"spine3", "Chest"}, {"neck", "Neck"}, {"head", "Head"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLowLeg"}, {"left_ankle", "LeftFoot"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLowLeg"}, {"right_ankle", "RightFoot"},
-        {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftUpArm", "-y+x"}, {"left_elbow", "LeftLowArm", "-y+x"}, {"left_wrist", "LeftHand", "-y+x"},
-        {"right_collar", "RightCollar"}, {"right_shoulder", "RightUpArm", "+y-x"}, {"right_elbow", "RightLowArm", "+y-x"}, {"right_wrist", "RightHand", "+y-x"}}},
-      // SMPL's joints as its add-ons for Blender and engines write them.
-      {"SMPL add-on",
-       {{"pelvis", "Pelvis"}, {"spine1", "Spine1"}, {"spine2", "Spine2"}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
-        {"left_hip", "L_Hip"}, {"left_knee", "L_Knee"}, {"left_ankle", "L_Ankle"}, {"left_foot", "L_Foot"},
-        {"right_hip", "R_Hip"}, {"right_knee", "R_Knee"}, {"right_ankle", "R_Ankle"}, {"right_foot", "R_Foot"},
-        {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
-        {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
-       true, true},
-      // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
-      {"Mixamo",
-       {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
-        {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
-        {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
-        {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
-        {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
-       true, true},
-      {"KayKit",
-       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
-        {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
-        {"right_hip", "upperleg.r"}, {"right_knee", "lowerleg.r"}, {"right_ankle", "foot.r"}, {"right_foot", "toes.r"},
-        {"left_shoulder", "upperarm.l"}, {"left_elbow", "lowerarm.l"}, {"left_wrist", "wrist.l"}, {"left_hand", "hand.l"},
-        {"right_shoulder", "upperarm.r"}, {"right_elbow", "lowerarm.r"}, {"right_wrist", "wrist.r"}, {"right_hand", "hand.r"}},
-       true, true},
-      {"Quaternius",
-       {{"pelvis", "DEF-hips"}, {"spine1", "DEF-spine.001"}, {"spine2", "DEF-spine.002"}, {"spine3", "DEF-spine.003"}, {"neck", "DEF-neck"}, {"head", "DEF-head"},
-        {"left_hip", "DEF-thigh.L"}, {"left_knee", "DEF-shin.L"}, {"left_ankle", "DEF-foot.L"}, {"left_foot", "DEF-toe.L"},
-        {"right_hip", "DEF-thigh.R"}, {"right_knee", "DEF-shin.R"}, {"right_ankle", "DEF-foot.R"}, {"right_foot", "DEF-toe.R"},
-        {"left_collar", "DEF-shoulder.L"}, {"left_shoulder", "DEF-upper_arm.L"}, {"left_elbow", "DEF-forearm.L"}, {"left_wrist", "DEF-hand.L"}, {"left_hand", "DEF-f_middle.01.L"},
-        {"right_collar", "DEF-shoulder.R"}, {"right_shoulder", "DEF-upper_arm.R"}, {"right_elbow", "DEF-forearm.R"}, {"right_wrist", "DEF-hand.R"}, {"right_hand", "DEF-f_middle.01.R"}},
-       true, true},
-      // The mannequins; the fourth has three joints in the spine and one in the neck.
-      {"Unreal 5",
-       {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_03"}, {"spine3", "spine_05"}, {"neck", "neck_01", "+x+y", {}, "neck_02", 0.5}, {"head", "head"},
-        {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
-        {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
-        {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
-        {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
-       true, true},
-      {"Unreal 4",
-       {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_02"}, {"spine3", "spine_03"}, {"neck", "neck_01"}, {"head", "head"},
-        {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
-        {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
-        {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
-        {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
-       true, true},
-      // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
-      {"VRM",
-       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
-        {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
-        {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
-        {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
-        {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
-       true, true},
-      {"VRM without upper chest",
-       {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
-        {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
-        {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
-        {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
-        {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
-       true, true},
-      {"VRoid",
-       {{"pelvis", "J_Bip_C_Hips"}, {"spine1", "J_Bip_C_Spine"}, {"spine2", "J_Bip_C_Chest"}, {"spine3", "J_Bip_C_UpperChest"}, {"neck", "J_Bip_C_Neck"}, {"head", "J_Bip_C_Head"},
-        {"left_hip", "J_Bip_L_UpperLeg"}, {"left_knee", "J_Bip_L_LowerLeg"}, {"left_ankle", "J_Bip_L_Foot"}, {"left_foot", "J_Bip_L_ToeBase"},
-        {"right_hip", "J_Bip_R_UpperLeg"}, {"right_knee", "J_Bip_R_LowerLeg"}, {"right_ankle", "J_Bip_R_Foot"}, {"right_foot", "J_Bip_R_ToeBase"},
-        {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
-        {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
-       true, true},
-      // The Master Motor Map as KIT and TEMOS have it, see standard.hpp. The joints of the shoulders hang on the lower neck.
-      {"MMM",
-       {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
-        {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},
-        {"right_hip", "RH"}, {"right_knee", "RK"}, {"right_ankle", "RA"}, {"right_foot", "RMrot"},
-        {"left_shoulder", "LS"}, {"left_elbow", "LE"}, {"left_wrist", "LW"},
-        {"right_shoulder", "RS"}, {"right_elbow", "RE"}, {"right_wrist", "RW"}},
-       true, true},
+namespace detail {
+
+/// A built-in table as a constant. As strings and vectors the tables would be a function of 130 kB.
+struct KnownTable {
+  struct Joint {
+    std::string_view target, source, axes = "+x+y";
+    Vec3<double> turn{};
+    std::string_view second{};
+    double share = 0;
   };
+  std::string_view name;
+  Joint joints[24];  // as many as SMPL has; those that are not given have no target
+  bool straighten = true, level_soles = false;
+
+  operator SkeletonTable() const {
+    SkeletonTable table{.name = std::string(name), .joints = {}, .straighten = straighten, .level_soles = level_soles};
+    for (const Joint& j : joints) {
+      if (j.target.empty()) break;
+      table.joints.push_back({std::string(j.target), std::string(j.source), std::string(j.axes), j.turn,
+                              std::string(j.second), j.share});
+    }
+    return table;
+  }
+};
+
+// clang-format off
+// Shares of the spine follow from the heights of the joints between hips and neck.
+inline constexpr KnownTable known_tables[] = {
+    {"SMPL",
+     {{"pelvis", "pelvis"}, {"spine1", "spine1"}, {"spine2", "spine2"}, {"spine3", "spine3"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "left_hip"}, {"left_knee", "left_knee"}, {"left_ankle", "left_ankle"}, {"left_foot", "left_foot"},
+      {"right_hip", "right_hip"}, {"right_knee", "right_knee"}, {"right_ankle", "right_ankle"}, {"right_foot", "right_foot"},
+      {"left_collar", "left_collar"}, {"left_shoulder", "left_shoulder"}, {"left_elbow", "left_elbow"}, {"left_wrist", "left_wrist"}, {"left_hand", "left_hand"},
+      {"right_collar", "right_collar"}, {"right_shoulder", "right_shoulder"}, {"right_elbow", "right_elbow"}, {"right_wrist", "right_wrist"}, {"right_hand", "right_hand"}}},
+    // Made from the MotionBuilder files. The turns were measured on the 58 trials that exist as both.
+    {"CMU Daz",
+     {{"pelvis", "hip"}, {"spine1", "hip", "+x+y", {}, "abdomen", 0.74}, {"spine2", "abdomen", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"},
+      {"neck", "neck", "+x+y", {6, 0, 0}}, {"head", "head", "+x+y", {-16, 0, 0}},
+      {"left_hip", "lThigh", "+x+y", {-4.7, 0, 0}}, {"left_knee", "lShin", "+x+y", {-4.2, 0, 0}}, {"left_ankle", "lFoot"},
+      {"right_hip", "rThigh", "+x+y", {-4.7, 0, 0}}, {"right_knee", "rShin", "+x+y", {-4.2, 0, 0}}, {"right_ankle", "rFoot"},
+      {"left_collar", "lCollar"}, {"left_shoulder", "lShldr", "+x+y", {0, 0, 8}}, {"left_elbow", "lForeArm", "+x+y", {0, 0, 8}}, {"left_wrist", "lHand", "+x+y", {0, 0, 8}}, {"left_hand", "lMid1"},
+      {"right_collar", "rCollar"}, {"right_shoulder", "rShldr", "+x+y", {0, 0, -8}}, {"right_elbow", "rForeArm", "+x+y", {0, 0, -8}}, {"right_wrist", "rHand", "+x+y", {0, 0, -8}}, {"right_hand", "rMid1"}},
+     false},
+    {"CMU MotionBuilder",
+     {{"pelvis", "Hips"}, {"spine1", "LowerBack"}, {"spine2", "Spine"}, {"spine3", "Spine1"}, {"neck", "Neck", "+x+y", {}, "Neck1", 0.5}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftFingerBase"}, {"left_hand", "LeftHandIndex1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightFingerBase"}, {"right_hand", "RightHandIndex1"}}},
+    {"CMU ASF",
+     {{"pelvis", "root"}, {"spine1", "lowerback"}, {"spine2", "upperback"}, {"spine3", "thorax"}, {"neck", "lowerneck", "+x+y", {}, "upperneck", 0.5}, {"head", "head"},
+      {"left_hip", "lfemur"}, {"left_knee", "ltibia"}, {"left_ankle", "lfoot"}, {"left_foot", "ltoes"},
+      {"right_hip", "rfemur"}, {"right_knee", "rtibia"}, {"right_ankle", "rfoot"}, {"right_foot", "rtoes"},
+      {"left_collar", "lclavicle"}, {"left_shoulder", "lhumerus"}, {"left_elbow", "lradius"}, {"left_wrist", "lhand"}, {"left_hand", "lfingers"},
+      {"right_collar", "rclavicle"}, {"right_shoulder", "rhumerus"}, {"right_elbow", "rradius"}, {"right_wrist", "rhand"}, {"right_hand", "rfingers"}}},
+    // Local axes of Maya's kind: x runs along the bone (on the right side against it), nothing is zero in a T-pose.
+    {"Bandai-Namco",
+     {{"pelvis", "Hips", "-y+x"}, {"spine1", "Hips", "-y+x", {}, "Spine", 0.48}, {"spine2", "Spine", "+z+x"}, {"spine3", "Chest", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
+      {"left_hip", "UpperLeg_L", "+y-x"}, {"left_knee", "LowerLeg_L", "+y-x"}, {"left_ankle", "Foot_L", "+y+z", {39.5, 0, 0}}, {"left_foot", "Toes_L", "+y+z", {21, 0, 0}},
+      {"right_hip", "UpperLeg_R", "+y+x"}, {"right_knee", "LowerLeg_R", "+y+x"}, {"right_ankle", "Foot_R", "+y-z", {39.5, 0, 0}}, {"right_foot", "Toes_R", "+y-z", {21, 0, 0}},
+      {"left_collar", "Shoulder_L", "+x+y"}, {"left_shoulder", "UpperArm_L", "+x+y"}, {"left_elbow", "LowerArm_L", "+x+y"}, {"left_wrist", "Hand_L", "+x+y"},
+      {"right_collar", "Shoulder_R", "+x-y"}, {"right_shoulder", "UpperArm_R", "+x-y"}, {"right_elbow", "LowerArm_R", "+x-y"}, {"right_wrist", "Hand_R", "+x-y"}}},
+    {"ReactIdle",
+     {{"pelvis", "pelvis"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "spine.001", 0.5}, {"spine3", "spine.001"}, {"neck", "neck"}, {"head", "face"},
+      {"left_hip", "thigh.L"}, {"left_knee", "shin.L"}, {"left_ankle", "foot.L"},
+      {"right_hip", "thigh.R"}, {"right_knee", "shin.R"}, {"right_ankle", "foot.R"},
+      {"left_collar", "shoulder.L"}, {"left_shoulder", "upper_arm.L"}, {"left_elbow", "forearm.L"},
+      {"right_collar", "shoulder.R"}, {"right_shoulder", "upper_arm.R"}, {"right_elbow", "forearm.R"}}},
+    {"ACCAD",
+     {{"pelvis", "Hips", "-z+x"}, {"spine1", "ToSpine"}, {"spine2", "Spine", "+z+x"}, {"spine3", "Spine1", "+z+x"}, {"neck", "Neck", "-z+x"}, {"head", "Head", "-y+x"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder", "+z+x"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"},
+      {"right_collar", "RightShoulder", "+z+x"}, {"right_shoulder", "RightArm", "-x+y"}, {"right_elbow", "RightForeArm", "-x+y"}, {"right_wrist", "RightHand", "-x+y"}}},
+    // The figure of the first BVH files: upright, but with hanging arms when all rotations are zero.
+    {"Biovision",
+     {{"pelvis", "Hips"}, {"spine1", "Hips", "+x+y", {}, "Chest", 0.5}, {"spine2", "Chest"}, {"spine3", "Chest"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLowLeg"}, {"left_ankle", "LeftFoot"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLowLeg"}, {"right_ankle", "RightFoot"},
+      {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftUpArm", "-y+x"}, {"left_elbow", "LeftLowArm", "-y+x"}, {"left_wrist", "LeftHand", "-y+x"},
+      {"right_collar", "RightCollar"}, {"right_shoulder", "RightUpArm", "+y-x"}, {"right_elbow", "RightLowArm", "+y-x"}, {"right_wrist", "RightHand", "+y-x"}}},
+    // SMPL's joints as its add-ons for Blender and engines write them.
+    {"SMPL add-on",
+     {{"pelvis", "Pelvis"}, {"spine1", "Spine1"}, {"spine2", "Spine2"}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "L_Hip"}, {"left_knee", "L_Knee"}, {"left_ankle", "L_Ankle"}, {"left_foot", "L_Foot"},
+      {"right_hip", "R_Hip"}, {"right_knee", "R_Knee"}, {"right_ankle", "R_Ankle"}, {"right_foot", "R_Foot"},
+      {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
+      {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
+     true, true},
+    // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
+    {"Mixamo",
+     {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
+     true, true},
+    {"KayKit",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
+      {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
+      {"right_hip", "upperleg.r"}, {"right_knee", "lowerleg.r"}, {"right_ankle", "foot.r"}, {"right_foot", "toes.r"},
+      {"left_shoulder", "upperarm.l"}, {"left_elbow", "lowerarm.l"}, {"left_wrist", "wrist.l"}, {"left_hand", "hand.l"},
+      {"right_shoulder", "upperarm.r"}, {"right_elbow", "lowerarm.r"}, {"right_wrist", "wrist.r"}, {"right_hand", "hand.r"}},
+     true, true},
+    {"Quaternius",
+     {{"pelvis", "DEF-hips"}, {"spine1", "DEF-spine.001"}, {"spine2", "DEF-spine.002"}, {"spine3", "DEF-spine.003"}, {"neck", "DEF-neck"}, {"head", "DEF-head"},
+      {"left_hip", "DEF-thigh.L"}, {"left_knee", "DEF-shin.L"}, {"left_ankle", "DEF-foot.L"}, {"left_foot", "DEF-toe.L"},
+      {"right_hip", "DEF-thigh.R"}, {"right_knee", "DEF-shin.R"}, {"right_ankle", "DEF-foot.R"}, {"right_foot", "DEF-toe.R"},
+      {"left_collar", "DEF-shoulder.L"}, {"left_shoulder", "DEF-upper_arm.L"}, {"left_elbow", "DEF-forearm.L"}, {"left_wrist", "DEF-hand.L"}, {"left_hand", "DEF-f_middle.01.L"},
+      {"right_collar", "DEF-shoulder.R"}, {"right_shoulder", "DEF-upper_arm.R"}, {"right_elbow", "DEF-forearm.R"}, {"right_wrist", "DEF-hand.R"}, {"right_hand", "DEF-f_middle.01.R"}},
+     true, true},
+    // The mannequins; the fourth has three joints in the spine and one in the neck.
+    {"Unreal 5",
+     {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_03"}, {"spine3", "spine_05"}, {"neck", "neck_01", "+x+y", {}, "neck_02", 0.5}, {"head", "head"},
+      {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+      {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+      {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+      {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+     true, true},
+    {"Unreal 4",
+     {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_02"}, {"spine3", "spine_03"}, {"neck", "neck_01"}, {"head", "head"},
+      {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+      {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+      {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+      {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+     true, true},
+    // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
+    {"VRM",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without upper chest",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRoid",
+     {{"pelvis", "J_Bip_C_Hips"}, {"spine1", "J_Bip_C_Spine"}, {"spine2", "J_Bip_C_Chest"}, {"spine3", "J_Bip_C_UpperChest"}, {"neck", "J_Bip_C_Neck"}, {"head", "J_Bip_C_Head"},
+      {"left_hip", "J_Bip_L_UpperLeg"}, {"left_knee", "J_Bip_L_LowerLeg"}, {"left_ankle", "J_Bip_L_Foot"}, {"left_foot", "J_Bip_L_ToeBase"},
+      {"right_hip", "J_Bip_R_UpperLeg"}, {"right_knee", "J_Bip_R_LowerLeg"}, {"right_ankle", "J_Bip_R_Foot"}, {"right_foot", "J_Bip_R_ToeBase"},
+      {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
+      {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
+     true, true},
+    // The Master Motor Map as KIT and TEMOS have it, see standard.hpp. The joints of the shoulders hang on the lower neck.
+    {"MMM",
+     {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
+      {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},
+      {"right_hip", "RH"}, {"right_knee", "RK"}, {"right_ankle", "RA"}, {"right_foot", "RMrot"},
+      {"left_shoulder", "LS"}, {"left_elbow", "LE"}, {"left_wrist", "LW"},
+      {"right_shoulder", "RS"}, {"right_elbow", "RE"}, {"right_wrist", "RW"}},
+     true, true},
+};
+// clang-format on
+
+}  // namespace detail
+
+/// The built-in tables.
+inline const std::vector<SkeletonTable>& skeleton_tables() {
+  static const std::vector<SkeletonTable> tables(std::begin(detail::known_tables), std::end(detail::known_tables));
   return tables;
 }
-// clang-format on
 
 /// The table whose joints the skeleton has; of several the one with the most. Null if none fits.
 inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
@@ -16185,6 +16215,11 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
+///     all            everything (the released GRU of MDM)
+enum class BatchMates { none, longest_text, all };
+
 /// Properties of a denoiser that a host has to know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
@@ -16192,6 +16227,7 @@ struct DenoiserTraits {
   Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+  BatchMates mates = BatchMates::none;
 
   /// Frames that a crop may have; 0: any number.
   Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
@@ -16199,7 +16235,7 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch (tests/laws)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -16310,7 +16346,11 @@ struct MdmDenoiser {
   }
 
   DenoiserTraits traits() const {
-    return {.crop_frames = config.crop_frames, .uses_lengths = config.mask_frames, .empty_text_is_null = true};
+    const bool mixes = config.arch == MdmArch::gru && config.gru_over_batch;
+    return {.crop_frames = config.crop_frames,
+            .uses_lengths = config.mask_frames,
+            .empty_text_is_null = true,
+            .mates = mixes ? BatchMates::all : BatchMates::none};
   }
 
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return embed_timestep(positions.rows(), t); }
@@ -16450,7 +16490,8 @@ struct MdmSmplDenoiser {
   /// Behind the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
-                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop()};
+                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop(),
+            .mates = BatchMates::longest_text};
   }
 
   /// (sequences, latent)
@@ -16809,6 +16850,7 @@ Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, const Ten
 ///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
 ///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as ACTOR has them
 ///
+/// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
 /// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
@@ -16916,7 +16958,8 @@ struct IgnoreSteps {
 };
 
 /// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
-/// also the last x (c0 is 1 and the noise factor 0 at t = 0). Throws `cancelled` if progress says so.
+/// also the last x (c0 is 1 and the noise factor 0 at t = 0); of a network that predicts x_{t-1}, what it says last.
+/// Throws `cancelled` if progress says so.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -16925,7 +16968,7 @@ Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Networ
   for (Index t = first; t >= 0; --t) {
     const auto step = ancestral_step(d, x, network(x, t), noise(first - t), std::span(&t, 1), options, fix);
     watch(t, step);
-    x = t > 0 ? step.x_prev : step.x0;
+    x = t > 0 || options.prediction == Prediction::x_prev ? step.x_prev : step.x0;
     progress(first - t + 1, first + 1);
   }
   return x;
@@ -16949,22 +16992,23 @@ AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x,
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// A whole DDIM run. It saves time only on a respaced process. `noise` is asked for only if eta > 0, but then at every
-/// step.
+/// A whole DDIM run, from index `first` (the last of the process when -1) on. It saves time only on a respaced process.
+/// `noise` is asked for only if eta > 0, but then at every step.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
                          const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
-                         const Watch& watch = {}) {
-  for (Index t = d.steps() - 1; t >= 0; --t) {
+                         const Watch& watch = {}, Index first = -1) {
+  if (first < 0) first = d.steps() - 1;
+  for (Index t = first; t >= 0; --t) {
     const auto output = network(x, t);
     const auto step = [&] {
       if (eta == 0) return ddim_step<B, R>(d, x, output, nullptr, t, eta, options, fix);
-      const Tensor<B, R> z = noise(d.steps() - 1 - t);
+      const Tensor<B, R> z = noise(first - t);
       return ddim_step(d, x, output, &z, t, eta, options, fix);
     }();
     watch(t, step);
     x = step.x_prev;
-    progress(d.steps() - t, d.steps());
+    progress(first - t + 1, first + 1);
   }
   return x;
 }
@@ -17038,7 +17082,7 @@ struct MdmActionOptions {
 
 template <Backend B>
 struct MdmActions {
-  MdmDenoiser<B> denoiser;  // conditioned on actions
+  MdmDenoiser<B> denoiser;  // conditioned on actions, or on nothing
   GaussianDiffusion diffusion;
   double guidance = 1;  // the published models were trained without empty actions, and have none
 
@@ -17047,10 +17091,10 @@ struct MdmActions {
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
     const MdmConfig& c = denoiser.config;
-    if (c.condition != MdmCondition::action)
+    if (c.condition == MdmCondition::text)
       raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
     const Index n = std::ssize(actions), frames = c.crop_frames;
-    const double weight = options.guidance.value_or(guidance);
+    const double weight = c.condition == MdmCondition::none ? 1 : options.guidance.value_or(guidance);
     const Index calls = weight == 1 ? 1 : 2;  // the second one without actions
     std::vector<S> one_hot(static_cast<std::size_t>(calls * n * c.num_actions));
     for (Index i = 0; i < n; ++i) {
@@ -21312,7 +21356,7 @@ void guess_missing_parts(BasicTimeline<T>& timeline) {
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
 #define MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP
-/// The denoising step of STMC: all crops of all timelines through the network in one ragged batch, guided, stitched.
+/// The denoising step of STMC: all crops of all timelines through the network in ragged batches, guided, stitched.
 ///
 /// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
 
@@ -21346,6 +21390,10 @@ enum class Gaps { fill, refuse };
 /// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
+
+/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and without
+/// their texts. The published network holds some 90 MB for them.
+inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
   Index overlap = 10;            // frames in total around a cut; 0.5 s at 20 fps
@@ -21852,24 +21900,27 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    one call of the network per step. Sequences of the same frames and the same text go through it once: both calls of
-///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together. The longest
-///         come first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
-///         prepared here, not in the loop.
+/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
+///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
+///         text is "", and the unconditional calls of texts that begin and end together. The longest come first, so that threads
+///         end together; crops without frames are left out. Texts, offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
-  /// collage. Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for
-  /// the denoiser.
+  /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
+  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the denoiser,
+  /// config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
-          const TextFeatures<B>& null, double guidance)
+          const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
         layout_(layout),
         texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
                text.end_position},
-        guidance_(guidance) {
+        guidance_(guidance),
+        rows_at_once_(rows_at_once) {
+    if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
     check_texts(text.count(), null.count());
     prepare_step();
@@ -21888,7 +21939,11 @@ class Collage {
   Index stride() const { return motion_.stride; }
   Index rows() const { return motion_.stride * static_cast<Index>(plan_.timelines.size()); }
   /// Rows that go through the network in a step, without tokens for time and text.
-  Index batch_rows() const { return batch_offsets_.rows(); }
+  Index batch_rows() const {
+    Index rows = 0;
+    for (const Batch& b : batches_) rows += b.offsets.rows();
+    return rows;
+  }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
@@ -21896,8 +21951,7 @@ class Collage {
   CollageStep<B> step(const Tensor<B, 2>& x, Index t, F to_x0) const {
     CollageStep<B> s;
     s.crops = gather(x, crops_.rows);
-    const PoolVector<Index> steps(static_cast<std::size_t>(batch_offsets_.count()), t);
-    const auto out = (*denoiser_)(Sequences<B>(gather(x, batch_rows_), batch_offsets_), steps, batch_text_).rows;
+    const auto out = denoised(x, t);
     s.cond = gather(out, cond_);
     s.null = guidance_ == 1 ? s.cond : gather(out, null_);
     s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
@@ -21915,6 +21969,12 @@ class Collage {
   struct Job {
     Index first, length, text;  // first: row of the motions
     auto operator<=>(const Job&) const = default;
+  };
+  /// Jobs that go through the network together.
+  struct Batch {
+    std::vector<Index> rows;  // of x
+    Offsets offsets;
+    decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
   void check_texts(Index texts, Index nulls) const {
@@ -21943,6 +22003,27 @@ class Collage {
     }
     out.stride = motion_.stride;
     return out;
+  }
+
+  /// What the network makes of all jobs, one after the other.
+  Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
+    const auto of = [&](const Batch& b) {
+      const PoolVector<Index> steps(static_cast<std::size_t>(b.offsets.count()), t);
+      return (*denoiser_)(Sequences<B>(gather(x, b.rows), b.offsets), steps, b.text).rows;
+    };
+    if (batches_.size() == 1) return of(batches_.front());
+    PoolVector<Tensor<B, 2>> parts;
+    parts.reserve(batches_.size());
+    for (const Batch& b : batches_) parts.push_back(of(b));
+    return concat(std::span<const Tensor<B, 2>>(parts), 0);
+  }
+
+  /// Whether a sequence has the same result in any batch of these texts.
+  bool can_divide() const {
+    const BatchMates mates = denoiser_->traits().mates;
+    const Offsets& texts = texts_.tokens.offsets;
+    return mates == BatchMates::none ||
+           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
   }
 
   /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
@@ -21975,16 +22056,23 @@ class Collage {
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    std::vector<Index> lengths, which;
-    batch_rows_.clear();
+    const Index most = rows_at_once_ > 0 && can_divide() ? rows_at_once_ : std::numeric_limits<Index>::max();
+    batches_.clear();
+    std::vector<Index> rows, lengths, which;  // of the next batch
+    Index before = 0;                         // rows of the batches so far
+    const auto end_batch = [&] {
+      batches_.push_back({rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      before += std::ssize(rows);
+      rows.clear(), lengths.clear(), which.clear();
+    };
     for (const Job& job : jobs) {
-      begin[job] = static_cast<Index>(batch_rows_.size());
-      for (Index r = 0; r < job.length; ++r) batch_rows_.push_back(job.first + r);
+      if (!rows.empty() && std::ssize(rows) + job.length > most) end_batch();
+      begin[job] = before + std::ssize(rows);
+      for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
       lengths.push_back(job.length);
       which.push_back(job.text);
     }
-    batch_offsets_ = Offsets(lengths);
-    batch_text_ = encoded_text<B>(*denoiser_, gather(texts_, which));
+    end_batch();
     cond_.clear(), null_.clear();
     for (const auto& [with, without] : crops) {
       for (Index r = 0; r < with.length; ++r) {
@@ -22006,12 +22094,11 @@ class Collage {
   FeatureLayout layout_;
   TextFeatures<B> texts_;  // of all intervals, then the unconditional one
   double guidance_;
+  Index rows_at_once_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
-  std::vector<Index> batch_rows_;   // of x, for every row of the batch
-  std::vector<Index> cond_, null_;  // for every row of the crops its row of the batch, with its text and without
-  Offsets batch_offsets_;
-  decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
+  std::vector<Batch> batches_;
+  std::vector<Index> cond_, null_;  // for every row of the crops its row of all batches, with its text and without
 };
 
 /// x0 of all timelines at index t of the process.
@@ -22399,7 +22486,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
   BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
   if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
   if (!(out.start < out.end) && !options.as_published) {
-    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
+    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
+              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
   }
   return out;
 }
@@ -26312,6 +26400,7 @@ struct StmcOptions {
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
   Progress progress{};  // called after every step; may cancel
 };
 
@@ -26350,9 +26439,14 @@ struct Stmc {
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
-  /// collage, features); whole(collage, x, t) is what a plain run takes. Not in the SINC modes, where nothing is stitched.
+  /// collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is that of the texts alone,
+  /// and what is estimated is not yet the motion.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
+                                          Estimate&& estimate) const;
+  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
   /// How timelines are planned for this model.
@@ -26418,16 +26512,23 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options, Estimate&& estimate) const {
+  return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                                       Estimate&& estimate) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  BatchPlan plan = plan_timelines(timelines, plan_options(options));
   BatchPlan together;  // what is stitched at the end where every text is sampled alone
   const auto [text, null] = encode(plan);
   if (hard_cuts) {
     together = std::move(plan);
     plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
   }
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                              options.rows_at_once);
   const BatchPlan& wanted = hard_cuts ? together : collage.plan();
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};

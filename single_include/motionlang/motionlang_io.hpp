@@ -12,12 +12,12 @@
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames of fully connected
-///          networks. Without it the published values: 6D rotations, GELU, 4 heads, none, 60 frames
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len. Without it
+///          the published values: 6D rotations, GELU, 4 heads, none, 60 frames
 /// Ignored  tables of positions (*.pe), SMPL
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
 ///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
-/// Source   spec actor.md 2.8, 3.1, 3.2, 7.2, 7.3
+/// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_RUN_READER_HPP  // <motionlang/io/detail/run_reader.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_RUN_READER_HPP
@@ -400,6 +400,7 @@ class JsonCursor {
 
 #include <cerrno>      // errno
 #include <cstdio>      // rename, remove
+#include <filesystem>  // folder of temporary files
 
 #ifndef MOTIONLANG_HAS_IO_FILE_PATH_HPP  // <motionlang/io/file_path.hpp>
 #define MOTIONLANG_HAS_IO_FILE_PATH_HPP
@@ -439,6 +440,7 @@ namespace detail {
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
+  explicit Descriptor(int fd) : fd_(fd) {}
   Descriptor(const FilePath& path, int flags, mode_t mode = 0)
       : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
@@ -447,6 +449,16 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
+  /// Whether all bytes could be written; errno says why not.
+  bool write(std::span<const std::byte> bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      bytes = bytes.subspan(static_cast<std::size_t>(n));
+    }
+    return true;
+  }
   std::size_t size(const FilePath& path) const {
     struct stat s {};
     if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
@@ -465,6 +477,19 @@ class MappedFile {
   /// Throws io_error 401.
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  }
+  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
+  /// there is no place for it.
+  static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
+    std::error_code none;
+    std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+    const int fd = none || bytes.empty() ? -1 : ::mkstemp(name.data());
+    if (fd < 0) return nullptr;
+    const detail::Descriptor file(fd);
+    ::unlink(name.c_str());
+    if (!file.write(bytes)) return nullptr;
+    auto out = std::shared_ptr<MappedFile>(new MappedFile);
+    return out->map(fd, bytes.size()) ? out : nullptr;
   }
   /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes) {
@@ -490,10 +515,11 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
   /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
+  /// The system maps up to two megabytes around a byte that is read, so it takes whole ones.
   void forget(std::span<const std::byte> part) const {
-    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-    const std::uintptr_t begin = (address(part) + page - 1) / page * page,
-                         end = (address(part) + part.size()) / page * page;
+    constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
+    const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
+                         end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
     if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
@@ -504,12 +530,18 @@ class MappedFile {
  private:
   explicit MappedFile(const FilePath& path) {
     const detail::Descriptor file(path, O_RDONLY);
-    size_ = file.size(path);
-    if (size_ == 0) return;  // an empty mapping is an error of mmap
-    data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
-    if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+    const std::size_t size = file.size(path);
+    if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
+      raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+  }
+  MappedFile() = default;
+  bool map(int fd, std::size_t size) {
+    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED) return false;
+    data_ = data, size_ = size;
     const std::scoped_lock lock(mutex_);
     next_ = std::exchange(first_, this);
+    return true;
   }
   static std::uintptr_t address(std::span<const std::byte> bytes) {
     return reinterpret_cast<std::uintptr_t>(bytes.data());
@@ -540,12 +572,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   };
   {
     const detail::Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    while (!contents.empty()) {
-      const ssize_t n = ::write(file.get(), contents.data(), contents.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) failed("write");
-      contents = contents.subspan(static_cast<std::size_t>(n));
-    }
+    if (!file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");
@@ -615,17 +642,63 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated with, has six
+/// at most.
+class FileShape {
+ public:
+  static constexpr int max_rank = 64;
+
+  FileShape() = default;
+  FileShape(const Shape& shape) {
+    for (int i = 0; i < shape.rank(); ++i) push_back(shape[i]);
+  }
+  FileShape(std::initializer_list<Index> sizes) : FileShape(std::span<const Index>(sizes.begin(), sizes.size())) {}
+  explicit FileShape(std::span<const Index> sizes) {
+    for (const Index n : sizes) push_back(n);
+  }
+  /// Throws shape_error 206 for more than six.
+  operator Shape() const { return Shape(std::span<const Index>(sizes_)); }
+
+  int rank() const { return static_cast<int>(sizes_.size()); }
+  Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
+  Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  /// Number of elements.
+  Index count() const {
+    Index n = 1;
+    for (const Index size : sizes_) n *= size;
+    return n;
+  }
+  /// Throws shape_error 205 for a negative size, 206 for more than 64 of them.
+  void push_back(Index n) {
+    if (n < 0) raise<shape_error>(205, "FileShape: negative size ", n);
+    if (rank() == max_rank) raise<shape_error>(206, "FileShape: more than ", max_rank, " axes");
+    sizes_.push_back(n);
+  }
+  friend bool operator==(const FileShape&, const FileShape&) = default;
+  friend bool operator==(const FileShape& a, const Shape& b) { return a == FileShape(b); }
+
+ private:
+  std::vector<Index> sizes_;
+};
+
+/// "(2, 60, 512)"
+inline std::string to_string(const FileShape& s) {
+  std::string out = "(";
+  for (int i = 0; i < s.rank(); ++i) out += concat_text(i ? ", " : "", s[i]);
+  return out + ")";
+}
+
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {
   std::string name;
   DType dtype = DType::F32;
-  Shape shape;
+  FileShape shape;
   std::span<const std::byte> bytes;
 };
 
 /// A view of numbers in memory, for writing.
 template <class T>
-TensorView tensor_view(std::string name, const Shape& shape, std::span<const T> values) {
+TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
     raise<shape_error>(205, "tensor_view: ", values.size(), " values for '", name, "' of shape ", shape);
   }
@@ -770,7 +843,7 @@ class SafetensorsFile : public TensorSet {
   /// Longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
 
-  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
+  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
@@ -864,11 +937,11 @@ class SafetensorsFile : public TensorSet {
     return *dtype;
   }
 
-  static Shape read_shape(Cursor& json) {
-    Shape shape;
+  static FileShape read_shape(Cursor& json) {
+    FileShape shape;
     json.array([&] {
-      if (shape.rank() == Shape::max_rank) {
-        json.fail(404, json.position(), concat_text("more than ", Shape::max_rank, " axes are not supported"));
+      if (shape.rank() == FileShape::max_rank) {
+        json.fail(404, json.position(), concat_text("more than ", FileShape::max_rank, " axes are not supported"));
       }
       shape.push_back(json.count());
     });
@@ -1036,8 +1109,14 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       const auto numbers = direct<S>(view);
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
-    const std::vector<S> values = values_of<S>(view);
-    return C::from_span(std::span<const S>(values), view.shape);
+    if constexpr (requires(typename C::tensor t) { { t.data() } -> std::same_as<S*>; }) {  // a large table is not there twice
+      typename C::tensor out(Shape(view.shape));
+      copy_values(view, std::span<S>(out.data(), static_cast<std::size_t>(out.count())));
+      return out;
+    } else {
+      const std::vector<S> values = values_of<S>(view);
+      return C::from_span(std::span<const S>(values), view.shape);
+    }
   };
   if constexpr (AutodiffBackend<B>) {
     B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();
@@ -1115,7 +1194,7 @@ class TensorStore {
   /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
   /// for a number that F16 cannot hold.
   template <Scalar S>
-  void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
+  void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
       case DType::F32:
         return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
@@ -1153,11 +1232,11 @@ class TensorStore {
   struct Entry {
     std::string name;
     DType dtype;
-    Shape shape;
+    FileShape shape;
     std::vector<std::byte> bytes;
   };
   template <class Stored, Scalar S, class F>
-  void put(std::string name, const Shape& shape, std::span<const S> values, DType dtype, F convert) {
+  void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
     Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
     for (std::size_t i = 0; i < values.size(); ++i) {
       const Stored v = convert(values[i]);
@@ -1169,17 +1248,51 @@ class TensorStore {
 };
 
 namespace detail {
+/// Packs a weight that lies in a mapped file and gives its memory there back: who still reads it gets it from the file
+/// again. Numbers that are the tensor's own, because they had to be converted, are put aside first. False, and nothing
+/// done, for a weight that lies elsewhere in memory, where it would be twice.
+template <Backend B>
+bool pack_once(Tensor<B, 2>& weight) {
+  if constexpr (requires { B::prepare(weight.data()); }) {
+    const MappedFile* file = MappedFile::that_holds(std::as_bytes(weight.span()));
+    if (file == nullptr && weight.data().unique()) {
+      const auto aside = MappedFile::put_aside(std::as_bytes(weight.span()));
+      if (aside == nullptr) return false;
+      const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+      weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+      BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+      file = aside.get();
+    }
+    if (file == nullptr) return false;
+    B::prepare(weight.data());
+    file->forget(std::as_bytes(weight.span()));
+  }
+  return true;
+}
+
+/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+template <Backend B, int R>
+void copy_small(Tensor<B, R>& t) {
+  if constexpr (requires { t.data().attached(); }) {
+    constexpr std::size_t small = 1 << 14;
+    const auto bytes = std::as_bytes(t.span());
+    const MappedFile* const file = MappedFile::that_holds(bytes);
+    if (file == nullptr || t.data().attached() != nullptr || t.span().size() >= small) return;
+    auto copy = Tensor<B, R>::from(t.span(), t.shape());
+    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    t = std::move(copy);
+  }
+}
+
+/// always   packs weights that lie elsewhere in memory, too
+template <bool always>
 struct PrepareLoaded {
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
-    PrepareWeights{}(name, t);
-    if constexpr (requires { t.data().attached(); }) {
-      const MappedFile* const file = MappedFile::that_holds(std::as_bytes(t.span()));
-      if (file == nullptr) return;
-      constexpr std::size_t small = 1 << 14;  // numbers: for a bias the system may keep two megabytes of the file in memory
-      if (t.data().attached() == nullptr && t.span().size() < small) t = Tensor<B, R>::from(t.span(), t.shape());
-      file->forget(file->bytes());
+    if constexpr (R == 2) {
+      if (!pack_once(t) && always) PrepareWeights{}(name, t);
     }
+    copy_small(t);
   }
 };
 }  // namespace detail
@@ -1188,7 +1301,7 @@ struct PrepareLoaded {
 /// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
 template <Module M>
 void prepare_loaded(M& model) {
-  visit_tensors(model, detail::PrepareLoaded{});
+  visit_tensors(model, detail::PrepareLoaded<true>{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -1208,9 +1321,9 @@ void prepare_loaded(M& model) {
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
 ///          value are stacked and whose text_projection is transposed
-/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers among them are packed for the kernels (prepare) and their
-///          memory in the file is given back, so that no weight is there twice. Weights that had to be converted or put together give
-///          theirs back, too, and are packed whenever they are used
+/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and their memory in
+///          the file is given back, so that no weight is there twice; those that had to be converted or put together lie in temporary
+///          files for that. Where there is no place for such files, they are packed whenever they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes, 102 for sizes far
 ///          above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
@@ -1412,8 +1525,12 @@ class RenamedTensors : public TensorSet {
     view.name = std::move(name);
     tensors_.push_back(std::move(view));
   }
+  /// A tensor that was made; matrices are put aside, so that they can be packed like those of the file.
   void add(TensorView view, std::string name, std::vector<std::byte> bytes) {
-    view.bytes = memory_->made.emplace_back(std::move(bytes));
+    if (auto aside = view.shape.rank() == 2 ? MappedFile::put_aside(bytes) : nullptr)
+      view.bytes = memory_->aside.emplace_back(std::move(aside))->bytes();
+    else
+      view.bytes = memory_->made.emplace_back(std::move(bytes));
     add(std::move(view), std::move(name));
   }
   void sort() {
@@ -1423,6 +1540,7 @@ class RenamedTensors : public TensorSet {
  private:
   struct Memory {
     std::shared_ptr<const void> file;
+    std::vector<std::shared_ptr<const MappedFile>> aside;
     std::deque<std::vector<std::byte>> made;
   };
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
@@ -1560,22 +1678,9 @@ inline RenamedTensors clip_tensors(const TensorSet& file) {
   return out;
 }
 
-/// Packs weights that lie in a mapped file, and gives their memory there back: who still reads them gets them from the file again.
-struct PrepareMapped {
-  template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && requires { B::prepare(t.data()); }) {
-      const auto bytes = std::as_bytes(t.span());
-      const MappedFile* file = MappedFile::that_holds(bytes);
-      if (file == nullptr) return;
-      B::prepare(t.data());
-      file->forget(bytes);
-    }
-  }
-};
 template <class Layer>
-void prepare_mapped(std::vector<Layer>& layers) {
-  for (Layer& layer : layers) visit_tensors(layer, PrepareMapped{});
+void pack_layers(std::vector<Layer>& layers) {
+  for (Layer& layer : layers) visit_tensors(layer, PrepareLoaded<false>{});
 }
 
 /// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
@@ -1640,7 +1745,7 @@ Network load_text_network(const BertConfig& config, const TensorSet& weights) {
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
-  detail::prepare_mapped(network.layers);
+  detail::pack_layers(network.layers);
   return network;
 }
 /// Network is DistilBert<B>, Bert<B> or Mpnet<B>.
@@ -1725,7 +1830,7 @@ ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weight
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
-  detail::prepare_mapped(network.blocks);
+  detail::pack_layers(network.blocks);
   return network;
 }
 template <Backend B>
@@ -1734,7 +1839,8 @@ ClipText<B> load_clip_text(const JsonView& config, const TensorSet& weights) {
 }
 template <Backend B>
 ClipText<B> load_clip_text(const TensorSet& weights) {
-  return load_clip_text<B>(clip_text_config(weights), weights);
+  const auto tensors = detail::clip_tensors(weights);  // put together once
+  return load_clip_text<B>(clip_text_config(tensors), tensors);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -3780,10 +3886,10 @@ inline NpyArray to_array(const PickleValue& value) { return detail::to_array(val
 /// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
+/// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the folder of a system; that
+///                system, with its options and weights.safetensors
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
-
-#include <filesystem>  // folders
 
 #ifndef MOTIONLANG_HAS_IO_OPTIONS_FILE_HPP  // <motionlang/io/options_file.hpp>
 #define MOTIONLANG_HAS_IO_OPTIONS_FILE_HPP
@@ -4078,6 +4184,7 @@ struct RunFolder {
   std::vector<FileValue> options;                      // of that file
   std::filesystem::path weights;                       // the file with the tensors; empty if they are in parts
   std::map<std::string, std::filesystem::path> parts;  // files by what the names of their tensors begin with
+  bool packed = false;                                 // one file of weights, with the statistics
 
   /// Null if no option has this path; follows references.
   const FileValue* option(std::string_view path) const { return find_option(options, path); }
@@ -4159,6 +4266,25 @@ inline std::string system_of_options(const RunFolder& run) {
   return run.option("model_type") != nullptr ? "hugging face" : "";
 }
 
+/// The options behind "config/", which in a folder of ours are those of the system.
+inline std::vector<FileValue> options_of_config(const RunFolder& run) {
+  constexpr std::string_view below = "config/";
+  std::vector<FileValue> out;
+  for (const FileValue& v : run.options) {
+    if (v.path.starts_with(below)) out.push_back({v.path.substr(below.size()), v.value});
+  }
+  return out;
+}
+/// Of a packed run the run.
+inline void unpack(RunFolder& run) {
+  const FileValue *published = run.option("published"), *system = run.option("system");
+  if (run.system != "motionlang" || published == nullptr || system == nullptr || to_string(*published) != "true") return;
+  run.system = to_string(*system);
+  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
+  run.options = options_of_config(run);
+  run.packed = true;
+}
+
 /// Files of statistics under the names "mean" and "std", behind that of their folder.
 inline void add_statistics(RunFolder& run) {
   const auto add = [&](const std::filesystem::path& folder, const std::string& prefix) {
@@ -4196,7 +4322,9 @@ inline void find_weights(RunFolder& run) {
   if (run.system.empty() && !split.empty()) run.system = "tmr";
   if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
 
-  if (run.system == "stmc" || run.system == "temos")
+  if (run.packed)
+    run.weights = whole;
+  else if (run.system == "stmc" || run.system == "temos")
     run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
   else if (run.system == "mdm")
     run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
@@ -4242,6 +4370,7 @@ inline RunFolder find_run(const FilePath& path) {
   if (!run.options_file.empty()) {
     run.options = read_options(run.options_file);
     run.system = detail::system_of_options(run);
+    detail::unpack(run);
   }
   detail::find_weights(run);
   return run;
@@ -4365,7 +4494,7 @@ struct StridedTensor {
   DType dtype = DType::F32;
   std::span<const std::byte> storage;
   std::uint64_t offset = 0;
-  Shape shape, strides;
+  FileShape shape, strides;
   bool swapped = false;  // big-endian
 
   bool contiguous() const {
@@ -4382,7 +4511,7 @@ struct StridedTensor {
 inline std::vector<std::byte> gathered(const StridedTensor& t) {
   const std::uint64_t size = bytes_of(t.dtype);
   std::vector<std::byte> out(static_cast<std::size_t>(t.shape.count()) * size);
-  Shape index = t.shape;
+  FileShape index = t.shape;
   for (int axis = 0; axis < index.rank(); ++axis) index[axis] = 0;
   std::uint64_t at = t.offset;
   for (std::size_t to = 0; to < out.size(); to += size) {
@@ -4526,13 +4655,13 @@ class TorchTensors {
     return t;
   }
   /// A tuple, or torch.Size.
-  static Shape sizes(const PickleValue& v) {
+  static FileShape sizes(const PickleValue& v) {
     const PickleValue list = v.name() == "torch.Size" ? v.arguments()[0] : v;
-    Shape shape;
+    FileShape shape;
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::int64_t n = list[i].integer();
       if (n < 0) v.fail(405, "a tensor with a negative size or stride");
-      if (shape.rank() == Shape::max_rank) v.fail(404, "a tensor with more than ", Shape::max_rank, " axes");
+      if (shape.rank() == FileShape::max_rank) v.fail(404, "a tensor with more than ", FileShape::max_rank, " axes");
       shape.push_back(static_cast<Index>(n));
     }
     return shape;
@@ -4988,21 +5117,21 @@ class WeightReader {
   }
 
   void add_tensor(TensorView view) {
-    memory_.spend(3 * sizeof(TensorView));
+    memory_.spend(3 * sizeof(TensorView) + static_cast<std::size_t>(view.shape.rank()) * sizeof(Index));
     view.name = joined(selection_.size(), separator_);
     if (view.name.empty()) view.name = "array";
     out_.tensors_.push_back(std::move(view));
   }
   /// Elements of an array as a tensor.
   void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
-    if (shape.size() > Shape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+    if (shape.size() > FileShape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
     DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
     if (kind != 'b' && !(kind == 'f' && size == 2)) {
       with_npy_number(kind, size, [&](auto number) {
         if constexpr (std::is_arithmetic_v<decltype(number)>) dtype = motionlang::dtype_of<decltype(number)>();
       });
     }
-    add_tensor({.name = {}, .dtype = dtype, .shape = Shape(std::span<const Index>(shape)), .bytes = bytes});
+    add_tensor({.name = {}, .dtype = dtype, .shape = FileShape(std::span<const Index>(shape)), .bytes = bytes});
   }
   void add_copy(NpyArray array) {
     memory_.spend(array.data.size());
@@ -5466,7 +5595,7 @@ inline ActorConfig actor_config(const RunReader& r) {
     c.num_classes = r.size(d + "embedding_x.weight", 1) - features - 1;
   } else {
     c.decoder = ActorDecoderKind::fully_connected;
-    c.num_frames = r.number({"num_frames"}, 60, 100'000);
+    c.num_frames = r.number({"num_frames"}, 60, 100'000, 2);
     features = r.size(d + "fully_connected.4.weight", 0) / c.num_frames;
     c.num_classes = r.size(d + "fully_connected.0.weight", 1) - c.latent_dim;
   }
@@ -5493,6 +5622,18 @@ inline ActorConfig actor_config(const RunReader& r) {
 }
 
 }  // namespace detail
+
+/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of any length)
+/// it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens. Spec actor.md 6.3
+inline Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config) {
+  const detail::RunReader r(run, weights, "");
+  const auto frames = [&r](const char* key, Index otherwise, Index least) {
+    const Index n = r.number({key}, otherwise, 100'000, least);
+    return n < 0 ? n : r.number({key}, otherwise, 100'000, 2);  // 0 and 1 frames are no motion
+  };
+  const Index stated = frames("num_frames", 60, -2), most = stated < 0 ? frames("max_len", -1, -1) : stated;
+  return std::min(most < 0 ? config.max_len : most, config.max_len - 2);
+}
 
 /// How a run writes motions, for `actor_points`.
 inline ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& weights) {
@@ -10303,11 +10444,7 @@ inline RunFolder published_run(const RunFolder& run) {
   if (run.system == "motionlang") {
     const FileValue* system = run.option("system");
     out.system = system == nullptr ? "" : to_string(*system);
-    out.options.clear();
-    constexpr std::string_view below = "config/";
-    for (const FileValue& v : run.options) {
-      if (v.path.starts_with(below)) out.options.push_back({v.path.substr(below.size()), v.value});
-    }
+    out.options = options_of_config(run);
   }
   if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
     raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no system that is known" : "of " + out.system,
@@ -10556,6 +10693,7 @@ struct PackOptions {
   std::string license, provenance;
   DiffusionRunOptions sources{};
   bool text_encoder = false;  // copied into the folder
+  FilePath tokenizer = "";    // of TM2T: the folder of its motion tokenizer, looked for beside the model unless given
 };
 
 namespace detail {
@@ -11298,7 +11436,9 @@ class SvgSurface {
     constexpr std::array<std::string_view, 4> of_role{"", " class=\"title\"", " class=\"small\"", " class=\"bar\""};
     constexpr std::array<std::string_view, 3> of_anchor{"", " text-anchor=\"middle\"", " text-anchor=\"end\""};
     out_ += concat_text("<text", of_role[static_cast<std::size_t>(role)], of_anchor[static_cast<std::size_t>(anchor)],
-                        " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\">", escape_markup(text));
+                        " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\"");
+    if (!paler.empty()) out_ += " xml:space=\"preserve\"";  // it begins with a space, which some programs would leave out
+    out_ += ">" + escape_markup(text);
     if (!paler.empty()) out_ += concat_text("<tspan opacity=\".75\">", escape_markup(paler), "</tspan>");
     out_ += "</text>\n";
   }
@@ -13242,7 +13382,7 @@ class KitRecordings {
 
 #ifndef MOTIONLANG_HAS_IO_MDM_ACTION_RUN_HPP  // <motionlang/io/mdm_action_run.hpp>
 #define MOTIONLANG_HAS_IO_MDM_ACTION_RUN_HPP
-/// MDM's models of actions (HumanAct12, UESTC) from the folders in which their repository leaves them.
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the folders in which their repository leaves them.
 ///
 ///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
 ///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
@@ -13258,14 +13398,22 @@ template <Backend B>
 struct MdmActionRun {
   MdmActions<B> model;
   ActorFeatureOptions features{};   // what a frame is made of
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" of an unconstrained model
   double fps = 20;                  // of the repository's videos; data have none
 };
 
-/// Whether a run folder is MDM's and of actions.
+namespace detail {
+inline bool is_unconstrained_mdm(const RunFolder& run) {
+  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
+  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
+}
+}  // namespace detail
+
+/// Whether a run folder is MDM's and of actions, or unconstrained.
 inline bool is_mdm_action_run(const RunFolder& run) {
   return run.system == "mdm" && !run.weights.empty() &&
-         detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value();
+         (detail::is_unconstrained_mdm(run) ||
+          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
 }
 
 template <Backend B>
@@ -13280,7 +13428,10 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
     raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ",
                     wanted);
-  if (c.condition != MdmCondition::action) raise<io_error>(404, weights.name(), ": not a model of actions");
+  const bool unconstrained = c.condition == MdmCondition::none;
+  if (c.condition == MdmCondition::text || unconstrained != detail::is_unconstrained_mdm(run))
+    raise<io_error>(404, weights.name(), ": not a model of actions");
+  if (unconstrained) c.num_actions = 1;
   c.crop_frames = r.number({"num_frames"}, 60, 10'000);
   NoInit zeros;
   MdmActionRun<B> out{
@@ -13288,7 +13439,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
                 .diffusion = about.diffusion(),
                 .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
       .features = features,
-      .labels = action_labels(r.text("dataset", ""), c.num_actions)};
+      .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   prepare_loaded(out.model.denoiser);
   return out;
@@ -13753,6 +13904,608 @@ inline std::vector<Index> marked_words(const GloVe& glove, std::span<const Tagge
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_PACK_RUN_HPP  // <motionlang/io/pack_run.hpp>
+#define MOTIONLANG_HAS_IO_PACK_RUN_HPP
+/// The run folder of any published system as a model folder of ours: one file of weights with the statistics, licence, provenance.
+///
+///     pack_run<B>(find_run("pretrained/temos"), "temos", {.license = "...", .provenance = "github.com/Mathux/TEMOS",
+///                                                         .sources = {.statistics = "deps/.../kit-amass-xyz"}});
+///     const auto temos = load_temos_run<B>("temos");            // as from the run itself
+///
+/// STMC, MDM and MotionDiffuse for texts as io/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM for actions
+/// with all their options, under a config.json that says "published"; find_run knows such a folder for one of the system.
+/// Left out   what is not the model's: SMPL, losses, metrics, optimisers
+
+#ifndef MOTIONLANG_HAS_IO_TM2T_RUN_HPP  // <motionlang/io/tm2t_run.hpp>
+#define MOTIONLANG_HAS_IO_TM2T_RUN_HPP
+/// TM2T's model from texts to motions from the folders in which its repository leaves it.
+///
+///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
+///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
+///
+/// Three places: the folder of the recurrent model (opt.txt, model/finest.tar); the one of the motion tokenizer, beside it (its
+/// checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+///
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with
+/// Differs  from the published program: `model` has no transformer from motions to texts, which is in yet another folder
+/// Source   spec tm2t.md 1, 2, 5, 6
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for models of transformers; 406, 407 for tensors;
+///          config_error 102 where the parts do not fit each other
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct Tm2tRun {
+  Tm2t<B> model;
+  GloVe words;
+  double fps = 20;
+
+  Index width() const { return model.statistics.mean.size(0); }
+};
+
+struct Tm2tRunOptions {
+  FilePath tokenizer = "";  // its folder; looked for beside the model unless given
+  FilePath words = "";      // the folder with our_vab_data.npy; looked for in the folders above unless given
+};
+
+namespace detail {
+
+inline WeightFile tm2t_weights(const RunFolder& run) {
+  if (run.system != "tm2t")
+    raise<io_error>(404, run.folder.string(), ": ",
+                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected tm2t");
+  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
+  return open_weights(run.weights, {.path = ""});
+}
+inline bool has_motion_tokenizer(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         tm2t_weights(run).find("quantizer.embedding.weight") != nullptr;
+}
+
+/// The folder that the options name, else the only one beside the model that has a tokenizer.
+inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options) {
+  namespace fs = std::filesystem;
+  if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
+  if (run.packed) return run;
+  const fs::path beside = run.folder.lexically_normal();
+  const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
+  std::vector<RunFolder> found;
+  for (const fs::path& folder : listed(around.empty() ? fs::path(".") : around)) {
+    std::error_code ignored;
+    if (!fs::is_directory(folder, ignored)) continue;
+    RunFolder other = motionlang::find_run(folder);
+    if (!has_motion_tokenizer(other)) continue;
+    for (const char* key : {"tokenizer_name", "tokenizer_name_motion"}) {
+      const FileValue* named = run.option(key);
+      if (named != nullptr && to_string(*named) == folder.filename().string()) return other;
+    }
+    found.push_back(std::move(other));
+  }
+  if (found.size() == 1) return std::move(found.front());
+  raise<io_error>(401, run.folder.string(), ": ", found.size(), " folders with a motion tokenizer beside it (",
+                  "VQVAEV3_CB1024_CMT_H1024_NRES3 as published): put it there, or name it");
+}
+
+inline FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> places;
+  if (!options.words.string().empty()) {
+    places.emplace_back(options.words.string());
+  } else {
+    fs::path folder = fs::absolute(run.folder).lexically_normal();
+    for (int up = 0; up < 5 && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
+      places.push_back(folder);
+      places.push_back(folder / "glove");
+      if (run.packed) places.push_back(folder / "text_encoder");
+    }
+  }
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (fs::is_regular_file(place / "our_vab_data.npy", ignored)) return place / "our_vab";
+  }
+  raise<io_error>(401, run.folder.string(),
+                  ": no word vectors: put glove/our_vab_data.npy, our_vab_words.pkl and our_vab_idx.pkl "
+                  "in a folder above, or name their folder");
+}
+
+inline MotionTokenizerConfig tm2t_tokenizer_config(const RunReader& r) {
+  MotionTokenizerConfig c;
+  c.channels.clear();
+  const std::string encoder = "vq_encoder.main.", decoder = "vq_decoder.main.";
+  for (Index i = 0; r.has(concat_text(encoder, i, ".weight"));
+       i += 3)  // a convolution, its activation, a residual block
+    c.channels.push_back(r.size(concat_text(encoder, i, ".weight"), 0));
+  c.features = r.size(encoder + "0.weight", 1) + 4;
+  c.codes = r.size("quantizer.embedding.weight", 0);
+  c.residual_blocks = r.count(decoder, ".model.0.weight", {"n_resblk"});
+  return c;
+}
+
+inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
+  const std::string step = "motion_decoder_step.";
+  Seq2SeqGruConfig c{.word = r.size("text_encoder.input_emb.weight", 1),
+                     .text_hidden = r.size("text_encoder.gru.weight_hh_l0", 1, {"dim_txt_hid"}),
+                     .motion_hidden = r.size(step + "input_emb.weight", 1, {"dim_mot_hid"}),
+                     .layers = r.count(step + "gru.", ".weight_ih", {"n_mot_layers"}),
+                     .symbols = r.size(step + "input_emb.weight", 0),
+                     .late = r.has(step + "att_linear.3.weight")};
+  if (const std::string stated = r.one_of("early_or_late", c.late ? "late" : "early", {"early", "late"});
+      (stated == "late") != c.late)
+    raise<config_error>(102, r.place("early_or_late"), " is ", stated, ", the tensors are those of ",
+                        c.late ? "late" : "early", " attention");
+  return c;
+}
+
+/// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
+  auto out = find_normalizer<B>(weights, features, {"motion_normalizer."});
+  if (!out && !run.parts.empty()) out = find_normalizer<B>(statistics_of(run), features, {"meta.", ""});
+  if (!out)
+    raise<io_error>(401, run.folder.string(), ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
+  return *out;
+}
+
+}  // namespace detail
+
+/// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
+inline bool is_tm2t_generator(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
+}
+
+template <Backend B>
+Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  const std::string prefix = "t2m_model.";
+  const detail::RunReader r(run, weights, prefix);
+  if (!r.has("motion_decoder_step.input_emb.weight"))
+    raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
+  const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
+  const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
+  const MotionTokenizerConfig tokenizer =
+      detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
+  const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
+  Tm2tRun<B> out{.model = {},
+                 .words = read_glove(detail::tm2t_words(run, options)),
+                 .fps = tokenizer.features == 251 ? 12.5 : 20.0};
+  if (gru.symbols != tokenizer.codes + 3)
+    raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
+                        tokenizer.codes, " codes and three marks");
+  if (gru.word != out.words.width())
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
+                        out.words.width());
+  NoInit zeros;
+  out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
+  out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
+  detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
+  detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
+    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+  });
+  out.model.statistics = detail::tm2t_normalizer<B>(tokenizer_run, tokenizer_weights, tokenizer.features);
+  out.model.statistics.eps = 0;
+  prepare_loaded(out.model.t2m_model);
+  prepare_loaded(out.model.tokenizer);
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_VAE_RUN_HPP  // <motionlang/io/vae_run.hpp>
+#define MOTIONLANG_HAS_IO_VAE_RUN_HPP
+/// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
+///
+///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
+///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
+///                                                                     .statistics = "deps/.../kit-amass-xyz"});
+///
+/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
+/// ACTOR    all networks of its repository (io/actor_file.hpp)
+/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their folders look alike:
+///          `lightning_system` tells them apart by their tensors
+/// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
+/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
+///          config_error 101, 102 where options and tensors differ, 103, 107
+
+#ifndef MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP  // <motionlang/io/teach_sinc_file.hpp>
+#define MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP
+/// TEACH and SINC from their published checkpoints: sizes come from the shapes of the tensors.
+///
+///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
+///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
+///
+/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name, which the code
+///          passes over
+/// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
+/// Throws   as io/text_motion_file.hpp
+/// Source   spec teach.md 2.4, sinc.md 2.4
+
+#ifndef MOTIONLANG_HAS_IO_TEXT_MOTION_FILE_HPP  // <motionlang/io/text_motion_file.hpp>
+#define MOTIONLANG_HAS_IO_TEXT_MOTION_FILE_HPP
+/// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
+///
+///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
+///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts: io/vae_run.hpp
+///
+/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS' options ask for
+///          6 under a misspelled name, which its code passes over
+/// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none; config_error 101 if the
+///          heads do not divide the width, 102 where options and tensors differ
+/// Source   spec temos.md 2, 3.1; tmr.md 3
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// What the configurations of TEMOS, TEACH and SINC have in common.
+template <class Config>
+Config temos_sizes(const RunReader& r) {
+  const std::string stack = "textencoder.seqTransEncoder.layers.";
+  Config c;
+  c.nfeats = r.size("motiondecoder.final_layer.weight", 0);
+  c.text_dim = r.size("textencoder.projection.1.weight", 1);
+  c.latent_dim = r.size("textencoder.projection.1.weight", 0, {"model/latent_dim"});
+  c.ff_size = r.size(stack + "0.linear1.weight", 0, {"model/ff_size"});
+  c.num_layers = r.count(stack, ".linear1.weight", {"model/num_layers"});
+  c.num_heads = r.number({"model/num_heads"}, 4, 1024);
+  c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
+  return c;
+}
+
+inline TemosConfig temos_config(const RunReader& r) {
+  auto network = [&](const std::string& module, const char* transformer) {
+    if (r.has(module + ".gru.weight_ih_l0")) return TemosNetwork::gru;
+    return r.has(module + transformer) ? TemosNetwork::transformer : TemosNetwork::none;
+  };
+  auto c = temos_sizes<TemosConfig>(r);
+  c.vae = r.has("textencoder.mu_token");
+  c.motion_encoder = network("motionencoder", ".skel_embedding.weight");
+  c.motion_decoder = network("motiondecoder", ".final_layer.weight");
+  return c;
+}
+
+inline TmrConfig tmr_config(const RunReader& r) {
+  const std::string stack = "motion_encoder.seqTransEncoder.layers.";
+  return {.motion_nfeats = r.size("motion_encoder.projection.weight", 1, {"model/motion_encoder/nfeats"}),
+          .text_nfeats = r.size("text_encoder.projection.weight", 1, {"model/text_encoder/nfeats"}),
+          .latent_dim = r.size("motion_encoder.projection.weight", 0, {"model/motion_encoder/latent_dim"}),
+          .ff_size = r.size(stack + "0.linear1.weight", 0, {"model/motion_encoder/ff_size"}),
+          .num_layers = r.count(stack, ".linear1.weight", {"model/motion_encoder/num_layers"}),
+          .num_heads = r.number({"model/motion_encoder/num_heads"}, 4, 1024),
+          .activation = parse_activation(r.one_of("model/motion_encoder/activation", "gelu", {"gelu", "relu"})),
+          .vae = r.size("motion_encoder.tokens", 0) == 2};
+}
+
+}  // namespace detail
+
+/// `run` has the options, if there are any.
+template <Backend B>
+Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
+  NoInit zeros;
+  Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
+  detail::load_run_module(model, file, "", [](const std::string& name) {
+    return name.ends_with("sequence_pos_encoding.pe") ||
+           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
+  });
+  return model;
+}
+template <Backend B>
+Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
+  NoInit zeros;
+  Tmr<B> model(detail::tmr_config(detail::RunReader(run, file, "")), zeros);
+  detail::load_run_module(model, file, "", [](const std::string& name) {
+    return name.ends_with(".pe") || detail::begins_with_any(name, {"stats.", "meta."});
+  });
+  return model;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline bool beside_teach_and_sinc(const std::string& name) {
+  return name.ends_with("sequence_pos_encoding.pe") ||
+         begins_with_any(name, {"textencoder.text_model.", "_losses.", "losses.", "metrics.", "eval_model.", "motion_normalizer."});
+}
+
+}  // namespace detail
+
+/// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
+template <Backend B>
+Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
+  const detail::RunReader r(run, file, "");
+  auto config = detail::temos_sizes<TeachConfig>(r);
+  config.hist_frames = r.number({"model/hist_frames"}, config.hist_frames, 1024);
+  config.z_prev_text = r.flag("model/z_prev_text", false);
+  config.motion_encoder = r.has("motionencoder.mu_token");
+  config.unused_encoder = r.has("textencoder.motionTransEncoder.layers.0.linear1.weight");
+  NoInit zeros;
+  Teach<B> model(config, zeros);
+  detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
+  return model;
+}
+/// mode: not to be seen in the tensors; released models take one sentence.
+template <Backend B>
+Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
+  const detail::RunReader r(run, file, "");
+  auto config = detail::temos_sizes<SincConfig>(r);
+  config.mode = mode;
+  config.motion_encoder = r.has("motionencoder.mu_token");
+  NoInit zeros;
+  Sinc<B> model(config, zeros);
+  detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
+  return model;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+template <Backend B>
+struct ActorRun {
+  Actor<B> model;
+  ActorFeatureOptions features{};
+  bool camera = true;               // the figure stands on its head: Y down, as cameras have it
+  Index longest = 60;               // frames of motions that it learned from
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+};
+
+/// A model from texts to motions, with all that it needs.
+template <Backend B, class Model>
+struct TextMotionRun {
+  Model model;
+  Normalizer<B> normalizer;
+  AnyTextEncoder<B> text_encoder;
+  double fps = 12.5;
+
+  Index width() const { return normalizer.mean.count(); }
+};
+template <Backend B>
+using TemosRun = TextMotionRun<B, Temos<B>>;
+template <Backend B>
+using TeachRun = TextMotionRun<B, Teach<B>>;
+template <Backend B>
+using SincRun = TextMotionRun<B, Sinc<B>>;
+
+struct TemosRunOptions {
+  FilePath text_encoder = "";  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  FilePath statistics = "";    // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
+};
+
+namespace detail {
+
+inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
+  if (run.system != system)
+    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
+                    ", expected ", system);
+  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
+}
+
+/// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
+inline std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options) {
+  std::filesystem::path folder = options.text_encoder.string();
+  for (const auto& near : {run.folder, run.folder.parent_path()}) {
+    for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
+      const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
+      if (folder.empty() && found) folder = near / name;
+    }
+  }
+  if (folder.empty())
+    raise<io_error>(401, run.folder.string(), ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
+                    "distilbert-base-uncased there, or name its folder");
+  return folder;
+}
+
+/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
+template <Backend B>
+AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  const std::filesystem::path folder = temos_text_folder(run, options);
+  if (!inside) return load_text_encoder<B>(folder);
+  AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
+  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(weights), weights)};
+  check_vocabulary(tokenizer, network, folder.string());
+  return {std::move(tokenizer), std::move(network), {}};
+}
+
+}  // namespace detail
+
+template <Backend B>
+ActorRun<B> load_actor_run(const RunFolder& run) {
+  detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
+  const WeightFile weights = open_weights(run.weights);
+  const detail::RunReader r(run, weights, "");
+  ActorRun<B> out;
+  out.model = load_actor<B>(weights, run);
+  out.longest = actor_longest(run, weights, out.model.config);
+  out.features = actor_point_options(run, weights).features;
+  const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
+  if (out.model.config.njoints != joints)
+    raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
+                        weights.name(), " has ", out.model.config.njoints);
+  out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
+  prepare_loaded(out.model);
+  return out;
+}
+template <Backend B>
+ActorRun<B> load_actor_run(const FilePath& folder) {
+  return load_actor_run<B>(find_run(folder));
+}
+
+/// "temos", "teach" or "sinc", by the token that stands between texts.
+inline std::string lightning_system(const TensorSet& weights) {
+  if (weights.find("textencoder.seperation_token") != nullptr) return "teach";  // as published
+  return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
+}
+
+namespace detail {
+
+/// Of the options' folder, else in the weights of a packed run, else of the run's. Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
+  const bool elsewhere = !options.statistics.string().empty();
+  auto normalizer = elsewhere ? std::nullopt : find_normalizer<B>(weights, nfeats, {"motion_normalizer."});
+  const RunFolder statistics = elsewhere ? find_run(options.statistics) : run;
+  if (!normalizer && !statistics.parts.empty())
+    normalizer = find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
+  if (!normalizer)
+    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
+                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                    " (deps/transforms/... of TEMOS) there, or name their folder");
+  return *normalizer;
+}
+
+/// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
+template <Backend B, class Model>
+TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps, double eps,
+                                        const TemosRunOptions& options) {
+  const RunReader r(run, weights, "");
+  auto normalizer = temos_normalizer<B>(run, weights, options);
+  normalizer.eps = eps;
+  TextMotionRun<B, Model> out{.model = std::move(model),
+                              .normalizer = std::move(normalizer),
+                              .text_encoder = temos_text_encoder<B>(run, weights, options),
+                              .fps = r.real("data/framerate", fps)};
+  prepare_loaded(out.model);
+  return out;
+}
+inline WeightFile lightning_weights(const RunFolder& run, const char* system) {
+  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
+  WeightFile weights = open_weights(run.weights);
+  if (const std::string found = lightning_system(weights); found != system)
+    raise<io_error>(404, weights.name(), ": a checkpoint of ", found, ", expected ", system);
+  return weights;
+}
+
+}  // namespace detail
+
+template <Backend B>
+TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "temos");
+  return detail::text_motion_run<B>(run, weights, load_temos<B>(weights, run), 12.5, 0, options);
+}
+template <Backend B>
+TeachRun<B> load_teach_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "teach");
+  return detail::text_motion_run<B>(run, weights, load_teach<B>(weights, run), 30, 0, options);
+}
+template <Backend B>
+SincRun<B> load_sinc_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "sinc");
+  return detail::text_motion_run<B>(run, weights, load_sinc<B>(weights, run), 30, sinc_eps, options);
+}
+template <Backend B>
+TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {
+  return load_temos_run<B>(find_run(folder), options);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// What goes into the folder.
+template <Backend B>
+struct PackedParts {
+  ModelFolder model{};
+  std::vector<WeightFile> weights{};  // with different names
+  std::optional<Normalizer<B>> statistics{};
+  std::vector<std::filesystem::path> text_encoder{};
+};
+
+inline bool is_of_a_model(const std::string& name) {
+  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.", "eval_model.",
+                                 "opt_", "motion_normalizer."});
+}
+
+template <Backend B>
+void add_lightning(PackedParts<B>& out, const RunFolder& run, const PackOptions& options) {
+  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
+  const TensorSet& weights = out.weights.emplace_back(open_weights(run.weights));
+  const TemosRunOptions sources{.text_encoder = options.sources.text_encoder, .statistics = options.sources.statistics};
+  out.model.system = lightning_system(weights);
+  out.model.fps = RunReader(run, weights, "").real("data/framerate", out.model.system == "temos" ? 12.5 : 30);
+  out.model.text_encoder = "distilbert";
+  out.statistics = temos_normalizer<B>(run, weights, sources);
+  if (options.text_encoder) out.text_encoder = text_encoder_files(temos_text_folder(run, sources));
+}
+
+template <Backend B>
+void add_tmr(PackedParts<B>& out, const RunFolder& run) {
+  const TensorSet& weights = out.weights.emplace_back(open_weights(run.folder));
+  if (weights.find("stats.mean") == nullptr || weights.find("stats.std") == nullptr)
+    raise<io_error>(401, run.folder.string(), ": no statistics of the motions: stats/mean.pt and std.pt are missing");
+  out.model.features = "guoh3dfeats";
+  out.model.text_encoder = "distilbert";
+}
+
+template <Backend B>
+void add_tm2t(PackedParts<B>& out, const RunFolder& run, const PackOptions& options) {
+  const Tm2tRunOptions sources{.tokenizer = options.tokenizer, .words = options.sources.text_encoder};
+  const RunFolder tokenizer_run = tm2t_tokenizer_run(run, sources);
+  out.weights.push_back(tm2t_weights(run));
+  if (!tokenizer_run.packed) out.weights.push_back(tm2t_weights(tokenizer_run));
+  const TensorSet& weights = out.weights.back();
+  const Index features = tm2t_tokenizer_config(RunReader(tokenizer_run, weights, "")).features;
+  out.statistics = tm2t_normalizer<B>(tokenizer_run, weights, features);
+  out.model.features = "guoh3dfeats";
+  out.model.fps = features == 251 ? 12.5 : 20;
+  if (!options.text_encoder) return;
+  for (const char* end : {"_data.npy", "_words.pkl", "_idx.pkl"})
+    out.text_encoder.emplace_back(tm2t_words(run, sources).string() + end);
+}
+
+}  // namespace detail
+
+/// Throws what the readers of the system and write_model_folder throw; io_error 404 for a folder of none of them.
+template <Backend B>
+void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& options) {
+  detail::PackedParts<B> parts;
+  parts.model.system = run.system;
+  if (run.system == "actor") {
+    detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
+    parts.weights.push_back(open_weights(run.weights));
+  } else if (run.system == "temos") {
+    detail::add_lightning(parts, run, options);
+  } else if (run.system == "tmr") {
+    detail::add_tmr(parts, run);
+  } else if (is_tm2t_generator(run)) {
+    detail::add_tm2t(parts, run, options);
+  } else if (is_mdm_action_run(run)) {
+    parts.weights.push_back(detail::run_weights(run));
+  } else {
+    return pack_diffusion_run<B>(run, path, options);
+  }
+  parts.model.license = options.license;
+  parts.model.provenance = options.provenance;
+  parts.model.others["published"] = true;
+  for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
+    const auto* text = std::get_if<std::string>(&v.value);
+    if (text == nullptr || is_utf8(*text)) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
+  }
+  TensorStore statistics;
+  if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");
+  std::vector<TensorView> tensors = statistics.views();
+  for (const WeightFile& file : parts.weights) {
+    for (const TensorView& t : file.tensors()) {
+      if (detail::is_of_a_model(t.name)) tensors.push_back(t);
+    }
+  }
+  write_model_folder(path, parts.model, tensors, parts.text_encoder);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_SEARCH_PAGE_HPP  // <motionlang/io/search_page.hpp>
 #define MOTIONLANG_HAS_IO_SEARCH_PAGE_HPP
 /// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a film strip.
@@ -14008,7 +14761,7 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
 /// claim. Throws io_error 406, 407.
 inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
   auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const Shape& found = file.tensor(name).shape; found != shape)
+    if (const FileShape& found = file.tensor(name).shape; found != shape)
       raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
   };
   auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
@@ -14211,477 +14964,6 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
   }
   return out;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP  // <motionlang/io/teach_sinc_file.hpp>
-#define MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP
-/// TEACH and SINC from their published checkpoints: sizes come from the shapes of the tensors.
-///
-///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
-///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
-///
-/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name, which the code
-///          passes over
-/// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
-/// Throws   as io/text_motion_file.hpp
-/// Source   spec teach.md 2.4, sinc.md 2.4
-
-#ifndef MOTIONLANG_HAS_IO_TEXT_MOTION_FILE_HPP  // <motionlang/io/text_motion_file.hpp>
-#define MOTIONLANG_HAS_IO_TEXT_MOTION_FILE_HPP
-/// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
-///
-///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
-///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts: io/vae_run.hpp
-///
-/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS' options ask for
-///          6 under a misspelled name, which its code passes over
-/// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none; config_error 101 if the
-///          heads do not divide the width, 102 where options and tensors differ
-/// Source   spec temos.md 2, 3.1; tmr.md 3
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-/// What the configurations of TEMOS, TEACH and SINC have in common.
-template <class Config>
-Config temos_sizes(const RunReader& r) {
-  const std::string stack = "textencoder.seqTransEncoder.layers.";
-  Config c;
-  c.nfeats = r.size("motiondecoder.final_layer.weight", 0);
-  c.text_dim = r.size("textencoder.projection.1.weight", 1);
-  c.latent_dim = r.size("textencoder.projection.1.weight", 0, {"model/latent_dim"});
-  c.ff_size = r.size(stack + "0.linear1.weight", 0, {"model/ff_size"});
-  c.num_layers = r.count(stack, ".linear1.weight", {"model/num_layers"});
-  c.num_heads = r.number({"model/num_heads"}, 4, 1024);
-  c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
-  return c;
-}
-
-inline TemosConfig temos_config(const RunReader& r) {
-  auto network = [&](const std::string& module, const char* transformer) {
-    if (r.has(module + ".gru.weight_ih_l0")) return TemosNetwork::gru;
-    return r.has(module + transformer) ? TemosNetwork::transformer : TemosNetwork::none;
-  };
-  auto c = temos_sizes<TemosConfig>(r);
-  c.vae = r.has("textencoder.mu_token");
-  c.motion_encoder = network("motionencoder", ".skel_embedding.weight");
-  c.motion_decoder = network("motiondecoder", ".final_layer.weight");
-  return c;
-}
-
-inline TmrConfig tmr_config(const RunReader& r) {
-  const std::string stack = "motion_encoder.seqTransEncoder.layers.";
-  return {.motion_nfeats = r.size("motion_encoder.projection.weight", 1, {"model/motion_encoder/nfeats"}),
-          .text_nfeats = r.size("text_encoder.projection.weight", 1, {"model/text_encoder/nfeats"}),
-          .latent_dim = r.size("motion_encoder.projection.weight", 0, {"model/motion_encoder/latent_dim"}),
-          .ff_size = r.size(stack + "0.linear1.weight", 0, {"model/motion_encoder/ff_size"}),
-          .num_layers = r.count(stack, ".linear1.weight", {"model/motion_encoder/num_layers"}),
-          .num_heads = r.number({"model/motion_encoder/num_heads"}, 4, 1024),
-          .activation = parse_activation(r.one_of("model/motion_encoder/activation", "gelu", {"gelu", "relu"})),
-          .vae = r.size("motion_encoder.tokens", 0) == 2};
-}
-
-}  // namespace detail
-
-/// `run` has the options, if there are any.
-template <Backend B>
-Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
-  NoInit zeros;
-  Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
-  detail::load_run_module(model, file, "", [](const std::string& name) {
-    return name.ends_with("sequence_pos_encoding.pe") ||
-           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses."});
-  });
-  return model;
-}
-template <Backend B>
-Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
-  NoInit zeros;
-  Tmr<B> model(detail::tmr_config(detail::RunReader(run, file, "")), zeros);
-  detail::load_run_module(model, file, "", [](const std::string& name) {
-    return name.ends_with(".pe") || detail::begins_with_any(name, {"stats.", "meta."});
-  });
-  return model;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-inline bool beside_teach_and_sinc(const std::string& name) {
-  return name.ends_with("sequence_pos_encoding.pe") ||
-         begins_with_any(name, {"textencoder.text_model.", "_losses.", "losses.", "metrics.", "eval_model."});
-}
-
-}  // namespace detail
-
-/// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
-template <Backend B>
-Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
-  const detail::RunReader r(run, file, "");
-  auto config = detail::temos_sizes<TeachConfig>(r);
-  config.hist_frames = r.number({"model/hist_frames"}, config.hist_frames, 1024);
-  config.z_prev_text = r.flag("model/z_prev_text", false);
-  config.motion_encoder = r.has("motionencoder.mu_token");
-  config.unused_encoder = r.has("textencoder.motionTransEncoder.layers.0.linear1.weight");
-  NoInit zeros;
-  Teach<B> model(config, zeros);
-  detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
-  return model;
-}
-/// mode: not to be seen in the tensors; released models take one sentence.
-template <Backend B>
-Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
-  const detail::RunReader r(run, file, "");
-  auto config = detail::temos_sizes<SincConfig>(r);
-  config.mode = mode;
-  config.motion_encoder = r.has("motionencoder.mu_token");
-  NoInit zeros;
-  Sinc<B> model(config, zeros);
-  detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
-  return model;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_IO_TM2T_RUN_HPP  // <motionlang/io/tm2t_run.hpp>
-#define MOTIONLANG_HAS_IO_TM2T_RUN_HPP
-/// TM2T's model from texts to motions from the folders in which its repository leaves it.
-///
-///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
-///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
-///
-/// Three places: the folder of the recurrent model (opt.txt, model/finest.tar); the one of the motion tokenizer, beside it (its
-/// checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
-///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with
-/// Differs  from the published program: `model` has no transformer from motions to texts, which is in yet another folder
-/// Source   spec tm2t.md 1, 2, 5, 6
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for models of transformers; 406, 407 for tensors;
-///          config_error 102 where the parts do not fit each other
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-template <Backend B>
-struct Tm2tRun {
-  Tm2t<B> model;
-  GloVe words;
-  double fps = 20;
-
-  Index width() const { return model.statistics.mean.size(0); }
-};
-
-struct Tm2tRunOptions {
-  FilePath tokenizer = "";  // its folder; looked for beside the model unless given
-  FilePath words = "";      // the folder with our_vab_data.npy; looked for in the folders above unless given
-};
-
-namespace detail {
-
-inline WeightFile tm2t_weights(const RunFolder& run) {
-  if (run.system != "tm2t")
-    raise<io_error>(404, run.folder.string(), ": ",
-                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected tm2t");
-  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no model/finest.tar");
-  return open_weights(run.weights, {.path = ""});
-}
-inline bool has_motion_tokenizer(const RunFolder& run) {
-  return run.system == "tm2t" && !run.weights.empty() &&
-         tm2t_weights(run).find("quantizer.embedding.weight") != nullptr;
-}
-
-/// The folder that the options name, else the only one beside the model that has a tokenizer.
-inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& options) {
-  namespace fs = std::filesystem;
-  if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
-  const fs::path beside = run.folder.lexically_normal();
-  const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
-  std::vector<RunFolder> found;
-  for (const fs::path& folder : listed(around.empty() ? fs::path(".") : around)) {
-    std::error_code ignored;
-    if (!fs::is_directory(folder, ignored)) continue;
-    RunFolder other = motionlang::find_run(folder);
-    if (!has_motion_tokenizer(other)) continue;
-    for (const char* key : {"tokenizer_name", "tokenizer_name_motion"}) {
-      const FileValue* named = run.option(key);
-      if (named != nullptr && to_string(*named) == folder.filename().string()) return other;
-    }
-    found.push_back(std::move(other));
-  }
-  if (found.size() == 1) return std::move(found.front());
-  raise<io_error>(401, run.folder.string(), ": ", found.size(), " folders with a motion tokenizer beside it (",
-                  "VQVAEV3_CB1024_CMT_H1024_NRES3 as published): put it there, or name it");
-}
-
-inline FilePath tm2t_words(const RunFolder& run, const Tm2tRunOptions& options) {
-  namespace fs = std::filesystem;
-  std::vector<fs::path> places;
-  if (!options.words.string().empty()) {
-    places.emplace_back(options.words.string());
-  } else {
-    fs::path folder = fs::absolute(run.folder).lexically_normal();
-    for (int up = 0; up < 5 && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
-      places.push_back(folder);
-      places.push_back(folder / "glove");
-    }
-  }
-  for (const fs::path& place : places) {
-    std::error_code ignored;
-    if (fs::is_regular_file(place / "our_vab_data.npy", ignored)) return place / "our_vab";
-  }
-  raise<io_error>(401, run.folder.string(),
-                  ": no word vectors: put glove/our_vab_data.npy, our_vab_words.pkl and our_vab_idx.pkl "
-                  "in a folder above, or name their folder");
-}
-
-inline MotionTokenizerConfig tm2t_tokenizer_config(const RunReader& r) {
-  MotionTokenizerConfig c;
-  c.channels.clear();
-  const std::string encoder = "vq_encoder.main.", decoder = "vq_decoder.main.";
-  for (Index i = 0; r.has(concat_text(encoder, i, ".weight"));
-       i += 3)  // a convolution, its activation, a residual block
-    c.channels.push_back(r.size(concat_text(encoder, i, ".weight"), 0));
-  c.features = r.size(encoder + "0.weight", 1) + 4;
-  c.codes = r.size("quantizer.embedding.weight", 0);
-  c.residual_blocks = r.count(decoder, ".model.0.weight", {"n_resblk"});
-  return c;
-}
-
-inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
-  const std::string step = "motion_decoder_step.";
-  Seq2SeqGruConfig c{.word = r.size("text_encoder.input_emb.weight", 1),
-                     .text_hidden = r.size("text_encoder.gru.weight_hh_l0", 1, {"dim_txt_hid"}),
-                     .motion_hidden = r.size(step + "input_emb.weight", 1, {"dim_mot_hid"}),
-                     .layers = r.count(step + "gru.", ".weight_ih", {"n_mot_layers"}),
-                     .symbols = r.size(step + "input_emb.weight", 0),
-                     .late = r.has(step + "att_linear.3.weight")};
-  if (const std::string stated = r.one_of("early_or_late", c.late ? "late" : "early", {"early", "late"});
-      (stated == "late") != c.late)
-    raise<config_error>(102, r.place("early_or_late"), " is ", stated, ", the tensors are those of ",
-                        c.late ? "late" : "early", " attention");
-  return c;
-}
-
-}  // namespace detail
-
-/// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
-inline bool is_tm2t_generator(const RunFolder& run) {
-  return run.system == "tm2t" && !run.weights.empty() &&
-         detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
-}
-
-template <Backend B>
-Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
-  const WeightFile weights = detail::tm2t_weights(run);
-  const std::string prefix = "t2m_model.";
-  const detail::RunReader r(run, weights, prefix);
-  if (!r.has("motion_decoder_step.input_emb.weight"))
-    raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
-  const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
-  const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
-  const MotionTokenizerConfig tokenizer =
-      detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
-  const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
-  Tm2tRun<B> out{.model = {},
-                 .words = read_glove(detail::tm2t_words(run, options)),
-                 .fps = tokenizer.features == 251 ? 12.5 : 20.0};
-  if (gru.symbols != tokenizer.codes + 3)
-    raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
-                        tokenizer.codes, " codes and three marks");
-  if (gru.word != out.words.width())
-    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
-                        out.words.width());
-  NoInit zeros;
-  out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
-  out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
-  detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
-  detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
-    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
-  });
-  auto statistics = tokenizer_run.parts.empty() ? std::nullopt
-                                                : detail::find_normalizer<B>(detail::statistics_of(tokenizer_run),
-                                                                             tokenizer.features, {"meta.", ""});
-  if (!statistics)
-    raise<io_error>(401, tokenizer_run.folder.string(),
-                    ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
-  statistics->eps = 0;
-  out.model.statistics = std::move(*statistics);
-  prepare_loaded(out.model.t2m_model);
-  prepare_loaded(out.model.tokenizer);
-  return out;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_IO_VAE_RUN_HPP  // <motionlang/io/vae_run.hpp>
-#define MOTIONLANG_HAS_IO_VAE_RUN_HPP
-/// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
-///
-///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
-///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
-///                                                                     .statistics = "deps/.../kit-amass-xyz"});
-///
-/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
-/// ACTOR    all networks of its repository (io/actor_file.hpp)
-/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their folders look alike:
-///          `lightning_system` tells them apart by their tensors
-/// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
-/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
-///          config_error 101, 102 where options and tensors differ, 103, 107
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-template <Backend B>
-struct ActorRun {
-  Actor<B> model;
-  ActorFeatureOptions features{};
-  bool camera = true;               // the figure stands on its head: Y down, as cameras have it
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers
-};
-
-/// A model from texts to motions, with all that it needs.
-template <Backend B, class Model>
-struct TextMotionRun {
-  Model model;
-  Normalizer<B> normalizer;
-  AnyTextEncoder<B> text_encoder;
-  double fps = 12.5;
-
-  Index width() const { return normalizer.mean.count(); }
-};
-template <Backend B>
-using TemosRun = TextMotionRun<B, Temos<B>>;
-template <Backend B>
-using TeachRun = TextMotionRun<B, Teach<B>>;
-template <Backend B>
-using SincRun = TextMotionRun<B, Sinc<B>>;
-
-struct TemosRunOptions {
-  FilePath text_encoder = "";  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
-  FilePath statistics = "";    // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
-};
-
-namespace detail {
-
-inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
-  if (run.system != system)
-    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
-                    ", expected ", system);
-  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
-}
-
-/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
-template <Backend B>
-AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
-  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
-  std::filesystem::path folder = options.text_encoder.string();
-  for (const auto& near : {run.folder, run.folder.parent_path()}) {
-    for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
-      const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
-      if (folder.empty() && found) folder = near / name;
-    }
-  }
-  if (folder.empty())
-    raise<io_error>(401, run.folder.string(), ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
-                    "distilbert-base-uncased there, or name its folder");
-  if (!inside) return load_text_encoder<B>(folder);
-  AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
-  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(weights), weights)};
-  check_vocabulary(tokenizer, network, folder.string());
-  return {std::move(tokenizer), std::move(network), {}};
-}
-
-}  // namespace detail
-
-template <Backend B>
-ActorRun<B> load_actor_run(const RunFolder& run) {
-  detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
-  const WeightFile weights = open_weights(run.weights);
-  const detail::RunReader r(run, weights, "");
-  ActorRun<B> out;
-  out.model = load_actor<B>(weights, run);
-  out.features = actor_point_options(run, weights).features;
-  const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
-  if (out.model.config.njoints != joints)
-    raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
-                        weights.name(), " has ", out.model.config.njoints);
-  out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
-  prepare_loaded(out.model);
-  return out;
-}
-template <Backend B>
-ActorRun<B> load_actor_run(const FilePath& folder) {
-  return load_actor_run<B>(find_run(folder));
-}
-
-/// "temos", "teach" or "sinc", by the token that stands between texts.
-inline std::string lightning_system(const TensorSet& weights) {
-  if (weights.find("textencoder.seperation_token") != nullptr) return "teach";  // as published
-  return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
-}
-
-namespace detail {
-
-/// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
-template <Backend B, class Model>
-TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps, double eps,
-                                        const TemosRunOptions& options) {
-  const RunReader r(run, weights, "");
-  const Index nfeats = r.size("motiondecoder.final_layer.weight", 0);
-  const RunFolder statistics = options.statistics.string().empty() ? run : find_run(options.statistics);
-  auto normalizer = statistics.parts.empty()
-                        ? std::nullopt
-                        : find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
-  if (!normalizer)
-    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
-                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
-                    " (deps/transforms/... of TEMOS) there, or name their folder");
-  normalizer->eps = eps;
-  TextMotionRun<B, Model> out{.model = std::move(model),
-                              .normalizer = std::move(*normalizer),
-                              .text_encoder = temos_text_encoder<B>(run, weights, options),
-                              .fps = r.real("data/framerate", fps)};
-  prepare_loaded(out.model);
-  return out;
-}
-inline WeightFile lightning_weights(const RunFolder& run, const char* system) {
-  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
-  WeightFile weights = open_weights(run.weights);
-  if (const std::string found = lightning_system(weights); found != system)
-    raise<io_error>(404, weights.name(), ": a checkpoint of ", found, ", expected ", system);
-  return weights;
-}
-
-}  // namespace detail
-
-template <Backend B>
-TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
-  const WeightFile weights = detail::lightning_weights(run, "temos");
-  return detail::text_motion_run<B>(run, weights, load_temos<B>(weights, run), 12.5, 0, options);
-}
-template <Backend B>
-TeachRun<B> load_teach_run(const RunFolder& run, const TemosRunOptions& options = {}) {
-  const WeightFile weights = detail::lightning_weights(run, "teach");
-  return detail::text_motion_run<B>(run, weights, load_teach<B>(weights, run), 30, 0, options);
-}
-template <Backend B>
-SincRun<B> load_sinc_run(const RunFolder& run, const TemosRunOptions& options = {}) {
-  const WeightFile weights = detail::lightning_weights(run, "sinc");
-  return detail::text_motion_run<B>(run, weights, load_sinc<B>(weights, run), 30, sinc_eps, options);
-}
-template <Backend B>
-TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {
-  return load_temos_run<B>(find_run(folder), options);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -7144,7 +7144,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
   BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
   if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
   if (!(out.start < out.end) && !options.as_published) {
-    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s is empty or ends before it starts");
+    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
+              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
   }
   return out;
 }
@@ -7314,6 +7315,10 @@ enum class Gaps { fill, refuse };
 /// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
+
+/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and without
+/// their texts. The published network holds some 90 MB for them.
+inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
   Index overlap = 10;            // frames in total around a cut; 0.5 s at 20 fps
@@ -7883,6 +7888,11 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
+///     all            everything (the released GRU of MDM)
+enum class BatchMates { none, longest_text, all };
+
 /// Properties of a denoiser that a host has to know.
 struct DenoiserTraits {
   Prediction prediction = Prediction::x0;
@@ -7890,6 +7900,7 @@ struct DenoiserTraits {
   Index longest_crop = 0;           // > 0: no crop has more frames
   bool uses_lengths = true;         // false: crops of fixed size are not masked
   bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+  BatchMates mates = BatchMates::none;
 
   /// Frames that a crop may have; 0: any number.
   Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
@@ -7897,7 +7908,7 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch (tests/laws)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -8718,7 +8729,8 @@ struct MdmSmplDenoiser {
   /// Behind the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
-                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop()};
+                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop(),
+            .mates = BatchMates::longest_text};
   }
 
   /// (sequences, latent)
@@ -8899,7 +8911,8 @@ struct IgnoreSteps {
 };
 
 /// All steps from index `first` (the last of the process when -1) down to 0. Returns the x0 of the last step, which is
-/// also the last x (c0 is 1 and the noise factor 0 at t = 0). Throws `cancelled` if progress says so.
+/// also the last x (c0 is 1 and the noise factor 0 at t = 0); of a network that predicts x_{t-1}, what it says last.
+/// Throws `cancelled` if progress says so.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise,
                               const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
@@ -8908,7 +8921,7 @@ Tensor<B, R> sample_ancestral(const GaussianDiffusion& d, Tensor<B, R> x, Networ
   for (Index t = first; t >= 0; --t) {
     const auto step = ancestral_step(d, x, network(x, t), noise(first - t), std::span(&t, 1), options, fix);
     watch(t, step);
-    x = t > 0 ? step.x_prev : step.x0;
+    x = t > 0 || options.prediction == Prediction::x_prev ? step.x_prev : step.x0;
     progress(first - t + 1, first + 1);
   }
   return x;
@@ -8932,22 +8945,23 @@ AncestralStep<B, R> ddim_step(const GaussianDiffusion& d, const Tensor<B, R>& x,
   return {std::move(x0), std::move(mean), std::move(x_prev)};
 }
 
-/// A whole DDIM run. It saves time only on a respaced process. `noise` is asked for only if eta > 0, but then at every
-/// step.
+/// A whole DDIM run, from index `first` (the last of the process when -1) on. It saves time only on a respaced process.
+/// `noise` is asked for only if eta > 0, but then at every step.
 template <Backend B, int R, class Network, class Noise, class Fix = detail::KeepX0, class Watch = IgnoreSteps>
 Tensor<B, R> sample_ddim(const GaussianDiffusion& d, Tensor<B, R> x, Network&& network, Noise&& noise, double eta,
                          const StepOptions& options = {}, const Fix& fix = {}, Progress progress = {},
-                         const Watch& watch = {}) {
-  for (Index t = d.steps() - 1; t >= 0; --t) {
+                         const Watch& watch = {}, Index first = -1) {
+  if (first < 0) first = d.steps() - 1;
+  for (Index t = first; t >= 0; --t) {
     const auto output = network(x, t);
     const auto step = [&] {
       if (eta == 0) return ddim_step<B, R>(d, x, output, nullptr, t, eta, options, fix);
-      const Tensor<B, R> z = noise(d.steps() - 1 - t);
+      const Tensor<B, R> z = noise(first - t);
       return ddim_step(d, x, output, &z, t, eta, options, fix);
     }();
     watch(t, step);
     x = step.x_prev;
-    progress(d.steps() - t, d.steps());
+    progress(first - t + 1, first + 1);
   }
   return x;
 }
@@ -9834,6 +9848,7 @@ struct StmcOptions {
   StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
   Progress progress{};  // called after every step; may cancel
 };
 
@@ -9872,9 +9887,14 @@ struct Stmc {
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
-  /// collage, features); whole(collage, x, t) is what a plain run takes. Not in the SINC modes, where nothing is stitched.
+  /// collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is that of the texts alone,
+  /// and what is estimated is not yet the motion.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
+                                          Estimate&& estimate) const;
+  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
   /// How timelines are planned for this model.
@@ -10332,6 +10352,7 @@ class JsonCursor {
 
 #include <cerrno>      // errno
 #include <cstdio>      // rename, remove
+#include <filesystem>  // folder of temporary files
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -10340,6 +10361,7 @@ namespace detail {
 /// A file descriptor that is closed at the end of its scope.
 class Descriptor {
  public:
+  explicit Descriptor(int fd) : fd_(fd) {}
   Descriptor(const FilePath& path, int flags, mode_t mode = 0)
       : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
@@ -10348,6 +10370,16 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
+  /// Whether all bytes could be written; errno says why not.
+  bool write(std::span<const std::byte> bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      bytes = bytes.subspan(static_cast<std::size_t>(n));
+    }
+    return true;
+  }
   std::size_t size(const FilePath& path) const {
     struct stat s {};
     if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
@@ -10366,6 +10398,19 @@ class MappedFile {
   /// Throws io_error 401.
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  }
+  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
+  /// there is no place for it.
+  static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
+    std::error_code none;
+    std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+    const int fd = none || bytes.empty() ? -1 : ::mkstemp(name.data());
+    if (fd < 0) return nullptr;
+    const detail::Descriptor file(fd);
+    ::unlink(name.c_str());
+    if (!file.write(bytes)) return nullptr;
+    auto out = std::shared_ptr<MappedFile>(new MappedFile);
+    return out->map(fd, bytes.size()) ? out : nullptr;
   }
   /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes) {
@@ -10391,10 +10436,11 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
   /// Gives the memory of a part back that will hardly be read again: whoever reads it gets it from the file once more.
+  /// The system maps up to two megabytes around a byte that is read, so it takes whole ones.
   void forget(std::span<const std::byte> part) const {
-    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-    const std::uintptr_t begin = (address(part) + page - 1) / page * page,
-                         end = (address(part) + part.size()) / page * page;
+    constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
+    const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
+                         end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
     if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
@@ -10405,12 +10451,18 @@ class MappedFile {
  private:
   explicit MappedFile(const FilePath& path) {
     const detail::Descriptor file(path, O_RDONLY);
-    size_ = file.size(path);
-    if (size_ == 0) return;  // an empty mapping is an error of mmap
-    data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
-    if (data_ == MAP_FAILED) raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+    const std::size_t size = file.size(path);
+    if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
+      raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
+  }
+  MappedFile() = default;
+  bool map(int fd, std::size_t size) {
+    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED) return false;
+    data_ = data, size_ = size;
     const std::scoped_lock lock(mutex_);
     next_ = std::exchange(first_, this);
+    return true;
   }
   static std::uintptr_t address(std::span<const std::byte> bytes) {
     return reinterpret_cast<std::uintptr_t>(bytes.data());
@@ -10441,12 +10493,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   };
   {
     const detail::Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    while (!contents.empty()) {
-      const ssize_t n = ::write(file.get(), contents.data(), contents.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) failed("write");
-      contents = contents.subspan(static_cast<std::size_t>(n));
-    }
+    if (!file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");
@@ -10560,17 +10607,63 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated with, has six
+/// at most.
+class FileShape {
+ public:
+  static constexpr int max_rank = 64;
+
+  FileShape() = default;
+  FileShape(const Shape& shape) {
+    for (int i = 0; i < shape.rank(); ++i) push_back(shape[i]);
+  }
+  FileShape(std::initializer_list<Index> sizes) : FileShape(std::span<const Index>(sizes.begin(), sizes.size())) {}
+  explicit FileShape(std::span<const Index> sizes) {
+    for (const Index n : sizes) push_back(n);
+  }
+  /// Throws shape_error 206 for more than six.
+  operator Shape() const { return Shape(std::span<const Index>(sizes_)); }
+
+  int rank() const { return static_cast<int>(sizes_.size()); }
+  Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
+  Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  /// Number of elements.
+  Index count() const {
+    Index n = 1;
+    for (const Index size : sizes_) n *= size;
+    return n;
+  }
+  /// Throws shape_error 205 for a negative size, 206 for more than 64 of them.
+  void push_back(Index n) {
+    if (n < 0) raise<shape_error>(205, "FileShape: negative size ", n);
+    if (rank() == max_rank) raise<shape_error>(206, "FileShape: more than ", max_rank, " axes");
+    sizes_.push_back(n);
+  }
+  friend bool operator==(const FileShape&, const FileShape&) = default;
+  friend bool operator==(const FileShape& a, const Shape& b) { return a == FileShape(b); }
+
+ private:
+  std::vector<Index> sizes_;
+};
+
+/// "(2, 60, 512)"
+inline std::string to_string(const FileShape& s) {
+  std::string out = "(";
+  for (int i = 0; i < s.rank(); ++i) out += concat_text(i ? ", " : "", s[i]);
+  return out + ")";
+}
+
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {
   std::string name;
   DType dtype = DType::F32;
-  Shape shape;
+  FileShape shape;
   std::span<const std::byte> bytes;
 };
 
 /// A view of numbers in memory, for writing.
 template <class T>
-TensorView tensor_view(std::string name, const Shape& shape, std::span<const T> values) {
+TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
     raise<shape_error>(205, "tensor_view: ", values.size(), " values for '", name, "' of shape ", shape);
   }
@@ -10715,7 +10808,7 @@ class SafetensorsFile : public TensorSet {
   /// Longest header that is read, as in the reference implementation.
   static constexpr std::uint64_t max_header = 100'000'000;
 
-  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than six
+  /// Maps a file. Throws io_error 401 (cannot be opened), 402 (ends too early), 403 (malformed), 404 (more than 64
   /// axes), 405 (impossible sizes).
   static SafetensorsFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
@@ -10809,11 +10902,11 @@ class SafetensorsFile : public TensorSet {
     return *dtype;
   }
 
-  static Shape read_shape(Cursor& json) {
-    Shape shape;
+  static FileShape read_shape(Cursor& json) {
+    FileShape shape;
     json.array([&] {
-      if (shape.rank() == Shape::max_rank) {
-        json.fail(404, json.position(), concat_text("more than ", Shape::max_rank, " axes are not supported"));
+      if (shape.rank() == FileShape::max_rank) {
+        json.fail(404, json.position(), concat_text("more than ", FileShape::max_rank, " axes are not supported"));
       }
       shape.push_back(json.count());
     });
@@ -10981,8 +11074,14 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       const auto numbers = direct<S>(view);
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
-    const std::vector<S> values = values_of<S>(view);
-    return C::from_span(std::span<const S>(values), view.shape);
+    if constexpr (requires(typename C::tensor t) { { t.data() } -> std::same_as<S*>; }) {  // a large table is not there twice
+      typename C::tensor out(Shape(view.shape));
+      copy_values(view, std::span<S>(out.data(), static_cast<std::size_t>(out.count())));
+      return out;
+    } else {
+      const std::vector<S> values = values_of<S>(view);
+      return C::from_span(std::span<const S>(values), view.shape);
+    }
   };
   if constexpr (AutodiffBackend<B>) {
     B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();
@@ -11060,7 +11159,7 @@ class TensorStore {
   /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
   /// for a number that F16 cannot hold.
   template <Scalar S>
-  void add(std::string name, const Shape& shape, std::span<const S> values, DType dtype) {
+  void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
       case DType::F32:
         return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
@@ -11098,11 +11197,11 @@ class TensorStore {
   struct Entry {
     std::string name;
     DType dtype;
-    Shape shape;
+    FileShape shape;
     std::vector<std::byte> bytes;
   };
   template <class Stored, Scalar S, class F>
-  void put(std::string name, const Shape& shape, std::span<const S> values, DType dtype, F convert) {
+  void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
     Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
     for (std::size_t i = 0; i < values.size(); ++i) {
       const Stored v = convert(values[i]);
@@ -11114,17 +11213,51 @@ class TensorStore {
 };
 
 namespace detail {
+/// Packs a weight that lies in a mapped file and gives its memory there back: who still reads it gets it from the file
+/// again. Numbers that are the tensor's own, because they had to be converted, are put aside first. False, and nothing
+/// done, for a weight that lies elsewhere in memory, where it would be twice.
+template <Backend B>
+bool pack_once(Tensor<B, 2>& weight) {
+  if constexpr (requires { B::prepare(weight.data()); }) {
+    const MappedFile* file = MappedFile::that_holds(std::as_bytes(weight.span()));
+    if (file == nullptr && weight.data().unique()) {
+      const auto aside = MappedFile::put_aside(std::as_bytes(weight.span()));
+      if (aside == nullptr) return false;
+      const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+      weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+      BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+      file = aside.get();
+    }
+    if (file == nullptr) return false;
+    B::prepare(weight.data());
+    file->forget(std::as_bytes(weight.span()));
+  }
+  return true;
+}
+
+/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+template <Backend B, int R>
+void copy_small(Tensor<B, R>& t) {
+  if constexpr (requires { t.data().attached(); }) {
+    constexpr std::size_t small = 1 << 14;
+    const auto bytes = std::as_bytes(t.span());
+    const MappedFile* const file = MappedFile::that_holds(bytes);
+    if (file == nullptr || t.data().attached() != nullptr || t.span().size() >= small) return;
+    auto copy = Tensor<B, R>::from(t.span(), t.shape());
+    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    t = std::move(copy);
+  }
+}
+
+/// always   packs weights that lie elsewhere in memory, too
+template <bool always>
 struct PrepareLoaded {
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
-    PrepareWeights{}(name, t);
-    if constexpr (requires { t.data().attached(); }) {
-      const MappedFile* const file = MappedFile::that_holds(std::as_bytes(t.span()));
-      if (file == nullptr) return;
-      constexpr std::size_t small = 1 << 14;  // numbers: for a bias the system may keep two megabytes of the file in memory
-      if (t.data().attached() == nullptr && t.span().size() < small) t = Tensor<B, R>::from(t.span(), t.shape());
-      file->forget(file->bytes());
+    if constexpr (R == 2) {
+      if (!pack_once(t) && always) PrepareWeights{}(name, t);
     }
+    copy_small(t);
   }
 };
 }  // namespace detail
@@ -11133,7 +11266,7 @@ struct PrepareLoaded {
 /// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
 template <Module M>
 void prepare_loaded(M& model) {
-  visit_tensors(model, detail::PrepareLoaded{});
+  visit_tensors(model, detail::PrepareLoaded<true>{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -11148,7 +11281,7 @@ void prepare_loaded(M& model) {
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
 #define MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP
-/// The denoising step of STMC: all crops of all timelines through the network in one ragged batch, guided, stitched.
+/// The denoising step of STMC: all crops of all timelines through the network in ragged batches, guided, stitched.
 ///
 /// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
 
@@ -11754,24 +11887,27 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    one call of the network per step. Sequences of the same frames and the same text go through it once: both calls of
-///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together. The longest
-///         come first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
-///         prepared here, not in the loop.
+/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
+///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
+///         text is "", and the unconditional calls of texts that begin and end together. The longest come first, so that threads
+///         end together; crops without frames are left out. Texts, offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
-  /// collage. Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for
-  /// the denoiser.
+  /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
+  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the denoiser,
+  /// config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
-          const TextFeatures<B>& null, double guidance)
+          const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
         layout_(layout),
         texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
                text.end_position},
-        guidance_(guidance) {
+        guidance_(guidance),
+        rows_at_once_(rows_at_once) {
+    if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
     check_texts(text.count(), null.count());
     prepare_step();
@@ -11790,7 +11926,11 @@ class Collage {
   Index stride() const { return motion_.stride; }
   Index rows() const { return motion_.stride * static_cast<Index>(plan_.timelines.size()); }
   /// Rows that go through the network in a step, without tokens for time and text.
-  Index batch_rows() const { return batch_offsets_.rows(); }
+  Index batch_rows() const {
+    Index rows = 0;
+    for (const Batch& b : batches_) rows += b.offsets.rows();
+    return rows;
+  }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
@@ -11798,8 +11938,7 @@ class Collage {
   CollageStep<B> step(const Tensor<B, 2>& x, Index t, F to_x0) const {
     CollageStep<B> s;
     s.crops = gather(x, crops_.rows);
-    const PoolVector<Index> steps(static_cast<std::size_t>(batch_offsets_.count()), t);
-    const auto out = (*denoiser_)(Sequences<B>(gather(x, batch_rows_), batch_offsets_), steps, batch_text_).rows;
+    const auto out = denoised(x, t);
     s.cond = gather(out, cond_);
     s.null = guidance_ == 1 ? s.cond : gather(out, null_);
     s.guided = guidance_ == 1 ? s.cond : guide(s.cond, s.null, guidance_);
@@ -11817,6 +11956,12 @@ class Collage {
   struct Job {
     Index first, length, text;  // first: row of the motions
     auto operator<=>(const Job&) const = default;
+  };
+  /// Jobs that go through the network together.
+  struct Batch {
+    std::vector<Index> rows;  // of x
+    Offsets offsets;
+    decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
   void check_texts(Index texts, Index nulls) const {
@@ -11845,6 +11990,27 @@ class Collage {
     }
     out.stride = motion_.stride;
     return out;
+  }
+
+  /// What the network makes of all jobs, one after the other.
+  Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
+    const auto of = [&](const Batch& b) {
+      const PoolVector<Index> steps(static_cast<std::size_t>(b.offsets.count()), t);
+      return (*denoiser_)(Sequences<B>(gather(x, b.rows), b.offsets), steps, b.text).rows;
+    };
+    if (batches_.size() == 1) return of(batches_.front());
+    PoolVector<Tensor<B, 2>> parts;
+    parts.reserve(batches_.size());
+    for (const Batch& b : batches_) parts.push_back(of(b));
+    return concat(std::span<const Tensor<B, 2>>(parts), 0);
+  }
+
+  /// Whether a sequence has the same result in any batch of these texts.
+  bool can_divide() const {
+    const BatchMates mates = denoiser_->traits().mates;
+    const Offsets& texts = texts_.tokens.offsets;
+    return mates == BatchMates::none ||
+           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
   }
 
   /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
@@ -11877,16 +12043,23 @@ class Collage {
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    std::vector<Index> lengths, which;
-    batch_rows_.clear();
+    const Index most = rows_at_once_ > 0 && can_divide() ? rows_at_once_ : std::numeric_limits<Index>::max();
+    batches_.clear();
+    std::vector<Index> rows, lengths, which;  // of the next batch
+    Index before = 0;                         // rows of the batches so far
+    const auto end_batch = [&] {
+      batches_.push_back({rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      before += std::ssize(rows);
+      rows.clear(), lengths.clear(), which.clear();
+    };
     for (const Job& job : jobs) {
-      begin[job] = static_cast<Index>(batch_rows_.size());
-      for (Index r = 0; r < job.length; ++r) batch_rows_.push_back(job.first + r);
+      if (!rows.empty() && std::ssize(rows) + job.length > most) end_batch();
+      begin[job] = before + std::ssize(rows);
+      for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
       lengths.push_back(job.length);
       which.push_back(job.text);
     }
-    batch_offsets_ = Offsets(lengths);
-    batch_text_ = encoded_text<B>(*denoiser_, gather(texts_, which));
+    end_batch();
     cond_.clear(), null_.clear();
     for (const auto& [with, without] : crops) {
       for (Index r = 0; r < with.length; ++r) {
@@ -11908,12 +12081,11 @@ class Collage {
   FeatureLayout layout_;
   TextFeatures<B> texts_;  // of all intervals, then the unconditional one
   double guidance_;
+  Index rows_at_once_;
   CropRows motion_, crops_;
   Stitcher<B> stitch_;
-  std::vector<Index> batch_rows_;   // of x, for every row of the batch
-  std::vector<Index> cond_, null_;  // for every row of the crops its row of the batch, with its text and without
-  Offsets batch_offsets_;
-  decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) batch_text_;
+  std::vector<Batch> batches_;
+  std::vector<Index> cond_, null_;  // for every row of the crops its row of all batches, with its text and without
 };
 
 /// x0 of all timelines at index t of the process.
@@ -12533,16 +12705,23 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options, Estimate&& estimate) const {
+  return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                                       Estimate&& estimate) const {
   const bool hard_cuts = options.mode != StmcMode::stmc;
   const DenoiserTraits traits = denoiser.traits();
-  BatchPlan plan = plan_timelines(timelines, plan_options(options));
   BatchPlan together;  // what is stitched at the end where every text is sampled alone
   const auto [text, null] = encode(plan);
   if (hard_cuts) {
     together = std::move(plan);
     plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
   }
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance));
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                              options.rows_at_once);
   const BatchPlan& wanted = hard_cuts ? together : collage.plan();
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
@@ -12839,7 +13018,7 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
 /// claim. Throws io_error 406, 407.
 inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
   auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const Shape& found = file.tensor(name).shape; found != shape)
+    if (const FileShape& found = file.tensor(name).shape; found != shape)
       raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
   };
   auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
