@@ -100,6 +100,16 @@ TEST_CASE("clean estimates can be clipped and replaced") {
   for (double v : x.span()) CHECK(std::abs(v) == 1);
   const auto fix = [](Matrix, Index) { return start; };
   CHECK(distance(ml::sample_ancestral(process, start, looks, noise, {}, fix), start) < 1e-12);
+  // a network that predicts x_{t-1} has the last word
+  const ml::StepOptions previous{.prediction = ml::Prediction::x_prev, .clip = true};
+  CHECK(distance(ml::sample_ancestral(process, start, large, noise, previous), goal * 100.0) < 1e-12);
+}
+
+TEST_CASE("a DDIM run begins at any index") {
+  std::vector<Index> seen;
+  const auto watch = [&](Index t, const auto&) { seen.push_back(t); };
+  ml::sample_ddim(process, start, looks, no_noise, 0, {}, ml::detail::KeepX0{}, {}, watch, 4);
+  CHECK(seen == std::vector<Index>{4, 3, 2, 1, 0});
 }
 
 TEST_CASE("progress counts every step, and can stop the work") {
