@@ -1264,6 +1264,12 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
 #endif
 #endif
 
+#if defined(__x86_64__)
+// What a compiler may use in code for these sets (GCC and clang: target attribute), and what processor_has asks for.
+#define MOTIONLANG_AVX2 "avx2,fma"
+#define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -1331,11 +1337,11 @@ inline Isa widest_vectors() {
   return Isa::portable;
 }
 template <class F>
-__attribute__((target("avx2,fma"), flatten)) void with_avx2(const F& f) {
+__attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
   f();
 }
 template <class F>
-__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma"), flatten)) void with_avx512(const F& f) {
+__attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f) {
   f();
 }
 #endif
@@ -29051,7 +29057,7 @@ const Kernels<S>& table() {
 // Without the optimiser the wider kernels would only take longer to compile.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 #define MOTIONLANG_WIDE_KERNELS
-MOTIONLANG_TARGET_PUSH("avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 #define MOTIONLANG_VECTOR_BYTES 32
 #define MOTIONLANG_TILE_ROWS 6
@@ -30187,7 +30193,7 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_TILE_ROWS
 MOTIONLANG_TARGET_POP
 
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
@@ -31326,7 +31332,7 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,avx512bf16,amx-tile,amx-bf16")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
 namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 // Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
 // header, and their types differ between compilers.
@@ -32088,7 +32094,7 @@ const ScanKernels<S>& scan_table() {
 #undef MOTIONLANG_ISA
 
 #ifdef MOTIONLANG_WIDE_KERNELS
-MOTIONLANG_TARGET_PUSH("avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 // Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of backend/detail/kernels.inc.
 
@@ -32213,7 +32219,7 @@ const ScanKernels<S>& scan_table() {
 #undef MOTIONLANG_ISA
 MOTIONLANG_TARGET_POP
 
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 // Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of backend/detail/kernels.inc.
 

@@ -1514,7 +1514,7 @@ const Kernels<S>& table() {
 // Without the optimiser the wider kernels would only take longer to compile.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 #define MOTIONLANG_WIDE_KERNELS
-MOTIONLANG_TARGET_PUSH("avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 #define MOTIONLANG_VECTOR_BYTES 32
 #define MOTIONLANG_TILE_ROWS 6
@@ -2650,7 +2650,7 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_TILE_ROWS
 MOTIONLANG_TARGET_POP
 
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
@@ -3789,7 +3789,7 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,avx512bf16,amx-tile,amx-bf16")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
 namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 // Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
 // header, and their types differ between compilers.
