@@ -18,6 +18,12 @@
 
 #include <motionlang/core/error.hpp>
 
+#if defined(__x86_64__)
+// What a compiler may use in code for these sets (GCC and clang: target attribute), and what processor_has asks for.
+#define MOTIONLANG_AVX2 "avx2,fma"
+#define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -85,11 +91,11 @@ inline Isa widest_vectors() {
   return Isa::portable;
 }
 template <class F>
-__attribute__((target("avx2,fma"), flatten)) void with_avx2(const F& f) {
+__attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
   f();
 }
 template <class F>
-__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma"), flatten)) void with_avx512(const F& f) {
+__attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f) {
   f();
 }
 #endif

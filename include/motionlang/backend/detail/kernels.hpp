@@ -170,7 +170,7 @@ constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 *
 // Without the optimiser the wider kernels would only take longer to compile.
 #if defined(__x86_64__) && defined(__OPTIMIZE__)
 #define MOTIONLANG_WIDE_KERNELS
-MOTIONLANG_TARGET_PUSH("avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 #define MOTIONLANG_VECTOR_BYTES 32
 #define MOTIONLANG_TILE_ROWS 6
@@ -180,7 +180,7 @@ MOTIONLANG_TARGET_PUSH("avx2,fma")
 #undef MOTIONLANG_TILE_ROWS
 MOTIONLANG_TARGET_POP
 
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
@@ -193,7 +193,7 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,avx512bf16,amx-tile,amx-bf16")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
 namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 #include <motionlang/backend/detail/bf16_x86.inc>
 }

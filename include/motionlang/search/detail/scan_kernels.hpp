@@ -26,13 +26,13 @@ struct ScanKernels {
 #undef MOTIONLANG_ISA
 
 #ifdef MOTIONLANG_WIDE_KERNELS
-MOTIONLANG_TARGET_PUSH("avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 #include <motionlang/search/detail/scan.inc>
 #undef MOTIONLANG_ISA
 MOTIONLANG_TARGET_POP
 
-MOTIONLANG_TARGET_PUSH("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma")
+MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 #include <motionlang/search/detail/scan.inc>
 #undef MOTIONLANG_ISA
