@@ -441,11 +441,12 @@ namespace detail {
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const FilePath& path, int flags, mode_t mode = 0)
-      : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {
+  Descriptor(const FilePath& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
   }
-  ~Descriptor() { ::close(fd_); }
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
@@ -571,8 +572,8 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
   {
-    const detail::Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    if (!file.write(contents)) failed("write");
+    const detail::Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    if (file.get() < 0 || !file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");
@@ -870,7 +871,8 @@ class SafetensorsFile : public TensorSet {
   SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner)
       : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
-    if (length > max_header) raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header);
+    if (length > max_header)
+      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header, ". Is it a .safetensors file?");
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
     Cursor json(detail::as_text(header), name_, prefix);
     const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));

@@ -108,6 +108,13 @@ TEST_CASE("exit codes") {
     CHECK_MESSAGE(contains(wrong.text, "[motionlang.timeline.502] wrong.txt:2:12: 'x' is not a time"), wrong.text);
   }
   CHECK(w.files("out").empty());
+  const auto no_folder = w.generate("wrong.txt");  // a file
+  CHECK(no_folder.code == 1);
+  CHECK_MESSAGE(contains(no_folder.text, "[motionlang.io.401] --out wrong.txt: "), no_folder.text);
+  // files are named by the text, in any script
+  CHECK(w.run({"generate", "--text", "w\xC3\xA4lk, \xE6\xAD\xA9\xE3\x81\x8F", "--seconds", "1", "--model",
+               "model.safetensors", "--out", "named"}).code == 0);
+  CHECK(w.files("named").contains("w\xC3\xA4lk_\xE6\xAD\xA9\xE3\x81\x8F.bvh"));
 
   // as a whole too long for the model, but not where the arms cut it, as 'generate' does
   ml::write_file(w / "long.txt", "walk # 0 # 60 # legs\nraise both arms # 25 # 35 # left arm # right arm\n");

@@ -3,6 +3,7 @@
 
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
@@ -58,13 +59,19 @@ std::vector<ml::Timeline> wanted_timelines(const GenerateOptions& o, double fps)
   if (o.text.empty()) return read_timelines(o.timeline, fps);
   return {timeline_of(o.text, o.seconds, fps)};
 }
-/// A text as the name of a file, cut to a length that fits.
+/// A text as the name of a file, cut to a length that fits: letters and digits of any script.
 std::string name_of(const std::string& text) {
   constexpr std::size_t longest = 40;
   std::string name;
-  for (const char c : text.substr(0, longest)) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (letter || (!name.empty() && name.back() != '_')) name += letter ? c : '_';
+  for (std::size_t at = 0; at < std::min(text.size(), longest);) {
+    const std::size_t first = at;
+    const char32_t c = ml::decode_utf8(text, at);
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                        (c > 0xA0 && c != ml::invalid_code_point);
+    if (letter)
+      name.append(text, first, at - first);
+    else if (!name.empty() && name.back() != '_')
+      name += '_';
   }
   while (!name.empty() && name.back() == '_') name.pop_back();
   return name.empty() ? "motion" : name;
@@ -130,8 +137,16 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
 }
 
+/// Before the work is done. Throws io_error 401 if nothing can be written there.
+void make_output_folder(const std::filesystem::path& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem) ml::raise<ml::io_error>(401, "--out ", folder.string(), ": ", problem.message());
+}
+
 void run(const GenerateOptions& o) {
   o.machine.apply();
+  make_output_folder(o.out);
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   const std::string name = wanted_name(o);
@@ -141,15 +156,12 @@ void run(const GenerateOptions& o) {
   if (o.preset == "fast") use_fast_preset(settings);
   if (o.preset == "full") use_full_preset(settings);
   if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
-  if (o.record || !o.reuse.empty()) {
-    std::filesystem::create_directories(o.out);
+  if (o.record || !o.reuse.empty())
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
-  }
 
   const auto made = o.towards.empty() ? samples_of(wanted_timelines(o, generator->fps()), o.samples.value_or(1), name,
                                                    *generator, settings)
                                       : line_of(o, o.samples.value_or(5), name, *generator, settings);
-  std::filesystem::create_directories(o.out);
   std::printf("%s", notes.reuse.c_str());
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
   const auto model =

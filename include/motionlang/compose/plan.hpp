@@ -154,7 +154,8 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
                           " frames with its overlap; the denoiser accepts ", longest,
-                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]));
+                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
+                                                       ". Divide it into shorter ones");
   }
 }
 

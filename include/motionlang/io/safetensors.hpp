@@ -55,7 +55,8 @@ class SafetensorsFile : public TensorSet {
   SafetensorsFile(std::span<const std::byte> bytes, std::string name, std::shared_ptr<const void> owner)
       : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
-    if (length > max_header) raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header);
+    if (length > max_header)
+      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header, ". Is it a .safetensors file?");
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
     Cursor json(detail::as_text(header), name_, prefix);
     const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));

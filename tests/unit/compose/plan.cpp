@@ -182,7 +182,7 @@ TEST_CASE("timelines that cannot be planned") {
                        "[motionlang.timeline.508] timeline: 'A' needs a crop of 65 frames");
   CHECK_NOTHROW(ml::plan_timeline(worked_example, {.longest_crop = 65}));
   check_timeline_error(parsed("a # 0 # 30 # legs\n  b # 10 # 60 # head"), {.longest_crop = 54},
-                       "508] timeline: 'b' needs a crop of 55 frames with its overlap; the denoiser accepts 54 (line 2, column 3)");
+                       "508] timeline: 'b' needs a crop of 55 frames with its overlap; the denoiser accepts 54 (line 2, column 3). Divide it into shorter ones");
   CHECK_THROWS_AS(ml::plan_timeline(worked_example, {.overlap = -1}), ml::config_error);
   ml::Timeline crowd;
   for (ml::Index i = 0; i < 4000; ++i) crowd.intervals.push_back({"x", i, 8000 - i, {}});

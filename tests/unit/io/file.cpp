@@ -9,6 +9,7 @@
 
 #include <motionlang/io/file.hpp>
 
+#include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -64,6 +65,13 @@ TEST_CASE("MappedFile: bytes that are put aside are there as long as the mapping
   ::setenv("TMPDIR", (folder.path / "missing").c_str(), 1);
   CHECK(ml::MappedFile::put_aside(bytes) == nullptr);
   ::setenv("TMPDIR", before.c_str(), 1);
+}
+
+TEST_CASE("write_file: what cannot be written is named, not the temporary file") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path / "missing" / "a.bvh";
+  CHECK_ERROR(ml::write_file(path, std::string_view("a")),
+              ("[motionlang.io.401] cannot write " + path + ": No such file or directory").c_str());
 }
 
 TEST_CASE("MappedFile: what was forgotten takes no memory, and is read from the file again") {
