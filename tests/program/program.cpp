@@ -111,6 +111,9 @@ TEST_CASE("exit codes") {
   const auto no_folder = w.generate("wrong.txt");  // a file
   CHECK(no_folder.code == 1);
   CHECK_MESSAGE(contains(no_folder.text, "[motionlang.io.401] --out wrong.txt: "), no_folder.text);
+  const auto action = w.run({"generate", "--action", "walk", "--model", "model.safetensors", "--out", "out"});
+  CHECK(action.code == 1);
+  CHECK_MESSAGE(contains(action.text, "[motionlang.config.102] --action is for models of actions"), action.text);
   // files are named by the text, in any script
   CHECK(w.run({"generate", "--text", "w\xC3\xA4lk, \xE6\xAD\xA9\xE3\x81\x8F", "--seconds", "1", "--model",
                "model.safetensors", "--out", "named"}).code == 0);

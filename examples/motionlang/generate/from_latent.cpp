@@ -73,6 +73,7 @@ class FromActions final : public FromLatent {
   explicit FromActions(ActorLatents actor) : actor_(std::move(actor)) {}
 
   double fps() const override { return actor_.fps; }
+  bool takes_actions() const override { return true; }
 
  private:
   ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {

@@ -26,6 +26,7 @@ namespace {
 
 struct GenerateOptions {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
+  bool action = false;               // whether the text names one
   double seconds = 5;                // of the text
   std::optional<ml::Index> samples;  // of each timeline; 1, with `towards` 5
   ModelSources sources;
@@ -149,6 +150,8 @@ void run(const GenerateOptions& o) {
   make_output_folder(o.out);
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
+  if (o.action && !generator->takes_actions())
+    ml::raise<ml::config_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
   const std::string name = wanted_name(o);
   GenerationSettings settings = o.settings;
   GenerationNotes notes;
@@ -185,7 +188,8 @@ void add_generate(CLI::App& app) {
       "motion of its own")
                             ->check(not_empty());
   what->add_option("--text", o->text, "One text for the whole body")->check(not_empty());
-  what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")->check(not_empty());
+  const CLI::Option* action =
+      what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")->check(not_empty());
   what->require_option(1);
   c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
       ->excludes(timeline)
@@ -268,7 +272,10 @@ void add_generate(CLI::App& app) {
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   o->machine.add_to(*c);
-  c->callback([o] { run(*o); });
+  c->callback([o, action] {
+    o->action = action->count() > 0;
+    run(*o);
+  });
 }
 
 }  // namespace program

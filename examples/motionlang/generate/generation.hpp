@@ -57,6 +57,8 @@ class Generator {
   virtual double fps() const = 0;
   /// What it is, for messages.
   virtual std::string system() const = 0;
+  /// Whether its texts are names of actions.
+  virtual bool takes_actions() const { return false; }
 };
 
 /// What published models need from elsewhere; "": it is looked for beside them.

@@ -16,6 +16,7 @@ class MdmActionGenerator final : public EachAlone {
 
   double fps() const override { return run_.fps; }
   std::string system() const override { return diffusion_model; }
+  bool takes_actions() const override { return true; }
 
  private:
   ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& s) const override {
