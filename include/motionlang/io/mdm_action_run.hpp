@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the folders in which their repository leaves them.
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the folders in
+/// which their repository leaves them.
 ///
 ///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
 ///     const auto motions = run.model.generate(actions, Philox{.seed = 7});

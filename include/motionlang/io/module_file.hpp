@@ -193,25 +193,31 @@ class TensorStore {
 
 namespace detail {
 /// Packs a weight that lies in a mapped file and gives its memory there back: who still reads it gets it from the file
-/// again. Numbers that are the tensor's own, because they had to be converted, are put aside first. False, and nothing
-/// done, for a weight that lies elsewhere in memory, where it would be twice.
+/// again. False, and nothing done, for a weight that lies elsewhere in memory, where it would be twice.
 template <Backend B>
-bool pack_once(Tensor<B, 2>& weight) {
+bool pack_mapped(Tensor<B, 2>& weight) {
   if constexpr (requires { B::prepare(weight.data()); }) {
-    const MappedFile* file = MappedFile::that_holds(std::as_bytes(weight.span()));
-    if (file == nullptr && weight.data().unique()) {
-      const auto aside = MappedFile::put_aside(std::as_bytes(weight.span()));
-      if (aside == nullptr) return false;
-      const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-      weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
-      BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
-      file = aside.get();
-    }
+    const auto bytes = std::as_bytes(weight.span());
+    const MappedFile* const file = MappedFile::that_holds(bytes);
     if (file == nullptr) return false;
     B::prepare(weight.data());
-    file->forget(std::as_bytes(weight.span()));
+    file->forget(bytes);
   }
   return true;
+}
+
+/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
+template <Backend B>
+void put_aside(Tensor<B, 2>& weight) {
+  if constexpr (requires { B::prepare(weight.data()); }) {
+    const auto bytes = std::as_bytes(weight.span());
+    if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
+    const auto aside = MappedFile::put_aside(bytes);
+    if (aside == nullptr) return;
+    const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+    weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+    BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+  }
 }
 
 /// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
@@ -228,13 +234,22 @@ void copy_small(Tensor<B, R>& t) {
   }
 }
 
-/// always   packs weights that lie elsewhere in memory, too
-template <bool always>
 struct PrepareLoaded {
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
     if constexpr (R == 2) {
-      if (!pack_once(t) && always) PrepareWeights{}(name, t);
+      if (!pack_mapped(t)) PrepareWeights{}(name, t);
+    }
+    copy_small(t);
+  }
+};
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice.
+struct PrepareLoadedOnce {
+  template <Backend B, int R>
+  void operator()(const std::string&, Tensor<B, R>& t) const {
+    if constexpr (R == 2) {
+      put_aside(t);
+      pack_mapped(t);
     }
     copy_small(t);
   }
@@ -243,9 +258,10 @@ struct PrepareLoaded {
 
 /// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
 /// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
+/// Weights that had to be converted are packed beside their numbers.
 template <Module M>
 void prepare_loaded(M& model) {
-  visit_tensors(model, detail::PrepareLoaded<true>{});
+  visit_tensors(model, detail::PrepareLoaded{});
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -197,7 +197,7 @@ inline RenamedTensors clip_tensors(const TensorSet& file) {
 
 template <class Layer>
 void pack_layers(std::vector<Layer>& layers) {
-  for (Layer& layer : layers) visit_tensors(layer, PrepareLoaded<false>{});
+  for (Layer& layer : layers) visit_tensors(layer, PrepareLoadedOnce{});
 }
 
 /// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
