@@ -1,6 +1,6 @@
-"""The peer ONNX Runtime: the denoising step and DistilBERT of peer_torch.py, written as ONNX files and run by peer_onnx.mjs.
+"""The peer ONNX Runtime: the denoising step and the text networks of peer_torch.py, written as ONNX files and run by peer_onnx.mjs.
 
-usage: peer_onnx.py THREADS [mdm_step distilbert]       ONNX_FOLDER: where `npm install onnxruntime-node` was done, and for the files
+usage: peer_onnx.py THREADS [mdm_step distilbert clip_text]       ONNX_FOLDER: where `npm install onnxruntime-node` was done, and for the files
 """
 import json, os, pathlib, subprocess, sys
 import torch
@@ -16,6 +16,8 @@ def models():
         yield "mdm_step", f"B={b} (2B crops) T=200", peer_torch.Denoiser(False), inputs
     for b in (1, 32):
         yield "distilbert", f"B={b} T=32", peer_torch.TextEncoder(False), (torch.randint(0, 30000, (b, 32)),)
+    for b in (1, 8):
+        yield "clip_text", f"B={b} T=77", peer_torch.ClipText(False), (torch.randint(0, 49000, (b, 77)),)
 
 
 def write(path, module, inputs):
@@ -27,7 +29,7 @@ def write(path, module, inputs):
 
 
 def main():
-    wanted = peer_torch.ARGUMENTS[1:] or ["mdm_step", "distilbert"]
+    wanted = peer_torch.ARGUMENTS[1:] or ["mdm_step", "distilbert", "clip_text"]
     listed = []
     for i, (work, config, module, inputs) in enumerate(models()):
         if work not in wanted:

@@ -10,13 +10,13 @@
 #include <bit>          // bit_width
 #include <cstddef>      // byte
 #include <cstdint>      // sizes
-#include <cstdlib>      // aligned_alloc
+#include <cstdlib>      // free
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
-#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
+#include <motionlang/core/large_table.hpp>
 #include <motionlang/version.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -93,8 +93,7 @@ class BufferPool {
     return make(bucket, number_);
   }
   static detail::Buffer* make(int bucket, std::uint32_t pool) {
-    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
-    if (memory == nullptr) throw std::bad_alloc();
+    void* memory = large_memory(sizeof(detail::Buffer) + bucket_bytes(bucket));
     auto* b = new (memory) detail::Buffer;
     b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
     b->bucket = bucket;
