@@ -21,7 +21,7 @@
 #include <motionlang/core/instruction_set.hpp>
 #include <motionlang/core/lane.hpp>
 #include <motionlang/core/lane_rows.hpp>
-#include <motionlang/core/large_table.hpp>
+#include <motionlang/core/large_memory.hpp>
 #include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/offsets.hpp>

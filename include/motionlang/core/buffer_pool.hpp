@@ -10,13 +10,12 @@
 #include <bit>          // bit_width
 #include <cstddef>      // byte
 #include <cstdint>      // sizes
-#include <cstdlib>      // free
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
-#include <motionlang/core/large_table.hpp>
+#include <motionlang/core/large_memory.hpp>
 #include <motionlang/version.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -49,7 +48,7 @@ class BufferPool {
   /// A buffer of at least so many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
-    return gone_ ? make(bucket, 0) : local().reuse(bucket);
+    return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
   }
   static void give_back(detail::Buffer* b) {
     if (gone_ || b->pool != local().number_) return release(b);
@@ -68,8 +67,9 @@ class BufferPool {
   std::int64_t system_allocations() const { return system_allocations_; }
 
   static void release(detail::Buffer* b) {
+    const int bucket = b->bucket;
     b->~Buffer();
-    std::free(b);
+    give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
   BufferPool(const BufferPool&) = delete;
@@ -82,7 +82,7 @@ class BufferPool {
     trim();
   }
 
-  detail::Buffer* reuse(int bucket) {
+  detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {
       detail::Buffer* b = std::exchange(head, head->next);
@@ -90,10 +90,10 @@ class BufferPool {
       return b;
     }
     ++system_allocations_;
-    return make(bucket, number_);
+    return make(bucket, bytes, number_);
   }
-  static detail::Buffer* make(int bucket, std::uint32_t pool) {
-    void* memory = large_memory(sizeof(detail::Buffer) + bucket_bytes(bucket));
+  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool) {
+    void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
     auto* b = new (memory) detail::Buffer;
     b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
     b->bucket = bucket;

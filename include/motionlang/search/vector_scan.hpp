@@ -17,7 +17,7 @@
 #include <cstdint>  // bfloat16
 #include <memory>   // owner of the rows
 
-#include <motionlang/core/large_table.hpp>
+#include <motionlang/core/large_memory.hpp>
 #include <motionlang/search/nearest.hpp>
 #include <motionlang/search/unit_rows.hpp>
 

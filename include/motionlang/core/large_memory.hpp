@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
+/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
+/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+#pragma once
+
+#include <cstddef>  // sizes
+#include <cstdlib>  // aligned_alloc
+#include <memory>   // shared_ptr
+#include <new>      // bad_alloc
+#if defined(__linux__)
+#include <cstdint>     // addresses
+#include <sys/mman.h>  // mmap, madvise
+#endif
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline constexpr std::size_t small_page = 4096, large_page = std::size_t{2} << 20;
+
+constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
+
+}  // namespace detail
+
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
+inline void* take_memory(std::size_t bytes, std::size_t used) {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
+    void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (start == MAP_FAILED) throw std::bad_alloc();
+    const auto address = reinterpret_cast<std::uintptr_t>(start);
+    const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
+    std::byte* memory = static_cast<std::byte*>(start) + before;
+    if (before > 0) ::munmap(start, before);
+    if (after > 0) ::munmap(memory + whole, after);
+    ::madvise(memory, used / detail::large_page * detail::large_page, MADV_HUGEPAGE);  // a page that is partly used would be taken whole
+    return memory;
+  }
+#endif
+  void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+/// Gives back what take_memory(bytes, ...) gave.
+inline void give_memory(void* memory, std::size_t bytes) noexcept {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
+    return;
+  }
+#endif
+  std::free(memory);
+}
+
+/// Room for `count` numbers, not initialised.
+template <class T>
+std::shared_ptr<T[]> large_table(std::size_t count) {
+  const std::size_t bytes = count * sizeof(T);
+  return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
