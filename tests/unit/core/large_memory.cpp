@@ -6,7 +6,6 @@
 #include <numeric>
 #include <string>
 
-#include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/large_memory.hpp>
 
 namespace ml = motionlang;
