@@ -32,8 +32,9 @@ struct Workplace : TemporaryFolder {
     ml::save_stmc(*this / "model.safetensors", small::model<B>(config), config, {{"license", "MIT"}});
     ml::write_file(*this / "two.txt", timeline_text);
   }
-  Outcome run(const std::vector<std::string>& arguments, const std::string& interrupt_at = "") const {
-    return ::run(arguments, path, interrupt_at);
+  Outcome run(const std::vector<std::string>& arguments, const std::string& interrupt_at = "",
+              const std::string& input = "/dev/null") const {
+    return ::run(arguments, path, interrupt_at, input);
   }
   Outcome generate(const std::string& out, std::vector<std::string> more = {}, const std::string& timeline = "two.txt",
                    const std::string& interrupt_at = "") const {
@@ -171,6 +172,30 @@ TEST_CASE("check and info show what a file holds") {
   const auto pieces = w.run({"check", "pieces.txt"});
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
+}
+
+TEST_CASE("a timeline from standard input is read as one of a file") {
+  const Workplace w;
+  const auto told = [](const Outcome& o, const std::string& source) {
+    CHECK_MESSAGE(o.code == 0, o.text);
+    CHECK_MESSAGE(contains(o.text, source), o.text);
+    return o.text.substr(0, o.text.find(source));
+  };
+  CHECK(told(w.run({"check", "-"}, "", "two.txt"), "standard input is a valid timeline file") ==
+        told(w.run({"check", "two.txt"}), "two.txt is a valid timeline file"));
+  CHECK(told(w.run({"info", "-"}, "", "two.txt"), "raise both arms") ==
+        told(w.run({"info", "two.txt"}), "raise both arms"));
+  told(w.generate("of_file"), "two.html");
+  told(w.run({"generate", "--timeline", "-", "--model", "model.safetensors", "--out", "of_input"}, "", "two.txt"),
+       "timeline.html");
+  CHECK(w.files("of_input").at("timeline.bvh") == w.files("of_file").at("two.bvh"));
+
+  ml::write_file(w / "wrong.txt", "walk # 0 # 1\nwalk # 1 # x # legs\n");
+  const auto wrong = w.run({"check", "-"}, "", "wrong.txt");
+  CHECK(wrong.code == 3);
+  CHECK_MESSAGE(contains(wrong.text, "[motionlang.timeline.502] standard input:2:12: 'x' is not a time"), wrong.text);
+  for (const char* command : {"generate", "check", "info"})
+    CHECK_MESSAGE(contains(w.run({command, "--help"}).text, "standard input"), command);
 }
 
 TEST_CASE("weights are stored in another type; what the file says of the model stays") {

@@ -78,6 +78,7 @@ std::string name_of(const std::string& text) {
   return name.empty() ? "motion" : name;
 }
 std::string wanted_name(const GenerateOptions& o) {
+  if (o.timeline == standard_input) return "timeline";
   if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
   return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
 }
@@ -185,7 +186,7 @@ void add_generate(CLI::App& app) {
   const auto what = c->add_option_group("what", "What is to be done: one of these");
   const auto timeline = what->add_option(
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), one timeline up to a blank line; or of lines 'text # duration', each a "
-      "motion of its own")
+      "motion of its own; - for standard input")
                             ->check(not_empty());
   what->add_option("--text", o->text, "One text for the whole body")->check(not_empty());
   const CLI::Option* action =
