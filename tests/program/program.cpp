@@ -157,6 +157,22 @@ TEST_CASE("options that make no sense are refused before any work, and it is sai
   }
 }
 
+TEST_CASE("a folder for results that cannot be made is refused before anything is read") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  ml::write_file(w / "no_table.tsv", "nothing that could be read\n");
+  for (const auto& arguments :
+       {std::vector<std::string>{"doctor", ".", "--clean", "two.txt"},
+        std::vector<std::string>{"train", "--data", ".", "--captions", "no_table.tsv", "--out", "two.txt"},
+        std::vector<std::string>{"train", "--data", ".", "--captions", "no_table.tsv", "--out", "two.txt/run"}}) {
+    const auto out = w.run(arguments);
+    CHECK(out.code == 1);
+    const std::string option = arguments[arguments.size() - 2];
+    CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] " + option + " " + arguments.back() + ": "), out.text);
+  }
+  CHECK(ml::read_file(w / "two.txt") == timeline_text);
+}
+
 TEST_CASE("check and info show what a file holds") {
   const Workplace w;
   const auto check = w.run({"check", "two.txt"});

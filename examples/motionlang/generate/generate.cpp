@@ -139,16 +139,9 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
 }
 
-/// Before the work is done. Throws io_error 401 if nothing can be written there.
-void make_output_folder(const std::filesystem::path& folder) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) ml::raise<ml::io_error>(401, "--out ", folder.string(), ": ", problem.message());
-}
-
 void run(const GenerateOptions& o) {
   o.machine.apply();
-  make_output_folder(o.out);
+  make_output_folder("--out", o.out);
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   if (o.action && !generator->takes_actions())

@@ -5,6 +5,7 @@
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"
+#include "../files/motion_files.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
@@ -37,6 +38,7 @@ std::map<std::string, std::string> quality_of(const TrainingSet& data) {
 
 void run(const TrainOptions& o) {
   o.machine.apply();
+  make_output_folder("--out", o.run.out);
   const auto data = [&] {
     ProgressBar bar("reading motions");
     return TrainingSet(o.captions, o.data, bar);
