@@ -214,6 +214,28 @@ TEST_CASE("a timeline from standard input is read as one of a file") {
     CHECK_MESSAGE(contains(w.run({command, "--help"}).text, "standard input"), command);
 }
 
+TEST_CASE("words that the model never learned are named, if its weights list those that it learned") {
+  const Workplace w;
+  CHECK(!contains(w.generate("no_list").text, "never learned"));
+  const auto config = small::config(5);
+  ml::save_stmc(w / "listed.safetensors", small::model<B>(config), config,
+                {{"text.words", "arms\nboth\nforward\nperson\nraise\nwalk"}});
+  const auto told = [&](std::vector<std::string> what) {
+    what.insert(what.begin(), {"generate", "--model", "listed.safetensors", "--out", "listed"});
+    const auto out = w.run(what);
+    CHECK_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  };
+  CHECK(!contains(told({"--timeline", "two.txt"}), "the model"));
+  CHECK(contains(told({"--text", "Walk forwad", "--seconds", "1"}),
+                 "'Walk forwad': the model never learned the word 'forwad' (did you mean 'forward'?)\n"));
+  CHECK(contains(told({"--text", "\xD0\xB8\xD0\xB4\xD0\xB8", "--seconds", "1"}), "the model reads no word of it"));
+  ml::write_file(w / "three.txt", "walk # 0 # 1 # legs\nwave # 0 # 1 # left arm\n\nwave, wave a flag # 0 # 1\n");
+  const std::string lines = told({"--timeline", "three.txt"});
+  CHECK_MESSAGE(contains(lines, "'wave': the model never learned the word 'wave'\n"), lines);
+  CHECK_MESSAGE(contains(lines, "'wave, wave a flag': the model never learned the words 'wave', 'a', 'flag'\n"), lines);
+}
+
 TEST_CASE("weights are stored in another type; what the file says of the model stays") {
   const Workplace w;
   CHECK(w.run({"convert", "model.safetensors", "wide.safetensors", "--store", "F32"}).code == 0);
@@ -743,4 +765,9 @@ TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same comm
   CHECK(contains(whole.text, "going on at step"));
   CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg", "stmc.safetensors"});
   CHECK(run({"info", "run/stmc.safetensors"}, clips.folder.path).code == 0);
+  const auto made = run({"generate", "--model", "run/stmc.safetensors", "--text", "Someone walks to the river", "--seconds",
+                         "1", "--preset", "fast", "--out", "made"},
+                        clips.folder.path);
+  CHECK_MESSAGE(made.code == 0, made.text);
+  CHECK_MESSAGE(contains(made.text, "the model never learned the word 'river'\n"), made.text);
 }

@@ -1,5 +1,6 @@
 // motionlang generate: a timeline in, motions out in every format, and a page to look at.
 #include <cstdio>
+#include <set>
 
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
@@ -17,6 +18,7 @@
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "known_words.hpp"
 #include "reuse.hpp"
 #include "timelines.hpp"
 
@@ -139,6 +141,16 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
 }
 
+/// A line for each text with words that the model never learned.
+void warn_of_unknown_words(const GenerateOptions& o, const std::vector<ml::Timeline>& timelines,
+                           const std::vector<std::string>& known) {
+  std::set<std::string> texts{o.text, o.towards};
+  for (const ml::Timeline& t : timelines) {
+    for (const ml::Interval& i : t.intervals) texts.insert(i.text);
+  }
+  for (const std::string& text : texts) std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
+}
+
 void run(const GenerateOptions& o) {
   o.machine.apply();
   make_output_folder("--out", o.out);
@@ -156,8 +168,9 @@ void run(const GenerateOptions& o) {
   if (o.record || !o.reuse.empty())
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
 
-  const auto made = o.towards.empty() ? samples_of(wanted_timelines(o, generator->fps()), o.samples.value_or(1), name,
-                                                   *generator, settings)
+  const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
+  warn_of_unknown_words(o, timelines, generator->words());
+  const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
                                       : line_of(o, o.samples.value_or(5), name, *generator, settings);
   std::printf("%s", notes.reuse.c_str());
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);

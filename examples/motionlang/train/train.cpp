@@ -6,6 +6,7 @@
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
+#include "../generate/known_words.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
@@ -61,6 +62,7 @@ void run(const TrainOptions& o) {
                              ml::concat_text(std::floor(data.seconds() / 6) / 10) + " minutes"},
                 {"command", command_line},
                 {"commit", o.commit},
+                {known_words_entry, listed_words(data.all_captions())},
                 {"version", MOTIONLANG_VERSION}});
   trainer.task().export_model(weights, about);
   std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n", weights.c_str(),
