@@ -51,8 +51,8 @@ TEST_CASE("walks, raises both arms from 2 s to 5 s; bones keep their lengths, fe
 
 TEST_CASE("words that no caption of the training had are named") {
   const TemporaryFolder folder;
-  const auto out = run({"generate", "--text", "A person does a somersault", "--seconds", "1", "--preset", "fast", "--model",
-                        (examples / "models/stmc_free.safetensors").string()},
+  const auto out = run({"generate", "--text", "A person does a somersault", "--seconds", "1", "--preset", "fast",
+                        "--model", (examples / "models/stmc_free.safetensors").string()},
                        folder.path);
   REQUIRE_MESSAGE(out.code == 0, out.text);
   const std::string line = "'A person does a somersault': the model never learned the word 'somersault'\n";

@@ -43,8 +43,8 @@ inline std::string near_word(const std::string& word, const std::vector<std::str
   return 3 * ml::edit_distance(word, like, word.size()) <= word.size() ? like : "";
 }
 
-/// A line about the words of a text that are not among those of the model; "" if all are, or the model does not list any. Its
-/// pieces make a motion of such a text as well, which looks as good as others but is of something else.
+/// A line about the words of a text that are none of the model's; "" if all are, or the model does not list any.
+/// Their pieces make a motion as well, which looks as good as others but is of something else.
 inline std::string told_unknown_words(const std::string& text, const std::vector<std::string>& known) {
   if (known.empty() || text.empty()) return "";
   const auto words = ml::WordPiece::words(text);

@@ -25,8 +25,8 @@ inline std::string read_timeline_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(std::cin), {}};
 }
 
-/// Every timeline of a file or of standard input, in frames. A list of "text # duration" gives one timeline for each line,
-/// on the whole body.
+/// Every timeline of a file or of standard input, in frames. A list of "text # duration" gives one timeline for each
+/// line, on the whole body.
 /// Throws timeline_error 5xx with line and column.
 inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
   const std::string text = read_timeline_text(path), name = timeline_source(path);

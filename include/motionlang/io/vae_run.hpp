@@ -126,7 +126,8 @@ Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, c
   const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
   return run_normalizer<B>(
       run, weights, nfeats, {"", "stats.", "motion_stats."},
-      concat_text("the motions: put ", nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+      concat_text("the motions: put ",
+                  nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
                   " (deps/transforms/... of TEMOS) there, or name their folder"),
       options.statistics);
 }

@@ -148,7 +148,7 @@ Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initi
   }
   raise<io_error>(401, folder.folder.string(), ": no statistics of ", missing);
 }
-/// Those of the motions: of the folder `elsewhere` if one is named, else in the weights of a packed run, else of the run's folder.
+/// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
 template <Backend B>
 Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
                              std::initializer_list<const char*> prefixes, std::string_view missing,
