@@ -6,7 +6,8 @@
 ///     frame     the ids of "" are the frame; those of any text begin and end as they do
 ///     batch     the ids of several texts are those of each, one text after the other
 ///     bytes     any bytes are a text: what is not UTF-8 counts as U+FFFD
-///     length    a text is cut to any length that has room for the frames of one text and of two, and keeps its frame
+///     length    a text is cut to any length that has room for the frames of one text and of two, and keeps its frame;
+///               a length without that room is refused
 ///     decoding  the ids of a decoded text are those it was decoded from
 #pragma once
 
@@ -14,6 +15,8 @@
 
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/text/tokenizer.hpp>
+
+#include "../support/check_error.hpp"
 
 namespace laws {
 
@@ -76,7 +79,8 @@ void tokenizer_laws(const T& tokenizer) {
   CHECK(ml::tokenize(tokenizer, std::span<const std::string>()).count() == 0);
 }
 
-/// encode(text, longest): the ids of a text that may be cut. The frame of one text has two ids, the larger one `least`.
+/// encode(text, longest): the ids of a text that may be cut. The frame of one text has two ids, the larger one `least`;
+/// lengths without room for it are refused.
 template <class Encode>
 void length_law(std::string_view text, std::size_t least, Encode encode) {
   const Ids whole = encode(text, 1000);
@@ -88,6 +92,8 @@ void length_law(std::string_view text, std::size_t least, Encode encode) {
     CHECK(encode(text, static_cast<ml::Index>(longest)) == expected);
   }
   CHECK(encode("", static_cast<ml::Index>(least)).size() == 2);
+  for (ml::Index longest = static_cast<ml::Index>(least) - 1; longest > -3; --longest)
+    CHECK_ERROR(encode(text, longest), "[motionlang.config.101]");
 }
 
 /// `text` is spelt as decode spells.

@@ -1,5 +1,6 @@
 #include "process.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,28 +11,30 @@
 namespace {
 
 /// In the child: becomes the program. Never returns.
-[[noreturn]] void become(const std::vector<std::string>& arguments, const std::filesystem::path& folder, int output) {
+[[noreturn]] void become(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                         const std::string& input, int output) {
   std::vector<char*> argv{const_cast<char*>("motionlang")};
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   ::dup2(output, STDOUT_FILENO);
   ::dup2(output, STDERR_FILENO);
   ::close(output);
-  if (::chdir(folder.c_str()) == 0) ::execv(MOTIONLANG_PROGRAM, argv.data());
+  if (::chdir(folder.c_str()) == 0 && ::dup2(::open(input.c_str(), O_RDONLY), STDIN_FILENO) == STDIN_FILENO)
+    ::execv(MOTIONLANG_PROGRAM, argv.data());
   ::_exit(127);
 }
 
 }  // namespace
 
 Outcome run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-            const std::string& interrupt_at) {
+            const std::string& interrupt_at, const std::string& input) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw std::runtime_error("pipe");
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork");
   if (child == 0) {
     ::close(ends[0]);
-    become(arguments, folder, ends[1]);
+    become(arguments, folder, input, ends[1]);
   }
   ::close(ends[1]);
 

@@ -12,6 +12,6 @@ struct Outcome {
 };
 
 /// Runs `motionlang` with these arguments in `folder`. When `interrupt_at` is not empty, Ctrl-C is sent as soon as the program
-/// has said it.
+/// has said it. `input` is a file of the folder that it reads as standard input.
 Outcome run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-            const std::string& interrupt_at = "");
+            const std::string& interrupt_at = "", const std::string& input = "/dev/null");

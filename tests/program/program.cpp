@@ -32,8 +32,9 @@ struct Workplace : TemporaryFolder {
     ml::save_stmc(*this / "model.safetensors", small::model<B>(config), config, {{"license", "MIT"}});
     ml::write_file(*this / "two.txt", timeline_text);
   }
-  Outcome run(const std::vector<std::string>& arguments, const std::string& interrupt_at = "") const {
-    return ::run(arguments, path, interrupt_at);
+  Outcome run(const std::vector<std::string>& arguments, const std::string& interrupt_at = "",
+              const std::string& input = "/dev/null") const {
+    return ::run(arguments, path, interrupt_at, input);
   }
   Outcome generate(const std::string& out, std::vector<std::string> more = {}, const std::string& timeline = "two.txt",
                    const std::string& interrupt_at = "") const {
@@ -156,6 +157,22 @@ TEST_CASE("options that make no sense are refused before any work, and it is sai
   }
 }
 
+TEST_CASE("a folder for results that cannot be made is refused before anything is read") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  ml::write_file(w / "no_table.tsv", "nothing that could be read\n");
+  for (const auto& arguments :
+       {std::vector<std::string>{"doctor", ".", "--clean", "two.txt"},
+        std::vector<std::string>{"train", "--data", ".", "--captions", "no_table.tsv", "--out", "two.txt"},
+        std::vector<std::string>{"train", "--data", ".", "--captions", "no_table.tsv", "--out", "two.txt/run"}}) {
+    const auto out = w.run(arguments);
+    CHECK(out.code == 1);
+    const std::string option = arguments[arguments.size() - 2];
+    CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] " + option + " " + arguments.back() + ": "), out.text);
+  }
+  CHECK(ml::read_file(w / "two.txt") == timeline_text);
+}
+
 TEST_CASE("check and info show what a file holds") {
   const Workplace w;
   const auto check = w.run({"check", "two.txt"});
@@ -171,6 +188,52 @@ TEST_CASE("check and info show what a file holds") {
   const auto pieces = w.run({"check", "pieces.txt"});
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
+}
+
+TEST_CASE("a timeline from standard input is read as one of a file") {
+  const Workplace w;
+  const auto told = [](const Outcome& o, const std::string& source) {
+    CHECK_MESSAGE(o.code == 0, o.text);
+    CHECK_MESSAGE(contains(o.text, source), o.text);
+    return o.text.substr(0, o.text.find(source));
+  };
+  CHECK(told(w.run({"check", "-"}, "", "two.txt"), "standard input is a valid timeline file") ==
+        told(w.run({"check", "two.txt"}), "two.txt is a valid timeline file"));
+  CHECK(told(w.run({"info", "-"}, "", "two.txt"), "raise both arms") ==
+        told(w.run({"info", "two.txt"}), "raise both arms"));
+  told(w.generate("of_file"), "two.html");
+  told(w.run({"generate", "--timeline", "-", "--model", "model.safetensors", "--out", "of_input"}, "", "two.txt"),
+       "timeline.html");
+  CHECK(w.files("of_input").at("timeline.bvh") == w.files("of_file").at("two.bvh"));
+
+  ml::write_file(w / "wrong.txt", "walk # 0 # 1\nwalk # 1 # x # legs\n");
+  const auto wrong = w.run({"check", "-"}, "", "wrong.txt");
+  CHECK(wrong.code == 3);
+  CHECK_MESSAGE(contains(wrong.text, "[motionlang.timeline.502] standard input:2:12: 'x' is not a time"), wrong.text);
+  for (const char* command : {"generate", "check", "info"})
+    CHECK_MESSAGE(contains(w.run({command, "--help"}).text, "standard input"), command);
+}
+
+TEST_CASE("words that the model never learned are named, if its weights list those that it learned") {
+  const Workplace w;
+  CHECK(!contains(w.generate("no_list").text, "never learned"));
+  const auto config = small::config(5);
+  ml::save_stmc(w / "listed.safetensors", small::model<B>(config), config,
+                {{"text.words", "arms\nboth\nforward\nperson\nraise\nwalk"}});
+  const auto told = [&](std::vector<std::string> what) {
+    what.insert(what.begin(), {"generate", "--model", "listed.safetensors", "--out", "listed"});
+    const auto out = w.run(what);
+    CHECK_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  };
+  CHECK(!contains(told({"--timeline", "two.txt"}), "the model"));
+  CHECK(contains(told({"--text", "Walk forwad", "--seconds", "1"}),
+                 "'Walk forwad': the model never learned the word 'forwad' (did you mean 'forward'?)\n"));
+  CHECK(contains(told({"--text", "\xD0\xB8\xD0\xB4\xD0\xB8", "--seconds", "1"}), "the model reads no word of it"));
+  ml::write_file(w / "three.txt", "walk # 0 # 1 # legs\nwave # 0 # 1 # left arm\n\nwave, wave a flag # 0 # 1\n");
+  const std::string lines = told({"--timeline", "three.txt"});
+  CHECK_MESSAGE(contains(lines, "'wave': the model never learned the word 'wave'\n"), lines);
+  CHECK_MESSAGE(contains(lines, "'wave, wave a flag': the model never learned the words 'wave', 'a', 'flag'\n"), lines);
 }
 
 TEST_CASE("weights are stored in another type; what the file says of the model stays") {
@@ -702,4 +765,9 @@ TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same comm
   CHECK(contains(whole.text, "going on at step"));
   CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg", "stmc.safetensors"});
   CHECK(run({"info", "run/stmc.safetensors"}, clips.folder.path).code == 0);
+  const auto made = run({"generate", "--model", "run/stmc.safetensors", "--text", "Someone walks to the river",
+                         "--seconds", "1", "--preset", "fast", "--out", "made"},
+                        clips.folder.path);
+  CHECK_MESSAGE(made.code == 0, made.text);
+  CHECK_MESSAGE(contains(made.text, "the model never learned the word 'river'\n"), made.text);
 }

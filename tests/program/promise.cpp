@@ -31,6 +31,7 @@ TEST_CASE("walks, raises both arms from 2 s to 5 s; bones keep their lengths, fe
                           seed, "--seed", seed},
                          folder.path);
     REQUIRE_MESSAGE(out.code == 0, out.text);
+    CHECK_MESSAGE(out.text.find("never learned") == out.text.npos, out.text);
     const auto motion = ml::read_amass(folder / seed / "walk_and_raise_arms.npz").motion;
     REQUIRE(motion.frames() == 120);
     const auto positions = motion.positions();
@@ -46,4 +47,14 @@ TEST_CASE("walks, raises both arms from 2 s to 5 s; bones keep their lengths, fe
     CHECK(hands_over_head(positions, 1) < -0.3);
     CHECK(hands_over_head(positions, 5.9) < -0.3);
   }
+}
+
+TEST_CASE("words that no caption of the training had are named") {
+  const TemporaryFolder folder;
+  const auto out = run({"generate", "--text", "A person does a somersault", "--seconds", "1", "--preset", "fast",
+                        "--model", (examples / "models/stmc_free.safetensors").string()},
+                       folder.path);
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  const std::string line = "'A person does a somersault': the model never learned the word 'somersault'\n";
+  CHECK_MESSAGE(out.text.find(line) != out.text.npos, out.text);
 }

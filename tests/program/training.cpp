@@ -159,6 +159,9 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   for (const char* word : {"APE", "best of 2 samples", "worst of 2 samples", "mean pose", "random clip"})
     CHECK_MESSAGE(contains(temos.text, word), temos.text);
   CHECK(std::filesystem::exists(clips / "strips/1.svg"));
+  const auto no_folder = evaluate("train-temos", {"--captions", "captions.tsv", "--strips", "captions.tsv"});
+  CHECK(no_folder.code == 1);
+  CHECK_MESSAGE(contains(no_folder.text, "[motionlang.io.401] --strips captions.tsv: "), no_folder.text);
   const auto actor = evaluate("train-actor", {"--labels", "labels.tsv", "--classifier", "train-classifier_whole/model",
                                               "--seeds", "2", "--part", "training"});
   CHECK_MESSAGE(actor.code == 0, actor.text);
@@ -390,6 +393,17 @@ TEST_CASE("hyperparameters: presets, files, single ones; unknown names with the 
   refused({"--set", "optimizer.lr=1"}, "has no member 'optimizer'; did you mean 'optimiser'?");
   refused({"--set", "network.num_layers=many"}, "network.num_layers");
   refused({"--preset", "large"}, "--preset 'large' is not tmr-published or small");
+}
+
+TEST_CASE("a folder for results that cannot be made is refused before motions are read") {
+  const Clips clips;
+  for (const char* command : {"train-tmr", "train-temos", "train-actor", "train-classifier"}) {
+    const auto out = clips.train(command, "captions.tsv");
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] --out captions.tsv: "), out.text);
+    CHECK_MESSAGE(!contains(out.text, "reading motions"), out.text);
+    CHECK_MESSAGE(!contains(out.text, "motions to train on"), out.text);
+  }
 }
 
 TEST_CASE("tables that cannot be used are refused with file and line") {

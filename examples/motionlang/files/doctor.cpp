@@ -34,6 +34,7 @@ class Doctor {
     const auto files = motion_files_below(folder_);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");
+    if (!o_.clean.empty()) make_output_folder("--clean", o_.clean);
     {
       ProgressBar bar("inspecting");
       for (std::size_t i = 0; i < files.size(); ++i) {

@@ -44,7 +44,18 @@ void joints(const std::string& path) {
   std::printf("%s: joint positions, %td frames x %td joints\n", path.c_str(), j.frames, j.joints);
 }
 
+void timelines(const std::string& path) {
+  for (const auto& t : read_timelines(path, 20)) {
+    const auto texts = std::ssize(t.intervals);
+    std::printf("timeline: %td %s, %.2f s\n", texts, texts == 1 ? "text" : "texts", static_cast<double>(t.end()) / 20);
+    for (const auto& i : t.intervals)
+      std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
+                  i.text.c_str());
+  }
+}
+
 void run(const std::string& path) {
+  if (path == standard_input) return timelines(path);
   const std::string kind = kind_of(path);
   if (kind == ".npy" && holds_joints(path)) return joints(path);
   const bool motion_file = kind == ".npz" && holds_motion(path);
@@ -62,14 +73,11 @@ void run(const std::string& path) {
     if (kind == drawn)
       ml::raise<ml::config_error>(103, path, ": shown are weights, motions and timelines, not '", kind, "'");
   }
-  for (const auto& t : read_timelines(path, 20)) {
-    const auto texts = std::ssize(t.intervals);
-    std::printf("timeline: %td %s, %.2f s\n", texts, texts == 1 ? "text" : "texts", static_cast<double>(t.end()) / 20);
-    for (const auto& i : t.intervals)
-      std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
-                  i.text.c_str());
-  }
+  timelines(path);
 }
+
+/// CLI::ExistingPath, or standard input.
+std::string readable(const std::string& path) { return path == standard_input ? "" : CLI::ExistingPath(path); }
 
 }  // namespace
 
@@ -78,7 +86,9 @@ void add_info(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "info", "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), motion (.bvh .amc .glb "
       ".npz .npy), or a timeline");
-  c->add_option("file", *path, "The file")->required()->check(CLI::ExistingPath);
+  c->add_option("file", *path, "The file; - for a timeline from standard input")
+      ->required()
+      ->check(readable, "PATH(existing)");
   c->callback([path] { run(*path); });
 }
 

@@ -1,6 +1,9 @@
 #include "motion_files.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
@@ -38,6 +41,13 @@ void require_folder_of(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
     ml::raise<ml::io_error>(401, file.string(), ": there is no folder ", folder.string());
+}
+
+void make_output_folder(const std::string& option, const std::filesystem::path& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (!problem && ::access(folder.c_str(), W_OK) != 0) problem = {errno, std::generic_category()};
+  if (problem) ml::raise<ml::io_error>(401, option, " ", folder.string(), ": ", problem.message());
 }
 
 bool is_gltf(const std::filesystem::path& path) {

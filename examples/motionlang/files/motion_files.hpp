@@ -48,6 +48,8 @@ std::vector<std::filesystem::path> motion_files_below(const std::filesystem::pat
 
 /// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after it.
 void require_folder_of(const std::filesystem::path& file);
+/// Makes the folder that an option names, unless it is there: as early. Throws io_error 401 if it cannot be written in.
+void make_output_folder(const std::string& option, const std::filesystem::path& folder);
 
 /// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
 std::string file_name(std::string name);

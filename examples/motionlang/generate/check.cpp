@@ -49,7 +49,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
       std::printf("\n");
     }
   }
-  std::printf("%s is a valid timeline file.\n", path.c_str());
+  std::printf("%s is a valid timeline file.\n", timeline_source(path).c_str());
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ void add_check(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
       "check", "Reads a timeline and shows which text moves which part when; errors name line and column");
-  c->add_option("timeline", o->path, "Timeline file")->required();
+  c->add_option("timeline", o->path, "Timeline file, - for standard input")->required();
   c->add_option("--fps", o->fps, "Frames per second of the model")->check(positive())->capture_default_str();
   c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")
       ->check(not_negative())

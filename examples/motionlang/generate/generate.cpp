@@ -1,5 +1,6 @@
 // motionlang generate: a timeline in, motions out in every format, and a page to look at.
 #include <cstdio>
+#include <set>
 
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
@@ -17,6 +18,7 @@
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "known_words.hpp"
 #include "reuse.hpp"
 #include "timelines.hpp"
 
@@ -78,6 +80,7 @@ std::string name_of(const std::string& text) {
   return name.empty() ? "motion" : name;
 }
 std::string wanted_name(const GenerateOptions& o) {
+  if (o.timeline == standard_input) return "timeline";
   if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
   return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
 }
@@ -138,16 +141,19 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
 }
 
-/// Before the work is done. Throws io_error 401 if nothing can be written there.
-void make_output_folder(const std::filesystem::path& folder) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) ml::raise<ml::io_error>(401, "--out ", folder.string(), ": ", problem.message());
+/// A line for each text with words that the model never learned.
+void warn_of_unknown_words(const GenerateOptions& o, const std::vector<ml::Timeline>& timelines,
+                           const std::vector<std::string>& known) {
+  std::set<std::string> texts{o.text, o.towards};
+  for (const ml::Timeline& t : timelines) {
+    for (const ml::Interval& i : t.intervals) texts.insert(i.text);
+  }
+  for (const std::string& text : texts) std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
 }
 
 void run(const GenerateOptions& o) {
   o.machine.apply();
-  make_output_folder(o.out);
+  make_output_folder("--out", o.out);
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   if (o.action && !generator->takes_actions())
@@ -162,8 +168,9 @@ void run(const GenerateOptions& o) {
   if (o.record || !o.reuse.empty())
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
 
-  const auto made = o.towards.empty() ? samples_of(wanted_timelines(o, generator->fps()), o.samples.value_or(1), name,
-                                                   *generator, settings)
+  const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
+  warn_of_unknown_words(o, timelines, generator->words());
+  const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
                                       : line_of(o, o.samples.value_or(5), name, *generator, settings);
   std::printf("%s", notes.reuse.c_str());
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
@@ -185,7 +192,7 @@ void add_generate(CLI::App& app) {
   const auto what = c->add_option_group("what", "What is to be done: one of these");
   const auto timeline = what->add_option(
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), one timeline up to a blank line; or of lines 'text # duration', each a "
-      "motion of its own")
+      "motion of its own; - for standard input")
                             ->check(not_empty());
   what->add_option("--text", o->text, "One text for the whole body")->check(not_empty());
   const CLI::Option* action =

@@ -59,6 +59,8 @@ class Generator {
   virtual std::string system() const = 0;
   /// Whether its texts are names of actions.
   virtual bool takes_actions() const { return false; }
+  /// The words of the texts that it learned from; none where its weights do not list them.
+  virtual std::vector<std::string> words() const { return {}; }
 };
 
 /// What published models need from elsewhere; "": it is looked for beside them.

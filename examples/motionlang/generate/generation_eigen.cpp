@@ -2,11 +2,12 @@
 #include <motionlang/io/stmc_file.hpp>
 
 #include "generation_over.hpp"
+#include "known_words.hpp"
 
 namespace program {
 
 std::unique_ptr<Generator> load_eigen(const std::filesystem::path& model) {
-  return make_generator(ml::load_stmc<ml::EigenBackend<float>>(model));
+  return make_generator(ml::load_stmc<ml::EigenBackend<float>>(model), known_words(model));
 }
 
 }  // namespace program

@@ -15,7 +15,8 @@ namespace program {
 template <ml::Backend B, class D, class E>
 class GeneratorOver final : public Generator {
  public:
-  explicit GeneratorOver(ml::Stmc<B, D, E> model) : model_(std::move(model)) {}
+  GeneratorOver(ml::Stmc<B, D, E> model, std::vector<std::string> words)
+      : model_(std::move(model)), words_(std::move(words)) {}
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
@@ -42,6 +43,7 @@ class GeneratorOver final : public Generator {
   }
   double fps() const override { return model_.fps; }
   std::string system() const override { return diffusion_model; }
+  std::vector<std::string> words() const override { return words_; }
 
  private:
   using Features = std::vector<ml::Tensor<B, 2>>;
@@ -86,11 +88,12 @@ class GeneratorOver final : public Generator {
   }
 
   ml::Stmc<B, D, E> model_;
+  std::vector<std::string> words_;
 };
 
 template <ml::Backend B, class D, class E>
-std::unique_ptr<Generator> make_generator(ml::Stmc<B, D, E> model) {
-  return std::make_unique<GeneratorOver<B, D, E>>(std::move(model));
+std::unique_ptr<Generator> make_generator(ml::Stmc<B, D, E> model, std::vector<std::string> words = {}) {
+  return std::make_unique<GeneratorOver<B, D, E>>(std::move(model), std::move(words));
 }
 
 }  // namespace program

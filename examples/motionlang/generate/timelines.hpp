@@ -1,6 +1,8 @@
 // Reading what the user wrote: timelines, or plain texts with durations.
 #pragma once
 
+#include <iostream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -12,11 +14,23 @@ namespace program {
 
 namespace ml = motionlang;
 
-/// Every timeline of a file, in frames. A list of "text # duration" gives one timeline for each line, on the whole body.
+/// What stands for standard input where a timeline file is wanted.
+inline constexpr const char* standard_input = "-";
+
+/// A timeline file, or standard input, as messages name it.
+inline std::string timeline_source(const std::string& path) { return path == standard_input ? "standard input" : path; }
+
+inline std::string read_timeline_text(const std::string& path) {
+  if (path != standard_input) return ml::read_file(path);
+  return {std::istreambuf_iterator<char>(std::cin), {}};
+}
+
+/// Every timeline of a file or of standard input, in frames. A list of "text # duration" gives one timeline for each
+/// line, on the whole body.
 /// Throws timeline_error 5xx with line and column.
 inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
-  const std::string text = ml::read_file(path);
-  const ml::TimelineTextOptions options{.fps = fps, .name = path};
+  const std::string text = read_timeline_text(path), name = timeline_source(path);
+  const ml::TimelineTextOptions options{.fps = fps, .name = name};
   if (!ml::is_text_list(text, options)) return ml::parse_timelines(text, options);
   std::vector<ml::Timeline> out;
   for (const auto& t : ml::parse_text_list(text, options))

@@ -81,6 +81,7 @@ std::string summary(const std::string& metric, std::span<const double> of_seeds)
 void evaluate_actor(const EvaluationOptions& o) {
   if (o.classifier.empty())
     ml::raise<ml::config_error>(102, "ACTOR is judged by a classifier: --classifier names its folder");
+  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
   const auto judge_file = read_action_config<ClassifierConfig>(o.classifier, "classifier");
   const ActorModel<B> model(o.model);
   const auto& file = model.file;
@@ -142,7 +143,6 @@ void evaluate_actor(const EvaluationOptions& o) {
     std::printf("\n");
   }
   if (o.strips.empty()) return;
-  std::filesystem::create_directories(o.strips);
   std::set<std::string> taken;
   for (Index k = 0; k < std::min(kinds, o.count); ++k) {
     auto noise = ml::Philox{.seed = o.seed}.split("strips").split(static_cast<std::uint64_t>(k));

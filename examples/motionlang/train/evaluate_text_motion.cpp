@@ -199,6 +199,7 @@ void print_errors(const char* what, const ml::ApeAve& e) {
 }  // namespace
 
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
+  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
   const Measured m(o, file);
   const auto model = load_text_motion<ml::Temos, B>(o.model, file);
   const auto& features = ml::motion_features(file.config.features);
@@ -210,7 +211,6 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   const auto still = mean_pose(m.data.training, features);
   auto lot = ml::Philox{.seed = o.seed}.split("random clips");
   std::set<std::string> shown;
-  std::filesystem::create_directories(o.strips.empty() ? "." : o.strips);
   ProgressBar bar("generating");
   for (std::size_t i = 0; i < m.part->size(); ++i) {
     const DescribedMotion& d = (*m.part)[i];

@@ -25,13 +25,9 @@ inline ml::Normalizer<TrainingBackend> statistics_of(const std::vector<Described
 /// Mean and std of a folder: Mean.npy and Std.npy of HumanML3D and KIT-ML, mean.pt and std.pt of others.
 /// Throws  io_error 401 if there are none, 407 for features of another width
 inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path& folder, ml::Index width) {
-  const ml::RunFolder run = ml::find_run(folder);
-  if (!run.parts.empty()) {
-    if (auto found = ml::detail::find_normalizer<TrainingBackend>(ml::detail::statistics_of(run), width,
-                                                                  {"", "stats.", "meta.", "motion_stats."}))
-      return std::move(*found);
-  }
-  ml::raise<ml::io_error>(401, folder.string(), ": no statistics of the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
+  return ml::detail::folder_normalizer<TrainingBackend>(
+      ml::find_run(folder), width, {"", "stats.", "meta.", "motion_stats."},
+      "the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
 }
 
 /// Motions with one text each, as a model takes them.

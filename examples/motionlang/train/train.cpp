@@ -5,6 +5,8 @@
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"
+#include "../files/motion_files.hpp"
+#include "../generate/known_words.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
@@ -37,6 +39,7 @@ std::map<std::string, std::string> quality_of(const TrainingSet& data) {
 
 void run(const TrainOptions& o) {
   o.machine.apply();
+  make_output_folder("--out", o.run.out);
   const auto data = [&] {
     ProgressBar bar("reading motions");
     return TrainingSet(o.captions, o.data, bar);
@@ -59,6 +62,7 @@ void run(const TrainOptions& o) {
                              ml::concat_text(std::floor(data.seconds() / 6) / 10) + " minutes"},
                 {"command", command_line},
                 {"commit", o.commit},
+                {known_words_entry, listed_words(data.all_captions())},
                 {"version", MOTIONLANG_VERSION}});
   trainer.task().export_model(weights, about);
   std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n", weights.c_str(),

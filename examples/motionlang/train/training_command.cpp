@@ -1,5 +1,7 @@
 #include "training_command.hpp"
 
+#include "../files/motion_files.hpp"
+
 namespace program {
 
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets) {
@@ -34,6 +36,7 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
   }
   if (o.data.empty()) ml::raise<ml::config_error>(102, "--data is required");
   o.machine.apply();
+  make_output_folder("--out", o.run.out);
   return true;
 }
 

@@ -232,27 +232,21 @@ inline RunFolder published_run(const RunFolder& run) {
 template <Backend B>
 Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
                                 const DiffusionRunOptions& options) {
-  const bool elsewhere = !options.statistics.string().empty();
-  auto found = elsewhere ? std::nullopt : find_normalizer<B>(weights, width, {"motion_normalizer."});
-  const RunFolder folder = elsewhere ? find_run(options.statistics) : run;
-  if (!found && !folder.parts.empty())
-    found = find_normalizer<B>(statistics_of(folder), width, {"motion_stats.", "meta.", "stats.", ""});
-  if (!found)
-    raise<io_error>(401, folder.folder.string(), ": no statistics of the motions: put mean and std of the data set there (",
-                    run.system == "mdm" ? "Mean.npy and Std.npy, in HumanML3D's own folder" : "meta/mean.npy and std.npy",
-                    "), or name their folder");
-  return *found;
+  return run_normalizer<B>(
+      run, weights, width, {"motion_stats.", "meta.", "stats.", ""},
+      concat_text("the motions: put mean and std of the data set there (",
+                  run.system == "mdm" ? "Mean.npy and Std.npy, in HumanML3D's own folder" : "meta/mean.npy and std.npy",
+                  "), or name their folder"),
+      options.statistics);
 }
 
 /// Of STMC; the others have none.
 template <Backend B>
 std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about) {
   if (about.system != "stmc") return std::nullopt;
-  auto found = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."});
-  if (!found && !run.parts.empty()) found = find_normalizer<B>(statistics_of(run), about.text_width(), {"text_stats."});
-  if (!found)
-    raise<io_error>(401, run.folder.string(), ": no statistics of the texts: text_stats/mean.pt and std.pt are missing");
-  return found;
+  if (auto packed = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."})) return packed;
+  return folder_normalizer<B>(run, about.text_width(), {"text_stats."},
+                              "the texts: text_stats/mean.pt and std.pt are missing");
 }
 
 template <Backend B>

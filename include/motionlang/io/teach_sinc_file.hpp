@@ -20,8 +20,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 namespace detail {
 
 inline bool beside_teach_and_sinc(const std::string& name) {
-  return name.ends_with("sequence_pos_encoding.pe") ||
-         begins_with_any(name, {"textencoder.text_model.", "_losses.", "losses.", "metrics.", "eval_model.", "motion_normalizer."});
+  return beside_temos(name) || name.starts_with("eval_model.");
 }
 
 }  // namespace detail

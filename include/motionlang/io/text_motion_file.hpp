@@ -59,6 +59,12 @@ inline TmrConfig tmr_config(const RunReader& r) {
           .vae = r.size("motion_encoder.tokens", 0) == 2};
 }
 
+/// Tensors of a checkpoint that are not the model's.
+inline bool beside_temos(const std::string& name) {
+  return name.ends_with("sequence_pos_encoding.pe") ||
+         begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
+}
+
 }  // namespace detail
 
 /// `run` has the options, if there are any.
@@ -66,10 +72,7 @@ template <Backend B>
 Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
   NoInit zeros;
   Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
-  detail::load_run_module(model, file, "", [](const std::string& name) {
-    return name.ends_with("sequence_pos_encoding.pe") ||
-           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
-  });
+  detail::load_run_module(model, file, "", detail::beside_temos);
   return model;
 }
 template <Backend B>

@@ -125,11 +125,8 @@ inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
 /// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
 template <Backend B>
 Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
-  auto out = find_normalizer<B>(weights, features, {"motion_normalizer."});
-  if (!out && !run.parts.empty()) out = find_normalizer<B>(statistics_of(run), features, {"meta.", ""});
-  if (!out)
-    raise<io_error>(401, run.folder.string(), ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
-  return *out;
+  return run_normalizer<B>(run, weights, features, {"meta.", ""},
+                           "the motions: meta/mean.npy and meta/std.npy are missing");
 }
 
 }  // namespace detail

@@ -124,16 +124,12 @@ namespace detail {
 template <Backend B>
 Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
   const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
-  const bool elsewhere = !options.statistics.string().empty();
-  auto normalizer = elsewhere ? std::nullopt : find_normalizer<B>(weights, nfeats, {"motion_normalizer."});
-  const RunFolder statistics = elsewhere ? find_run(options.statistics) : run;
-  if (!normalizer && !statistics.parts.empty())
-    normalizer = find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
-  if (!normalizer)
-    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
-                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
-                    " (deps/transforms/... of TEMOS) there, or name their folder");
-  return *normalizer;
+  return run_normalizer<B>(
+      run, weights, nfeats, {"", "stats.", "motion_stats."},
+      concat_text("the motions: put ",
+                  nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                  " (deps/transforms/... of TEMOS) there, or name their folder"),
+      options.statistics);
 }
 
 /// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.

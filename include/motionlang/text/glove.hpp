@@ -93,8 +93,9 @@ class GloVe {
     return contains(w.word) ? motion_tag(w.word).value_or(speech_tag(w.tag)) : SpeechTag::other;
   }
 
-  /// sos, at most `longest` words, eos.
+  /// sos, at most `longest` words, eos. Throws config_error 101 if `longest` is negative.
   static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest) {
+    if (longest < 0) raise<config_error>(101, "GloVe: at most ", longest, " words");
     std::vector<TaggedWord> out{{"sos", "OTHER"}};
     const auto count = std::min<std::size_t>(words.size(), static_cast<std::size_t>(longest));
     out.insert(out.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count));

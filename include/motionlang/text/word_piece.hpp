@@ -118,8 +118,9 @@ class WordPiece {
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
   /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that cannot be
-  /// split is [UNK].
+  /// split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const {
+    if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
     std::vector<Index> ids{begin_id};
     for (const std::string& w : words(text)) append_word(ids, w);
     if (static_cast<Index>(ids.size()) > longest - 1) ids.resize(static_cast<std::size_t>(longest - 1));

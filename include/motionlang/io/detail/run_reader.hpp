@@ -139,6 +139,25 @@ inline WeightFile statistics_of(const RunFolder& run) {
   return WeightFile::from_run(only);
 }
 
+/// Mean and std of a folder. `missing` ends the message "no statistics of ...". Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initializer_list<const char*> prefixes,
+                                std::string_view missing) {
+  if (!folder.parts.empty()) {
+    if (auto found = find_normalizer<B>(statistics_of(folder), width, prefixes)) return *std::move(found);
+  }
+  raise<io_error>(401, folder.folder.string(), ": no statistics of ", missing);
+}
+/// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
+template <Backend B>
+Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
+                             std::initializer_list<const char*> prefixes, std::string_view missing,
+                             const FilePath& elsewhere = "") {
+  if (!elsewhere.string().empty()) return folder_normalizer<B>(find_run(elsewhere), width, prefixes, missing);
+  if (auto packed = find_normalizer<B>(weights, width, {"motion_normalizer."})) return *std::move(packed);
+  return folder_normalizer<B>(run, width, prefixes, missing);
+}
+
 /// Fills a module. `beside(name)`: tensors that the file may hold besides.
 template <Module M, class F>
 void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside) {
