@@ -651,9 +651,71 @@ constexpr std::string_view to_string(Activation a) {
 #include <bit>          // bit_width
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
-#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
+
+#ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
+#define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
+/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
+/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+
+#include <new>      // bad_alloc
+#if defined(__linux__)
+#include <sys/mman.h>  // mmap, madvise
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline constexpr std::size_t small_page = 4096, large_page = std::size_t{2} << 20;
+
+constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
+
+}  // namespace detail
+
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
+inline void* take_memory(std::size_t bytes, std::size_t used) {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
+    void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (start == MAP_FAILED) throw std::bad_alloc();
+    const auto address = reinterpret_cast<std::uintptr_t>(start);
+    const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
+    std::byte* memory = static_cast<std::byte*>(start) + before;
+    if (before > 0) ::munmap(start, before);
+    if (after > 0) ::munmap(memory + whole, after);
+    ::madvise(memory, used / detail::large_page * detail::large_page, MADV_HUGEPAGE);  // a page that is partly used would be taken whole
+    return memory;
+  }
+#endif
+  void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+/// Gives back what take_memory(bytes, ...) gave.
+inline void give_memory(void* memory, std::size_t bytes) noexcept {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
+    return;
+  }
+#endif
+  std::free(memory);
+}
+
+/// Room for `count` numbers, not initialised.
+template <class T>
+std::shared_ptr<T[]> large_table(std::size_t count) {
+  const std::size_t bytes = count * sizeof(T);
+  return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -685,7 +747,7 @@ class BufferPool {
   /// A buffer of at least so many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
-    return gone_ ? make(bucket, 0) : local().reuse(bucket);
+    return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
   }
   static void give_back(detail::Buffer* b) {
     if (gone_ || b->pool != local().number_) return release(b);
@@ -704,8 +766,9 @@ class BufferPool {
   std::int64_t system_allocations() const { return system_allocations_; }
 
   static void release(detail::Buffer* b) {
+    const int bucket = b->bucket;
     b->~Buffer();
-    std::free(b);
+    give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
   BufferPool(const BufferPool&) = delete;
@@ -718,7 +781,7 @@ class BufferPool {
     trim();
   }
 
-  detail::Buffer* reuse(int bucket) {
+  detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {
       detail::Buffer* b = std::exchange(head, head->next);
@@ -726,11 +789,10 @@ class BufferPool {
       return b;
     }
     ++system_allocations_;
-    return make(bucket, number_);
+    return make(bucket, bytes, number_);
   }
-  static detail::Buffer* make(int bucket, std::uint32_t pool) {
-    void* memory = std::aligned_alloc(64, sizeof(detail::Buffer) + bucket_bytes(bucket));
-    if (memory == nullptr) throw std::bad_alloc();
+  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool) {
+    void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
     auto* b = new (memory) detail::Buffer;
     b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
     b->bucket = bucket;
@@ -1523,33 +1585,6 @@ void store_rows(std::span<const Lane<S, bytes>> numbers, int count, S* to) {
   for (int i = 0; i < count; ++i) {
     for (std::size_t k = first; k < width; ++k) to[static_cast<std::size_t>(i) * width + k] = numbers[k][i];
   }
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_CORE_LARGE_TABLE_HPP  // <motionlang/core/large_table.hpp>
-#define MOTIONLANG_HAS_CORE_LARGE_TABLE_HPP
-/// Memory for a table that is read from end to end again and again: in pages of 2 MB where the system has them (Linux). Between small pages
-/// the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast.
-
-#if defined(__linux__)
-#include <sys/mman.h>  // madvise
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Room for `count` numbers, not initialised.
-template <class T>
-std::shared_ptr<T[]> large_table(std::size_t count) {
-  constexpr std::size_t page = std::size_t{2} << 20;
-  const std::size_t bytes = count * sizeof(T), alignment = bytes < page ? 64 : page;
-  void* memory = std::aligned_alloc(alignment, (bytes / alignment + 1) * alignment);
-  if (memory == nullptr) throw std::bad_alloc();
-#if defined(__linux__)
-  ::madvise(memory, bytes / page * page, MADV_HUGEPAGE);  // whole pages only: the rest takes no more than it needs
-#endif
-  return {static_cast<T*>(memory), [](T* p) { std::free(p); }};
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -17272,8 +17307,9 @@ class WordPiece {
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
   /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that cannot be
-  /// split is [UNK].
+  /// split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const {
+    if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
     std::vector<Index> ids{begin_id};
     for (const std::string& w : words(text)) append_word(ids, w);
     if (static_cast<Index>(ids.size()) > longest - 1) ids.resize(static_cast<std::size_t>(longest - 1));
@@ -20407,8 +20443,9 @@ class GloVe {
     return contains(w.word) ? motion_tag(w.word).value_or(speech_tag(w.tag)) : SpeechTag::other;
   }
 
-  /// sos, at most `longest` words, eos.
+  /// sos, at most `longest` words, eos. Throws config_error 101 if `longest` is negative.
   static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest) {
+    if (longest < 0) raise<config_error>(101, "GloVe: at most ", longest, " words");
     std::vector<TaggedWord> out{{"sos", "OTHER"}};
     const auto count = std::min<std::size_t>(words.size(), static_cast<std::size_t>(longest));
     out.insert(out.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count));

@@ -5543,6 +5543,25 @@ inline WeightFile statistics_of(const RunFolder& run) {
   return WeightFile::from_run(only);
 }
 
+/// Mean and std of a folder. `missing` ends the message "no statistics of ...". Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initializer_list<const char*> prefixes,
+                                std::string_view missing) {
+  if (!folder.parts.empty()) {
+    if (auto found = find_normalizer<B>(statistics_of(folder), width, prefixes)) return *std::move(found);
+  }
+  raise<io_error>(401, folder.folder.string(), ": no statistics of ", missing);
+}
+/// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
+template <Backend B>
+Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
+                             std::initializer_list<const char*> prefixes, std::string_view missing,
+                             const FilePath& elsewhere = "") {
+  if (!elsewhere.string().empty()) return folder_normalizer<B>(find_run(elsewhere), width, prefixes, missing);
+  if (auto packed = find_normalizer<B>(weights, width, {"motion_normalizer."})) return *std::move(packed);
+  return folder_normalizer<B>(run, width, prefixes, missing);
+}
+
 /// Fills a module. `beside(name)`: tensors that the file may hold besides.
 template <Module M, class F>
 void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside) {
@@ -10475,27 +10494,21 @@ inline RunFolder published_run(const RunFolder& run) {
 template <Backend B>
 Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, Index width,
                                 const DiffusionRunOptions& options) {
-  const bool elsewhere = !options.statistics.string().empty();
-  auto found = elsewhere ? std::nullopt : find_normalizer<B>(weights, width, {"motion_normalizer."});
-  const RunFolder folder = elsewhere ? find_run(options.statistics) : run;
-  if (!found && !folder.parts.empty())
-    found = find_normalizer<B>(statistics_of(folder), width, {"motion_stats.", "meta.", "stats.", ""});
-  if (!found)
-    raise<io_error>(401, folder.folder.string(), ": no statistics of the motions: put mean and std of the data set there (",
-                    run.system == "mdm" ? "Mean.npy and Std.npy, in HumanML3D's own folder" : "meta/mean.npy and std.npy",
-                    "), or name their folder");
-  return *found;
+  return run_normalizer<B>(
+      run, weights, width, {"motion_stats.", "meta.", "stats.", ""},
+      concat_text("the motions: put mean and std of the data set there (",
+                  run.system == "mdm" ? "Mean.npy and Std.npy, in HumanML3D's own folder" : "meta/mean.npy and std.npy",
+                  "), or name their folder"),
+      options.statistics);
 }
 
 /// Of STMC; the others have none.
 template <Backend B>
 std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about) {
   if (about.system != "stmc") return std::nullopt;
-  auto found = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."});
-  if (!found && !run.parts.empty()) found = find_normalizer<B>(statistics_of(run), about.text_width(), {"text_stats."});
-  if (!found)
-    raise<io_error>(401, run.folder.string(), ": no statistics of the texts: text_stats/mean.pt and std.pt are missing");
-  return found;
+  if (auto packed = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."})) return packed;
+  return folder_normalizer<B>(run, about.text_width(), {"text_stats."},
+                              "the texts: text_stats/mean.pt and std.pt are missing");
 }
 
 template <Backend B>
@@ -14058,11 +14071,8 @@ inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
 /// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
 template <Backend B>
 Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
-  auto out = find_normalizer<B>(weights, features, {"motion_normalizer."});
-  if (!out && !run.parts.empty()) out = find_normalizer<B>(statistics_of(run), features, {"meta.", ""});
-  if (!out)
-    raise<io_error>(401, run.folder.string(), ": no statistics of the motions: meta/mean.npy and meta/std.npy are missing");
-  return *out;
+  return run_normalizer<B>(run, weights, features, {"meta.", ""},
+                           "the motions: meta/mean.npy and meta/std.npy are missing");
 }
 
 }  // namespace detail
@@ -14197,6 +14207,12 @@ inline TmrConfig tmr_config(const RunReader& r) {
           .vae = r.size("motion_encoder.tokens", 0) == 2};
 }
 
+/// Tensors of a checkpoint that are not the model's.
+inline bool beside_temos(const std::string& name) {
+  return name.ends_with("sequence_pos_encoding.pe") ||
+         begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
+}
+
 }  // namespace detail
 
 /// `run` has the options, if there are any.
@@ -14204,10 +14220,7 @@ template <Backend B>
 Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
   NoInit zeros;
   Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
-  detail::load_run_module(model, file, "", [](const std::string& name) {
-    return name.ends_with("sequence_pos_encoding.pe") ||
-           detail::begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
-  });
+  detail::load_run_module(model, file, "", detail::beside_temos);
   return model;
 }
 template <Backend B>
@@ -14228,8 +14241,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 namespace detail {
 
 inline bool beside_teach_and_sinc(const std::string& name) {
-  return name.ends_with("sequence_pos_encoding.pe") ||
-         begins_with_any(name, {"textencoder.text_model.", "_losses.", "losses.", "metrics.", "eval_model.", "motion_normalizer."});
+  return beside_temos(name) || name.starts_with("eval_model.");
 }
 
 }  // namespace detail
@@ -14369,16 +14381,12 @@ namespace detail {
 template <Backend B>
 Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
   const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
-  const bool elsewhere = !options.statistics.string().empty();
-  auto normalizer = elsewhere ? std::nullopt : find_normalizer<B>(weights, nfeats, {"motion_normalizer."});
-  const RunFolder statistics = elsewhere ? find_run(options.statistics) : run;
-  if (!normalizer && !statistics.parts.empty())
-    normalizer = find_normalizer<B>(statistics_of(statistics), nfeats, {"", "stats.", "motion_stats."});
-  if (!normalizer)
-    raise<io_error>(401, statistics.folder.string(), ": no statistics of the motions: put ",
-                    nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
-                    " (deps/transforms/... of TEMOS) there, or name their folder");
-  return *normalizer;
+  return run_normalizer<B>(
+      run, weights, nfeats, {"", "stats.", "motion_stats."},
+      concat_text("the motions: put ",
+                  nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                  " (deps/transforms/... of TEMOS) there, or name their folder"),
+      options.statistics);
 }
 
 /// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
