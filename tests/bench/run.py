@@ -24,7 +24,7 @@ PROGRAM = {"product": "products", "product_gelu": "products", "product_batched":
            "start": "generate", "stmc_full": "generate", "stmc_bundled": "generate"}
 # What a peer needs, and where a work has another name there.
 PACKAGE = {"torch": "Debian: python3-torch libopenblas0-openmp", "faiss": "Debian: python3-faiss",
-           "onnx": f"npm install --prefix {ONNX_FOLDER} onnxruntime-node (and torch, which writes the models)",
+           "onnx": f"npm install --ignore-scripts --prefix {ONNX_FOLDER} onnxruntime-node (and torch, which writes the models)",
            "native": "target bench_products_native"}
 WORK_OF_PEER = {("search", "faiss"): "search_faiss", ("search_bf16", "faiss"): "search_faiss", ("search_bf16", "torch"): "search"}
 
