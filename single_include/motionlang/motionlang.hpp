@@ -651,6 +651,7 @@ constexpr std::string_view to_string(Activation a) {
 #include <bit>          // bit_width
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
+#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
@@ -660,7 +661,6 @@ constexpr std::string_view to_string(Activation a) {
 /// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
 /// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
 
-#include <new>      // bad_alloc
 #if defined(__linux__)
 #include <sys/mman.h>  // mmap, madvise
 #endif
@@ -903,6 +903,7 @@ class PoolVector {
 
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
+    if (capacity > SIZE_MAX / 2 / sizeof(T)) throw std::bad_alloc();
     detail::BufferHandle larger(capacity * sizeof(T));
     T* to = static_cast<T*>(larger.data());
     for (std::size_t i = 0; i < size_; ++i) {
@@ -1773,8 +1774,9 @@ class Offsets {
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
-  /// `count` sequences of equal length.
+  /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
   static Offsets equal(Index count, Index length) {
+    if (count < 0) raise<shape_error>(207, "Offsets: ", count, " sequences");
     return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 
@@ -5188,7 +5190,17 @@ enum class Side : int { middle, left, right };
 
 namespace detail {
 
-/// The side that a joint's name tells: left, Left, l_, _L, .l, lHand, LHip and the same for the right.
+/// What parts the words of a name.
+inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
+/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+inline std::size_t lone_letter(std::string_view name, char letter) {
+  for (std::size_t at = 1; at + 1 < name.size(); ++at) {
+    if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
+  }
+  return name.npos;
+}
+
+/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
 inline Side side_of_name(std::string_view name) {
   auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
   auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
@@ -5200,12 +5212,13 @@ inline Side side_of_name(std::string_view name) {
     if (name.size() < 2) continue;
     const char second = name[1], before_last = name[name.size() - 2];
     if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
-    if (small.back() == letter && (before_last == '_' || before_last == '.' || before_last == '-')) return side;
+    if (small.back() == letter && is_separator(before_last)) return side;
+    if (lone_letter(small, letter) != small.npos) return side;
   }
   return Side::middle;
 }
 
-/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
+/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
 inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
 inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
 
@@ -5227,6 +5240,7 @@ inline std::vector<std::string> other_side(const std::string& name) {
     for (const auto& pair : side_letters) {
       if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
       if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+      if (const auto at = lone_letter(name, pair[side][0]); at != name.npos) replaced(pair[side], pair[1 - side], at);
     }
   }
   return candidates;
@@ -5467,6 +5481,11 @@ struct Motion {
       raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
                          skeleton.size(), " joints");
     }
+    for (int j = 0; j < skeleton.size(); ++j) {
+      const auto& o = skeleton.offset(j);
+      if (!std::isfinite(o.x + o.y + o.z))
+        raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
+    }
     if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];
@@ -5622,8 +5641,9 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 inline Index detect_t_pose_lead_in(const Motion& motion) {
   constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  const auto longest = static_cast<Index>(std::ceil(0.1 * motion.fps));  // of a blend, frames
-  const Index seen = std::min<Index>(motion.frames() - 1, longest + static_cast<Index>(motion.fps));
+  const auto frames = static_cast<double>(motion.frames());  // a rate may be larger than any Index
+  const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
+  const Index seen = std::min(motion.frames() - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
   if (seen < 2 || joints < 2) return 0;
   double from_zero = 0;
   for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
@@ -7957,7 +7977,9 @@ inline std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
 
 /// The best cycle of at least `least` frames, if its cost is below `most` metres.
 ///     cost(a, b) = mean over joints of |p_a - p_b| + 0.1 s |v_a - v_b|
+/// Throws config_error 101 unless least >= 1.
 inline std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08) {
+  if (least < 1) raise<config_error>(101, "find_loop: a cycle of ", least, " frames");
   const auto poses = detail::poses_in_place(motion);
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
   auto at = [&](Index frame, std::size_t joint) { return poses[static_cast<std::size_t>(frame) * joints + joint]; };
@@ -7994,13 +8016,13 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
       // The frame that is due (last, in the present round) and the one that comes instead (first).
       const auto due = motion.rotations(loop.last), comes = motion.rotations(loop.first);
       const Vec3<double> at = place + rotate(turned, motion.root_at(loop.last));
-      turned = turned * detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
+      const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
+      turned = turned * spin;
       const Vec3<double> start = rotate(turned, motion.root_at(loop.first));
       place = {at.x - start.x, 0, at.z - start.z};
       height = motion.root_at(loop.last).y - motion.root_at(loop.first).y;
       for (std::size_t j = 0; j < difference.size(); ++j) difference[j] = due[j] * inverse(comes[j]);
-      const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));  // already in `turned`
-      difference[0] = inverse(spin) * due[0] * inverse(comes[0]);
+      difference[0] = inverse(spin) * difference[0];
       from = loop.first;
       since = 0;
     }
@@ -8234,7 +8256,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 /// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
 /// everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error 103 for
-/// another skeleton.
+/// another skeleton, 102 for two frame rates.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
 inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
   const auto& names = base.skeleton.names;
@@ -8243,6 +8265,10 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
       !std::equal(names.begin(), names.end(), smpl.begin())) {
     raise<config_error>(103, "overlay_parts: '", base.name, "' and '", other.name,
                         "' are not on one skeleton of SMPL's joints");
+  }
+  if (base.fps != other.fps) {
+    raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name, "' ",
+                        other.fps);
   }
   Motion out = base;
   const Index frames = std::min(base.frames(), other.frames());
@@ -11517,7 +11543,8 @@ Tensor<B, 0> hinge_generator_loss(const Tensor<B, 2>& generated) {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
-/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing (Szegedy et al., 2016, section 7).
+/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
+/// (Szegedy et al., 2016, section 7, give e / classes to every class).
 /// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if the counts differ,
 /// config_error 101 unless 0 <= e < 1.
 template <Backend B>
@@ -11535,7 +11562,7 @@ Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> 
   const auto s = logits - reshape<2>(max(logits, 1), {rows, 1});
   const auto partition = log(sum(exp(s), 1));
   const auto own = partition - gather(reshape<1>(s, {rows * classes}), at);
-  if (smoothing == 0) return own;
+  if (smoothing == 0 || classes == 1) return own;
   const double each = smoothing / static_cast<double>(classes - 1);
   const auto all = partition * static_cast<double>(classes) - sum(s, 1);
   return own * (1 - smoothing - each) + all * each;
@@ -12021,7 +12048,7 @@ class AdamW {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     e = rate e + (1 - rate) p
-/// `rate` grows from 0 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
+/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
 /// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
 template <Module Average, Module Model>
 void update_ema(Average& average, const Model& model, double rate, Index step) {
@@ -12071,7 +12098,7 @@ struct StepDecay {
   double factor = 10;
   Index every = 1;
 
-  double operator()(Index step) const { return rate / std::pow(factor, static_cast<double>(step / every)); }
+  double operator()(Index step) const { return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every))); }
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -12625,105 +12652,6 @@ inline std::vector<std::string> amass_paths(std::string_view path) {
 ///
 /// Source  STMC, prepare/amasstools/fix_fps.py and smpl_mirroring.py
 
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// SMPL poses as AMASS files have them.
-template <Scalar S>
-struct AmassPoses {
-  std::vector<S> poses;  // (frames, 3 joints) rotation vectors
-  std::vector<S> trans;  // (frames, 3)
-};
-
-namespace detail {
-
-/// Numbers of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
-template <Scalar S>
-std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, const char* op) {
-  const std::size_t frames = trans.size() / 3;
-  if (trans.size() % 3 != 0 || (frames == 0 ? !poses.empty() : poses.size() % (3 * frames) != 0)) {
-    raise<shape_error>(205, op, ": ", poses.size(), " pose values for ", trans.size(), " translation values");
-  }
-  return frames == 0 ? 0 : poses.size() / frames;
-}
-
-/// Spherical interpolation of vectors that keep their lengths as weights:
-///     (sin((1-t) h) a + sin(t h) b) / sin h,   h: the angle between a and b; linear if |cos h| > 0.9995 or one is zero
-/// Not a rotation halfway between two rotations, but what the data were made with.
-template <Scalar S>
-Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
-  const S lengths = norm(a) * norm(b), cosine = lengths > 0 ? dot(a, b) / lengths : S(1);
-  if (std::abs(cosine) > S(0.9995)) return (S(1) - t) * a + t * b;
-  const S h = std::acos(cosine), sine = std::sin(h);
-  return (std::sin((S(1) - t) * h) / sine) * a + (std::sin(t * h) / sine) * b;
-}
-
-}  // namespace detail
-
-/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, not before its first frame.
-/// Coordinates are float32, as published. Translations linear, poses by slerp of their rotation vectors.
-/// Throws shape_error 205, config_error 101 unless both rates are positive.
-template <Scalar S>
-AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans, double old_fps, double new_fps) {
-  if (!(old_fps > 0 && new_fps > 0)) raise<config_error>(101, "amass_resample: ", old_fps, " to ", new_fps, " fps");
-  const std::size_t width = detail::amass_width(poses, trans, "amass_resample"), source = trans.size() / 3;
-  const auto frames = static_cast<std::size_t>(std::floor(static_cast<double>(source) * new_fps / old_fps));
-  AmassPoses<S> out;
-  for (std::size_t i = 0; i < frames; ++i) {
-    const auto ratio = static_cast<float>(old_fps / new_fps);
-    const float at = std::max((static_cast<float>(i) + 0.5f) * ratio - 0.5f, 0.0f);
-    const std::size_t a = std::min(static_cast<std::size_t>(at), source - 1), b = std::min(a + 1, source - 1);
-    const S t = static_cast<S>(at - static_cast<float>(a));
-    for (std::size_t k = 0; k < 3; ++k) out.trans.push_back((S(1) - t) * trans[3 * a + k] + t * trans[3 * b + k]);
-    for (std::size_t k = 0; k < width; k += 3) {
-      const S *p = &poses[a * width + k], *q = &poses[b * width + k];
-      const auto v = detail::slerp_of_vectors<S>({p[0], p[1], p[2]}, {q[0], q[1], q[2]}, t);
-      out.poses.insert(out.poses.end(), {v.x, v.y, v.z});
-    }
-  }
-  return out;
-}
-
-/// Left and right exchanged: partners swap their rotation vectors, whose y and z change sign, and the path its x.
-/// Exact. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
-template <Scalar S>
-AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
-  const std::size_t width = detail::amass_width(poses, trans, "amass_mirror"), frames = trans.size() / 3;
-  if (frames != 0 && width != 66 && width != 72) {
-    raise<shape_error>(205, "amass_mirror: poses of ", width, " values; expected 66 or 72");
-  }
-  AmassPoses<S> out{{poses.begin(), poses.end()}, {trans.begin(), trans.end()}};
-  for (std::size_t f = 0; f < frames; ++f) {
-    out.trans[3 * f] = -trans[3 * f];
-    for (std::size_t j = 0; 3 * j < width; ++j) {
-      const S* from = &poses[f * width + 3 * static_cast<std::size_t>(smpl_mirror_joint[j])];
-      S* to = &out.poses[f * width + 3 * j];
-      to[0] = from[0], to[1] = -from[1], to[2] = -from[2];
-    }
-  }
-  return out;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
-#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
-/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-struct AmassSequence {
-  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
-  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
-  std::vector<double> trans{};    // (frames, 3)
-  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
-  std::string gender = "neutral";
-  double fps = 0;
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 #ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
 #define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
 /// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
@@ -12854,6 +12782,105 @@ struct SincWindow {
     const Index length = request > 0 ? std::min(request, frames) : frames;
     return {length < frames ? below(largest_start(frames) + 1) : 0, length};
   }
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// SMPL poses as AMASS files have them.
+template <Scalar S>
+struct AmassPoses {
+  std::vector<S> poses;  // (frames, 3 joints) rotation vectors
+  std::vector<S> trans;  // (frames, 3)
+};
+
+namespace detail {
+
+/// Numbers of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
+template <Scalar S>
+std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, const char* op) {
+  const std::size_t frames = trans.size() / 3;
+  if (trans.size() % 3 != 0 || (frames == 0 ? !poses.empty() : poses.size() % (3 * frames) != 0)) {
+    raise<shape_error>(205, op, ": ", poses.size(), " pose values for ", trans.size(), " translation values");
+  }
+  return frames == 0 ? 0 : poses.size() / frames;
+}
+
+/// Spherical interpolation of vectors that keep their lengths as weights:
+///     (sin((1-t) h) a + sin(t h) b) / sin h,   h: the angle between a and b; linear if |cos h| > 0.9995 or one is zero
+/// Not a rotation halfway between two rotations, but what the data were made with.
+template <Scalar S>
+Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
+  const S lengths = norm(a) * norm(b), cosine = lengths > 0 ? dot(a, b) / lengths : S(1);
+  if (std::abs(cosine) > S(0.9995)) return (S(1) - t) * a + t * b;
+  const S h = std::acos(cosine), sine = std::sin(h);
+  return (std::sin((S(1) - t) * h) / sine) * a + (std::sin(t * h) / sine) * b;
+}
+
+}  // namespace detail
+
+/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, not before its first frame.
+/// Coordinates are float32, as published. Translations linear, poses by slerp of their rotation vectors.
+/// Throws shape_error 205, config_error 101 unless both rates are positive.
+template <Scalar S>
+AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans, double old_fps, double new_fps) {
+  detail::require_rates("amass_resample", old_fps, new_fps);
+  const std::size_t width = detail::amass_width(poses, trans, "amass_resample"), source = trans.size() / 3;
+  const auto frames = static_cast<std::size_t>(std::floor(static_cast<double>(source) * new_fps / old_fps));
+  AmassPoses<S> out;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto ratio = static_cast<float>(old_fps / new_fps);
+    const float at = std::max((static_cast<float>(i) + 0.5f) * ratio - 0.5f, 0.0f);
+    const std::size_t a = std::min(static_cast<std::size_t>(at), source - 1), b = std::min(a + 1, source - 1);
+    const S t = static_cast<S>(at - static_cast<float>(a));
+    for (std::size_t k = 0; k < 3; ++k) out.trans.push_back((S(1) - t) * trans[3 * a + k] + t * trans[3 * b + k]);
+    for (std::size_t k = 0; k < width; k += 3) {
+      const S *p = &poses[a * width + k], *q = &poses[b * width + k];
+      const auto v = detail::slerp_of_vectors<S>({p[0], p[1], p[2]}, {q[0], q[1], q[2]}, t);
+      out.poses.insert(out.poses.end(), {v.x, v.y, v.z});
+    }
+  }
+  return out;
+}
+
+/// Left and right exchanged: partners swap their rotation vectors, whose y and z change sign, and the path its x.
+/// Exact. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
+template <Scalar S>
+AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
+  const std::size_t width = detail::amass_width(poses, trans, "amass_mirror"), frames = trans.size() / 3;
+  if (frames != 0 && width != 66 && width != 72) {
+    raise<shape_error>(205, "amass_mirror: poses of ", width, " values; expected 66 or 72");
+  }
+  AmassPoses<S> out{{poses.begin(), poses.end()}, {trans.begin(), trans.end()}};
+  for (std::size_t f = 0; f < frames; ++f) {
+    out.trans[3 * f] = -trans[3 * f];
+    for (std::size_t j = 0; 3 * j < width; ++j) {
+      const S* from = &poses[f * width + 3 * static_cast<std::size_t>(smpl_mirror_joint[j])];
+      S* to = &out.poses[f * width + 3 * j];
+      to[0] = from[0], to[1] = -from[1], to[2] = -from[2];
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
+#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
+/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+struct AmassSequence {
+  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
+  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
+  std::vector<double> trans{};    // (frames, 3)
+  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
+  std::string gender = "neutral";
+  double fps = 0;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -14180,10 +14207,19 @@ inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
 
 /// The clip of rows, on the joints of the features.
 /// fps     0: as the published systems have it
-/// Throws  shape_error 205, numeric_error 301 for values that are not finite
+/// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
 inline Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0) {
   const double rate = fps > 0 ? fps : features.fps;
-  if (features.to_motion != nullptr) return features.to_motion(rows, rate);
+  const auto odd = std::find_if(rows.begin(), rows.end(), [](double x) { return !std::isfinite(x); });
+  if (odd != rows.end()) {
+    const Index at = odd - rows.begin();
+    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width, " is not finite");
+  }
+  if (features.to_motion != nullptr) {
+    Motion out = features.to_motion(rows, rate);
+    out.validate();
+    return out;
+  }
   return motion_from_joints(features.skeleton(), features.joints_of(rows), features.joints, rate);
 }
 
@@ -16106,6 +16142,11 @@ class GaussianDiffusion {
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
+  /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
+  double inverse_abar(Index t) const {
+    if (!(abar(t) > 0)) raise<config_error>(104, "GaussianDiffusion: step ", t, " keeps nothing of x0 (abar is 0)");
+    return 1 / abar(t);
+  }
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
@@ -16142,7 +16183,10 @@ class GaussianDiffusion {
     if (betas.empty()) raise<config_error>(104, "diffusion schedule: no steps");
     beta_ = std::move(betas);
   }
-  static std::size_t at(Index t) { return static_cast<std::size_t>(t); }
+  std::size_t at(Index t) const {
+    if (t < 0 || t >= steps()) raise<shape_error>(203, "GaussianDiffusion: step ", t, " of ", steps());
+    return static_cast<std::size_t>(t);
+  }
 
   std::vector<double> beta_, abar_;
   std::vector<Index> network_t_;
@@ -16202,8 +16246,8 @@ Tensor<B, R> to_x0(const GaussianDiffusion& d, Prediction from, const Tensor<B, 
     case Prediction::x0:
       return value;
     case Prediction::eps:
-      return k([&](Index i) { return std::sqrt(1 / d.abar(i)); }) * x_t -
-             k([&](Index i) { return std::sqrt(1 / d.abar(i) - 1); }) * value;
+      return k([&](Index i) { return std::sqrt(d.inverse_abar(i)); }) * x_t -
+             k([&](Index i) { return std::sqrt(d.inverse_abar(i) - 1); }) * value;
     case Prediction::score:
       return k([&](Index i) { return 1 / std::sqrt(d.abar(i)); }) * x_t +
              k([&](Index i) { return (1 - d.abar(i)) / std::sqrt(d.abar(i)); }) * value;
@@ -16216,8 +16260,8 @@ Tensor<B, R> to_x0(const GaussianDiffusion& d, Prediction from, const Tensor<B, 
 template <Backend B, int R>
 Tensor<B, R> eps_from_x0(const GaussianDiffusion& d, const Tensor<B, R>& x0, const Tensor<B, R>& x_t,
                          std::span<const Index> t) {
-  return (coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 / d.abar(i)); }) * x_t - x0) /
-         coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 / d.abar(i) - 1); });
+  return (coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.inverse_abar(i)); }) * x_t - x0) /
+         coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.inverse_abar(i) - 1); });
 }
 /// The score that belongs to x0: sqrt(abar) / (1 - abar) x0 - x_t / (1 - abar).
 template <Backend B, int R>
@@ -17085,9 +17129,11 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   for (Index t = d.steps() - 1; t >= 0; --t) {
     const T e = predict(x, t);
     T used = e;
-    switch (std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+    switch (t == 0 ? 0 : std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+      case 0:  // the last step takes x0 of the network itself
+        break;
       case 1:
-        used = t > 0 ? (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5 : e;
+        used = (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5;
         break;
       case 2:
         used = (e * 3.0 - old[0]) * (1.0 / 2);
@@ -17101,7 +17147,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     }
     const auto step = advance(x, used, t);
     watch(t, step);
-    x = t > 0 ? step.x_prev : to_x0(d, Prediction::eps, e, x, std::span<const Index>(&t, 1));
+    x = t > 0 ? step.x_prev : step.x0;
     old.insert(old.begin(), e);
     if (old.size() >= static_cast<std::size_t>(order)) old.pop_back();
     progress(d.steps() - t, d.steps());
@@ -17136,23 +17182,22 @@ struct MdmActions {
       raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
     const Index n = std::ssize(actions), frames = c.crop_frames;
     const double weight = c.condition == MdmCondition::none ? 1 : options.guidance.value_or(guidance);
-    const Index calls = weight == 1 ? 1 : 2;  // the second one without actions
-    std::vector<S> one_hot(static_cast<std::size_t>(calls * n * c.num_actions));
+    std::vector<S> one_hot(static_cast<std::size_t>(n * c.num_actions));
     for (Index i = 0; i < n; ++i) {
       const Index action = actions[static_cast<std::size_t>(i)];
       if (action < 0 || action >= c.num_actions)
         raise<shape_error>(203, "MdmActions: action ", action, " of ", c.num_actions);
       one_hot[static_cast<std::size_t>(i * c.num_actions + action)] = 1;
     }
-    const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {calls * n, c.num_actions}));
-    const Offsets offsets = Offsets::equal(calls * n, frames);
+    const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {n, c.num_actions}));
+    const auto nothing = TextFeatures<B>::pooled(Tensor<B, 2>::zeros({n, c.num_actions}));
+    const Offsets offsets = Offsets::equal(n, frames);
     const GaussianDiffusion process = with_steps(diffusion, options.steps);
 
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
-      const std::vector<Index> at(static_cast<std::size_t>(calls * n), process.network_t(t));
-      const auto rows = denoiser(Sequences<B>(calls == 1 ? x : concat(0, x, x), offsets), at, wanted).rows;
-      return calls == 1 ? rows
-                        : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
+      const std::vector<Index> at(static_cast<std::size_t>(n), process.network_t(t));
+      const auto of = [&](const TextFeatures<B>& f) { return denoiser(Sequences<B>(x, offsets), at, f).rows; };
+      return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);  // two calls: the GRU runs over its batch
     };
     const auto noise = [&](Index draw) {
       return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
@@ -17163,7 +17208,7 @@ struct MdmActions {
         options.sampler == SamplingOptions::Sampler::ddim
             ? sample_ddim<B, 2>(process, noise(0), network, of_step, 0, step, detail::KeepX0{}, options.progress)
             : sample_ancestral<B, 2>(process, noise(0), network, of_step, step, detail::KeepX0{}, options.progress);
-    return {rows, Offsets::equal(n, frames)};
+    return {rows, offsets};
   }
 };
 
@@ -17174,7 +17219,7 @@ struct MdmActions {
 #define MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_HPP
 /// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that knows.
 ///
-///     v_w = count of w in the text * ln((1 + texts) / (1 + texts with w)) + 1/100,   then length 1
+///     v_w = count of w in the text * (ln((1 + texts) / (1 + texts with w)) + 1/100),   then length 1
 /// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
 /// Source  Salton, Buckley: "Term-weighting approaches in automatic text retrieval" (1988)
 
@@ -20869,10 +20914,12 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
 /// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of all parts but the
 /// first are interpolated.
 /// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window
+/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window; config_error 101 for a
+///          negative window
 template <Scalar S>
 void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
                 Alignment alignment = Alignment::full) {
+  if (window < 0) raise<config_error>(101, "join_parts: a window of ", window, " frames");
   const auto frames = std::ssize(motion.trans);
   const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
   const auto rotations = std::span(motion.rotations);
@@ -21989,6 +22036,14 @@ class Collage {
     return rows;
   }
 
+  /// Whether a sequence has the same result in any batch of these texts.
+  bool can_divide() const {
+    const BatchMates mates = denoiser_->traits().mates;
+    const Offsets& texts = texts_.tokens.offsets;
+    return mates == BatchMates::none ||
+           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
+  }
+
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
   template <class F>
@@ -22062,14 +22117,6 @@ class Collage {
     return concat(std::span<const Tensor<B, 2>>(parts), 0);
   }
 
-  /// Whether a sequence has the same result in any batch of these texts.
-  bool can_divide() const {
-    const BatchMates mates = denoiser_->traits().mates;
-    const Offsets& texts = texts_.tokens.offsets;
-    return mates == BatchMates::none ||
-           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
-  }
-
   /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
   std::vector<Index> texts_of_crops() const {
     const Index null = texts_.count() - 1;
@@ -22100,8 +22147,9 @@ class Collage {
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    const Index most = rows_at_once_ > 0 && can_divide() ? rows_at_once_ : std::numeric_limits<Index>::max();
-    batches_.clear();
+    batches_.clear(), cond_.clear(), null_.clear();
+    if (!can_divide()) return build_two_calls(crops);
+    const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, which;  // of the next batch
     Index before = 0;                         // rows of the batches so far
     const auto end_batch = [&] {
@@ -22117,12 +22165,25 @@ class Collage {
       which.push_back(job.text);
     }
     end_batch();
-    cond_.clear(), null_.clear();
     for (const auto& [with, without] : crops) {
       for (Index r = 0; r < with.length; ++r) {
         cond_.push_back(begin[with] + r);
         if (guidance_ != 1) null_.push_back(begin[without] + r);
       }
+    }
+  }
+  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their texts.
+  void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
+    const Index rows = crops_.offsets.rows();
+    for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
+      std::vector<Index> lengths, which;
+      for (const auto& [with, without] : crops) {
+        if (with.length == 0) continue;
+        lengths.push_back(with.length);
+        which.push_back(call == 0 ? with.text : without.text);
+      }
+      batches_.push_back({crops_.rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
     }
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {
@@ -22663,14 +22724,15 @@ struct MttText {
   BodyParts parts;
 };
 
-/// Lines "text # part # part"; blank lines are skipped. Throws timeline_error 501 without a part, 503, 507.
+/// Lines "text # part # part"; blank lines are skipped. Throws timeline_error 501 without a part or for a text that is
+/// not UTF-8, 503, 507.
 inline std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name = "texts") {
   std::vector<MttText> out;
   detail::for_each_line(file, [&](std::string_view content, Index number) {
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # body part'");
-    out.push_back({std::string(line.field(0)), line.parts(1)});
+    out.push_back({line.text(), line.parts(1)});
   });
   if (out.empty()) raise<timeline_error>(507, name, ": no line");
   return out;
@@ -24894,7 +24956,7 @@ class MotionInspector {
   /// stays below, so that treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::vector<double>& speeds) {
     // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
-    const auto stride = std::max<Index>(1, static_cast<Index>(std::lround(motion_.fps / 25)));
+    const Index stride = std::max<Index>(1, std::lround(std::min(motion_.fps / 25, static_cast<double>(frames()))));
     std::vector<double> stands;  // the height at which a joint stands
     for (const int foot : feet) {
       std::vector<double> heights;
@@ -26264,10 +26326,10 @@ Sequences<B> denoise(const Actor<B>& actor, const Sequences<B>& motions, std::sp
 template <Backend B>
 Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_motions, Index action, Index steps,
                                  Index length) {
-  const PoolVector<Index> both(2, action), all(static_cast<std::size_t>(steps), action);
+  const PoolVector<Index> both(2, action);
   const auto mu = actor.encode(two_motions, both).mu;
-  return actor.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), all,
-                      Offsets::equal(steps, length));
+  const auto line = interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps);
+  return actor.decode(line, PoolVector<Index>(static_cast<std::size_t>(steps), action), Offsets::equal(steps, length));
 }
 
 /// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
@@ -26297,7 +26359,7 @@ Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, In
 /// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and compose/sinc_composition.hpp.
 ///
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
-///     const Sequences<B> states = distilbert(tokenize(tokenizer, {text})).tokens;      // text/bert.hpp
+///     const Sequences<B> states = distilbert(tokenize(tokenizer, std::vector{text})).tokens;      // text/bert.hpp
 ///     const auto motions = text_to_motion(sinc, states, Offsets{90}, Philox{.seed = 7});
 ///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per second
 ///
@@ -26777,10 +26839,16 @@ class Regeneration {
   StmcReuse reuse_;
 };
 
+template <Backend B, Denoiser<B> D>
+void require_own_results(const Collage<B, D>& collage) {
+  if (!collage.can_divide())
+    raise<config_error>(102, "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+}
+
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102 for another
-/// mode than StmcMode::stmc: in the SINC modes every text is sampled alone.
+/// mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
                                             const StmcOptions& options, StmcRecord<B>& record) {
@@ -26788,6 +26856,7 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
+    detail::require_own_results(collage);
     made.rows = collage.stride();
     made.x0.push_back(whole(collage, x, t));
     return made.x0.back();
@@ -26813,6 +26882,7 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
   std::optional<detail::Regeneration<B, D>> run;
   const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
     if (!run) {
+      detail::require_own_results(collage);
       const BatchPlan before = plan_timelines(record.timelines, stmc.plan_options(options));
       run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within), collage);
     }
@@ -26836,7 +26906,8 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
 /// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/, nn/sequence_vae.hpp
 /// and compose/alignment.hpp.
 ///
-///     const Sequences<B> states = distilbert(tokenize(tokenizer, {"walk", "turn left", "sit"})).tokens;    // text/bert.hpp
+///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
+///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
 ///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
 ///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames per second
 ///
@@ -26866,8 +26937,9 @@ inline constexpr Index teach_window = 8;
 namespace detail {
 
 /// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that leaves fewer than
-/// two.
+/// two, and for a negative gap.
 inline Offsets generated_frames(const Offsets& lengths, Index gap) {
+  if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
   PoolVector<Index> out;
   for (Index i = 0; i < lengths.count(); ++i) {
     out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
@@ -27537,7 +27609,7 @@ class MotionIndex {
     require_rows(where, "captions", caption_clips_.size(), caption_rows_);
     Index last = 0;
     for (const Moment& m : moments_) {
-      if (m.clip < last || m.clip >= count() || m.frames.first < 0 || m.frames.length < 1)
+      if (m.clip < last || m.clip >= count() || !is_moment(m.frames))
         raise<io_error>(403, where, ": a moment of ", m.frames.length, " frames at ", m.frames.first, " of clip ",
                         m.clip, " among ", count());
       last = m.clip;
@@ -27562,7 +27634,7 @@ class MotionIndex {
       raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
                           "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
   }
-  /// Behind the others. Throws shape_error 205 if the vectors do not fit, numeric_error 301, 302 (unit_rows); then nothing has changed.
+  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302 (unit_rows); then nothing has changed.
   void add(EncodedClip c) {
     const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
       if (values.size() != wanted * static_cast<std::size_t>(model_.width))
@@ -27570,6 +27642,10 @@ class MotionIndex {
                            " vectors of ", model_.width);
       return unit_rows(values, model_.width);
     };
+    for (const FrameSlice& m : c.moments) {
+      if (!is_moment(m))
+        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", m.length, " frames at ", m.first);
+    }
     const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
                captions = rows(c.caption_vectors, c.clip.captions.size());
     clip_rows_.append(clip), moment_rows_.append(moments), caption_rows_.append(captions);
@@ -27622,6 +27698,10 @@ class MotionIndex {
   }
 
  private:
+  /// Whether it has frames, and an end that an Index can hold.
+  static bool is_moment(const FrameSlice& m) {
+    return m.first >= 0 && m.length >= 1 && m.first <= std::numeric_limits<Index>::max() - m.length;
+  }
   std::span<const float> row(const VectorTable& table, std::size_t i) const {
     const auto width = static_cast<std::size_t>(model_.width);
     return table.rows().subspan(i * width, width);
@@ -32723,7 +32803,8 @@ class MotionSearch {
   /// left, or all have been seen.
   template <class F>
   static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
-    for (Index asked = 8 * k + 64;; asked *= 4) {
+    if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
+    for (Index asked = 8 * std::min(k, search.count()) + 64;; asked *= 4) {
       const auto best = nearest(search, query, asked);
       auto kept = choose(std::span<const Neighbour>(best));
       if (std::ssize(kept) >= k || std::ssize(best) < asked) return kept;

@@ -8984,6 +8984,17 @@ struct Track {
   std::vector<std::string> parts{};  // names as in body_part_names; empty: the whole body
 };
 
+namespace detail {
+
+inline void require_finite_times(const char* who, std::span<const Track> tracks) {
+  for (const Track& t : tracks) {
+    if (!std::isfinite(t.start + t.end))
+      raise<config_error>(101, who, ": track '", t.text, "' from ", t.start, " s to ", t.end, " s");
+  }
+}
+
+}  // namespace detail
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -9069,11 +9080,7 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
   for (const ViewerEntry& e : entries) {
     e.motion.validate();
     if (e.motion.frames() == 0) raise<config_error>(101, "viewer: motion '", e.motion.name, "' has no frames");
-    for (const Track& t : e.tracks) {
-      if (!std::isfinite(t.start + t.end)) {
-        raise<config_error>(101, "viewer: track '", t.text, "' from ", t.start, " s to ", t.end, " s");
-      }
-    }
+    require_finite_times("viewer", e.tracks);
     motions.push_back(viewer_json(e.motion, e.tracks, e.note));
   }
   const std::string& name = entries.front().motion.name;
@@ -9133,10 +9140,10 @@ template <Backend B>
 std::string body_viewer_html(const Body<B>& body, std::span<const ViewerMotion> motions,
                              std::span<const typename B::scalar> betas = {}, const ViewerOptions& options = {}) {
   if (body.faces.empty()) raise<config_error>(101, "viewer: the body has no faces");
+  const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body has not
   const auto mesh = detail::body_mesh(body, betas);
   const auto packed = [](const auto& values) { return detail::to_base64(std::as_bytes(std::span(values))); };
   nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
-  const Skeleton skeleton = body_skeleton(body, betas);
   for (const Vec3<double>& o : skeleton.offsets) offsets.push_back(detail::rounded(o));
   const nlohmann::ordered_json json{{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)},
                                     {"weights", packed(mesh.weights)},     {"triangles", packed(mesh.triangles)},
@@ -11963,6 +11970,7 @@ inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks,
   motion.validate();
   if (motion.frames() == 0) raise<config_error>(101, "film strip: motion '", motion.name, "' has no frames");
   if (!(options.width >= 100)) raise<config_error>(101, "film strip: width ", options.width);
+  require_finite_times("film strip", tracks);
   return FilmStrip(motion, tracks, options);
 }
 
@@ -11970,8 +11978,8 @@ inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks,
 
 /// The picture as SVG text.
 /// tracks   shown below the poses, one row each; times in seconds from the start of the motion
-/// Throws   shape_error 205, numeric_error 301 if the motion is not valid; config_error 101 without any frame, or for a
-///          width below 100
+/// Throws   shape_error 205, numeric_error 301 if the motion is not valid; config_error 101 without any frame, for a
+///          width below 100 or times that are not finite
 inline std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
@@ -13788,6 +13796,8 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
 /// config_error 101 for a rate that is none.
 inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                                 std::string_view name = "array") {
+  if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
+    raise<config_error>(101, name, ": ", options.fps, " frames per second");
   const std::vector<double> v = array.to<double>();
   const auto& shape = array.shape;
   const bool rows = shape.size() == 2;

@@ -54,6 +54,7 @@
 #include <cstddef>      // byte
 #include <cstdint>      // sizes
 #include <memory>       // owner of foreign memory
+#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
@@ -64,7 +65,6 @@
 /// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
 
 #include <cstdlib>  // aligned_alloc
-#include <new>      // bad_alloc
 #if defined(__linux__)
 #include <sys/mman.h>  // mmap, madvise
 #endif
@@ -325,6 +325,7 @@ class PoolVector {
 
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
+    if (capacity > SIZE_MAX / 2 / sizeof(T)) throw std::bad_alloc();
     detail::BufferHandle larger(capacity * sizeof(T));
     T* to = static_cast<T*>(larger.data());
     for (std::size_t i = 0; i < size_; ++i) {
@@ -1464,8 +1465,9 @@ class Offsets {
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
-  /// `count` sequences of equal length.
+  /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
   static Offsets equal(Index count, Index length) {
+    if (count < 0) raise<shape_error>(207, "Offsets: ", count, " sequences");
     return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 
@@ -7771,6 +7773,11 @@ class GaussianDiffusion {
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
+  /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
+  double inverse_abar(Index t) const {
+    if (!(abar(t) > 0)) raise<config_error>(104, "GaussianDiffusion: step ", t, " keeps nothing of x0 (abar is 0)");
+    return 1 / abar(t);
+  }
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
@@ -7807,7 +7814,10 @@ class GaussianDiffusion {
     if (betas.empty()) raise<config_error>(104, "diffusion schedule: no steps");
     beta_ = std::move(betas);
   }
-  static std::size_t at(Index t) { return static_cast<std::size_t>(t); }
+  std::size_t at(Index t) const {
+    if (t < 0 || t >= steps()) raise<shape_error>(203, "GaussianDiffusion: step ", t, " of ", steps());
+    return static_cast<std::size_t>(t);
+  }
 
   std::vector<double> beta_, abar_;
   std::vector<Index> network_t_;
@@ -7867,8 +7877,8 @@ Tensor<B, R> to_x0(const GaussianDiffusion& d, Prediction from, const Tensor<B, 
     case Prediction::x0:
       return value;
     case Prediction::eps:
-      return k([&](Index i) { return std::sqrt(1 / d.abar(i)); }) * x_t -
-             k([&](Index i) { return std::sqrt(1 / d.abar(i) - 1); }) * value;
+      return k([&](Index i) { return std::sqrt(d.inverse_abar(i)); }) * x_t -
+             k([&](Index i) { return std::sqrt(d.inverse_abar(i) - 1); }) * value;
     case Prediction::score:
       return k([&](Index i) { return 1 / std::sqrt(d.abar(i)); }) * x_t +
              k([&](Index i) { return (1 - d.abar(i)) / std::sqrt(d.abar(i)); }) * value;
@@ -7881,8 +7891,8 @@ Tensor<B, R> to_x0(const GaussianDiffusion& d, Prediction from, const Tensor<B, 
 template <Backend B, int R>
 Tensor<B, R> eps_from_x0(const GaussianDiffusion& d, const Tensor<B, R>& x0, const Tensor<B, R>& x_t,
                          std::span<const Index> t) {
-  return (coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 / d.abar(i)); }) * x_t - x0) /
-         coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 / d.abar(i) - 1); });
+  return (coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.inverse_abar(i)); }) * x_t - x0) /
+         coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.inverse_abar(i) - 1); });
 }
 /// The score that belongs to x0: sqrt(abar) / (1 - abar) x0 - x_t / (1 - abar).
 template <Backend B, int R>
@@ -9065,9 +9075,11 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   for (Index t = d.steps() - 1; t >= 0; --t) {
     const T e = predict(x, t);
     T used = e;
-    switch (std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+    switch (t == 0 ? 0 : std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+      case 0:  // the last step takes x0 of the network itself
+        break;
       case 1:
-        used = t > 0 ? (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5 : e;
+        used = (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5;
         break;
       case 2:
         used = (e * 3.0 - old[0]) * (1.0 / 2);
@@ -9081,7 +9093,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     }
     const auto step = advance(x, used, t);
     watch(t, step);
-    x = t > 0 ? step.x_prev : to_x0(d, Prediction::eps, e, x, std::span<const Index>(&t, 1));
+    x = t > 0 ? step.x_prev : step.x0;
     old.insert(old.begin(), e);
     if (old.size() >= static_cast<std::size_t>(order)) old.pop_back();
     progress(d.steps() - t, d.steps());
@@ -9605,6 +9617,11 @@ struct Motion {
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
       raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
                          skeleton.size(), " joints");
+    }
+    for (int j = 0; j < skeleton.size(); ++j) {
+      const auto& o = skeleton.offset(j);
+      if (!std::isfinite(o.x + o.y + o.z))
+        raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
     if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
@@ -12020,6 +12037,14 @@ class Collage {
     return rows;
   }
 
+  /// Whether a sequence has the same result in any batch of these texts.
+  bool can_divide() const {
+    const BatchMates mates = denoiser_->traits().mates;
+    const Offsets& texts = texts_.tokens.offsets;
+    return mates == BatchMates::none ||
+           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
+  }
+
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
   template <class F>
@@ -12093,14 +12118,6 @@ class Collage {
     return concat(std::span<const Tensor<B, 2>>(parts), 0);
   }
 
-  /// Whether a sequence has the same result in any batch of these texts.
-  bool can_divide() const {
-    const BatchMates mates = denoiser_->traits().mates;
-    const Offsets& texts = texts_.tokens.offsets;
-    return mates == BatchMates::none ||
-           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
-  }
-
   /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
   std::vector<Index> texts_of_crops() const {
     const Index null = texts_.count() - 1;
@@ -12131,8 +12148,9 @@ class Collage {
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    const Index most = rows_at_once_ > 0 && can_divide() ? rows_at_once_ : std::numeric_limits<Index>::max();
-    batches_.clear();
+    batches_.clear(), cond_.clear(), null_.clear();
+    if (!can_divide()) return build_two_calls(crops);
+    const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, which;  // of the next batch
     Index before = 0;                         // rows of the batches so far
     const auto end_batch = [&] {
@@ -12148,12 +12166,25 @@ class Collage {
       which.push_back(job.text);
     }
     end_batch();
-    cond_.clear(), null_.clear();
     for (const auto& [with, without] : crops) {
       for (Index r = 0; r < with.length; ++r) {
         cond_.push_back(begin[with] + r);
         if (guidance_ != 1) null_.push_back(begin[without] + r);
       }
+    }
+  }
+  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their texts.
+  void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
+    const Index rows = crops_.offsets.rows();
+    for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
+      std::vector<Index> lengths, which;
+      for (const auto& [with, without] : crops) {
+        if (with.length == 0) continue;
+        lengths.push_back(with.length);
+        which.push_back(call == 0 ? with.text : without.text);
+      }
+      batches_.push_back({crops_.rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
     }
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {

@@ -135,6 +135,19 @@ TEST_CASE("edit after edit from the record of the run before") {
   }
 }
 
+TEST_CASE("nothing is kept where the crops of a batch depend on each other") {
+  auto model = small::model_of<ml::MdmDenoiser<B>>();
+  ml::StmcRecord<B> record;
+  const ml::StmcOptions options{.overlap = 4, .steps = 3};
+  ml::generate_recorded(model, std::vector{chain(seven)}, rng, options, record);
+  ml::Philox weights{.seed = 3};
+  model.denoiser = ml::MdmDenoiser<B>(
+      {.nfeats = 205, .arch = ml::MdmArch::gru, .text_dim = 12, .latent_dim = 32, .num_layers = 1, .crop_frames = 24},
+      weights);
+  CHECK_ERROR(ml::regenerate(model, record, std::vector{chain(seven)}), "[motionlang.config.102] edits");
+  CHECK_ERROR(ml::generate_recorded(model, std::vector{chain(seven)}, rng, options, record), "[motionlang.config.102] edits");
+}
+
 TEST_CASE("progress counts steps, and a cancelled run leaves the record as it was") {
   const auto model = small::model<B>();
   ml::StmcRecord<B> record;

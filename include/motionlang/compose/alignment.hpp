@@ -90,10 +90,12 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
 /// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of all parts but the
 /// first are interpolated.
 /// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window
+/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window; config_error 101 for a
+///          negative window
 template <Scalar S>
 void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
                 Alignment alignment = Alignment::full) {
+  if (window < 0) raise<config_error>(101, "join_parts: a window of ", window, " frames");
   const auto frames = std::ssize(motion.trans);
   const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
   const auto rotations = std::span(motion.rotations);

@@ -66,6 +66,14 @@ class Collage {
     return rows;
   }
 
+  /// Whether a sequence has the same result in any batch of these texts.
+  bool can_divide() const {
+    const BatchMates mates = denoiser_->traits().mates;
+    const Offsets& texts = texts_.tokens.offsets;
+    return mates == BatchMates::none ||
+           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
+  }
+
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops
   /// into x0 where it predicts something else: to_x0(output rows, crop rows).
   template <class F>
@@ -139,14 +147,6 @@ class Collage {
     return concat(std::span<const Tensor<B, 2>>(parts), 0);
   }
 
-  /// Whether a sequence has the same result in any batch of these texts.
-  bool can_divide() const {
-    const BatchMates mates = denoiser_->traits().mates;
-    const Offsets& texts = texts_.tokens.offsets;
-    return mates == BatchMates::none ||
-           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
-  }
-
   /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
   std::vector<Index> texts_of_crops() const {
     const Index null = texts_.count() - 1;
@@ -177,8 +177,9 @@ class Collage {
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    const Index most = rows_at_once_ > 0 && can_divide() ? rows_at_once_ : std::numeric_limits<Index>::max();
-    batches_.clear();
+    batches_.clear(), cond_.clear(), null_.clear();
+    if (!can_divide()) return build_two_calls(crops);
+    const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, which;  // of the next batch
     Index before = 0;                         // rows of the batches so far
     const auto end_batch = [&] {
@@ -194,12 +195,25 @@ class Collage {
       which.push_back(job.text);
     }
     end_batch();
-    cond_.clear(), null_.clear();
     for (const auto& [with, without] : crops) {
       for (Index r = 0; r < with.length; ++r) {
         cond_.push_back(begin[with] + r);
         if (guidance_ != 1) null_.push_back(begin[without] + r);
       }
+    }
+  }
+  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their texts.
+  void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
+    const Index rows = crops_.offsets.rows();
+    for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
+      std::vector<Index> lengths, which;
+      for (const auto& [with, without] : crops) {
+        if (with.length == 0) continue;
+        lengths.push_back(with.length);
+        which.push_back(call == 0 ? with.text : without.text);
+      }
+      batches_.push_back({crops_.rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
     }
   }
   static Offsets joined(const Offsets& a, const Offsets& b) {

@@ -31,14 +31,15 @@ struct MttText {
   BodyParts parts;
 };
 
-/// Lines "text # part # part"; blank lines are skipped. Throws timeline_error 501 without a part, 503, 507.
+/// Lines "text # part # part"; blank lines are skipped. Throws timeline_error 501 without a part or for a text that is
+/// not UTF-8, 503, 507.
 inline std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name = "texts") {
   std::vector<MttText> out;
   detail::for_each_line(file, [&](std::string_view content, Index number) {
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # body part'");
-    out.push_back({std::string(line.field(0)), line.parts(1)});
+    out.push_back({line.text(), line.parts(1)});
   });
   if (out.empty()) raise<timeline_error>(507, name, ": no line");
   return out;

@@ -12,6 +12,7 @@
 #include <cstdint>      // sizes
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
+#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
@@ -204,6 +205,7 @@ class PoolVector {
 
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
+    if (capacity > SIZE_MAX / 2 / sizeof(T)) throw std::bad_alloc();
     detail::BufferHandle larger(capacity * sizeof(T));
     T* to = static_cast<T*>(larger.data());
     for (std::size_t i = 0; i < size_; ++i) {

@@ -29,8 +29,9 @@ class Offsets {
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
-  /// `count` sequences of equal length.
+  /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
   static Offsets equal(Index count, Index length) {
+    if (count < 0) raise<shape_error>(207, "Offsets: ", count, " sequences");
     return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
   }
 

@@ -61,6 +61,11 @@ class GaussianDiffusion {
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
+  /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
+  double inverse_abar(Index t) const {
+    if (!(abar(t) > 0)) raise<config_error>(104, "GaussianDiffusion: step ", t, " keeps nothing of x0 (abar is 0)");
+    return 1 / abar(t);
+  }
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
@@ -97,7 +102,10 @@ class GaussianDiffusion {
     if (betas.empty()) raise<config_error>(104, "diffusion schedule: no steps");
     beta_ = std::move(betas);
   }
-  static std::size_t at(Index t) { return static_cast<std::size_t>(t); }
+  std::size_t at(Index t) const {
+    if (t < 0 || t >= steps()) raise<shape_error>(203, "GaussianDiffusion: step ", t, " of ", steps());
+    return static_cast<std::size_t>(t);
+  }
 
   std::vector<double> beta_, abar_;
   std::vector<Index> network_t_;
@@ -157,8 +165,8 @@ Tensor<B, R> to_x0(const GaussianDiffusion& d, Prediction from, const Tensor<B, 
     case Prediction::x0:
       return value;
     case Prediction::eps:
-      return k([&](Index i) { return std::sqrt(1 / d.abar(i)); }) * x_t -
-             k([&](Index i) { return std::sqrt(1 / d.abar(i) - 1); }) * value;
+      return k([&](Index i) { return std::sqrt(d.inverse_abar(i)); }) * x_t -
+             k([&](Index i) { return std::sqrt(d.inverse_abar(i) - 1); }) * value;
     case Prediction::score:
       return k([&](Index i) { return 1 / std::sqrt(d.abar(i)); }) * x_t +
              k([&](Index i) { return (1 - d.abar(i)) / std::sqrt(d.abar(i)); }) * value;
@@ -171,8 +179,8 @@ Tensor<B, R> to_x0(const GaussianDiffusion& d, Prediction from, const Tensor<B, 
 template <Backend B, int R>
 Tensor<B, R> eps_from_x0(const GaussianDiffusion& d, const Tensor<B, R>& x0, const Tensor<B, R>& x_t,
                          std::span<const Index> t) {
-  return (coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 / d.abar(i)); }) * x_t - x0) /
-         coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 / d.abar(i) - 1); });
+  return (coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.inverse_abar(i)); }) * x_t - x0) /
+         coefficients<B, R>(t, [&](Index i) { return std::sqrt(d.inverse_abar(i) - 1); });
 }
 /// The score that belongs to x0: sqrt(abar) / (1 - abar) x0 - x_t / (1 - abar).
 template <Backend B, int R>

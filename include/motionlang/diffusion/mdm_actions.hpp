@@ -37,23 +37,22 @@ struct MdmActions {
       raise<config_error>(102, "MdmActions: the denoiser is not conditioned on actions");
     const Index n = std::ssize(actions), frames = c.crop_frames;
     const double weight = c.condition == MdmCondition::none ? 1 : options.guidance.value_or(guidance);
-    const Index calls = weight == 1 ? 1 : 2;  // the second one without actions
-    std::vector<S> one_hot(static_cast<std::size_t>(calls * n * c.num_actions));
+    std::vector<S> one_hot(static_cast<std::size_t>(n * c.num_actions));
     for (Index i = 0; i < n; ++i) {
       const Index action = actions[static_cast<std::size_t>(i)];
       if (action < 0 || action >= c.num_actions)
         raise<shape_error>(203, "MdmActions: action ", action, " of ", c.num_actions);
       one_hot[static_cast<std::size_t>(i * c.num_actions + action)] = 1;
     }
-    const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {calls * n, c.num_actions}));
-    const Offsets offsets = Offsets::equal(calls * n, frames);
+    const auto wanted = TextFeatures<B>::pooled(Tensor<B, 2>::from(one_hot, {n, c.num_actions}));
+    const auto nothing = TextFeatures<B>::pooled(Tensor<B, 2>::zeros({n, c.num_actions}));
+    const Offsets offsets = Offsets::equal(n, frames);
     const GaussianDiffusion process = with_steps(diffusion, options.steps);
 
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
-      const std::vector<Index> at(static_cast<std::size_t>(calls * n), process.network_t(t));
-      const auto rows = denoiser(Sequences<B>(calls == 1 ? x : concat(0, x, x), offsets), at, wanted).rows;
-      return calls == 1 ? rows
-                        : guide(slice(rows, 0, 0, n * frames), slice(rows, 0, n * frames, 2 * n * frames), weight);
+      const std::vector<Index> at(static_cast<std::size_t>(n), process.network_t(t));
+      const auto of = [&](const TextFeatures<B>& f) { return denoiser(Sequences<B>(x, offsets), at, f).rows; };
+      return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);  // two calls: the GRU runs over its batch
     };
     const auto noise = [&](Index draw) {
       return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
@@ -64,7 +63,7 @@ struct MdmActions {
         options.sampler == SamplingOptions::Sampler::ddim
             ? sample_ddim<B, 2>(process, noise(0), network, of_step, 0, step, detail::KeepX0{}, options.progress)
             : sample_ancestral<B, 2>(process, noise(0), network, of_step, step, detail::KeepX0{}, options.progress);
-    return {rows, Offsets::equal(n, frames)};
+    return {rows, offsets};
   }
 };
 

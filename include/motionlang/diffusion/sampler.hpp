@@ -196,9 +196,11 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   for (Index t = d.steps() - 1; t >= 0; --t) {
     const T e = predict(x, t);
     T used = e;
-    switch (std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+    switch (t == 0 ? 0 : std::min<std::size_t>(old.size() + 1, static_cast<std::size_t>(order))) {
+      case 0:  // the last step takes x0 of the network itself
+        break;
       case 1:
-        used = t > 0 ? (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5 : e;
+        used = (e + predict(advance(x, e, t).x_prev, t - 1)) * 0.5;
         break;
       case 2:
         used = (e * 3.0 - old[0]) * (1.0 / 2);
@@ -212,7 +214,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
     }
     const auto step = advance(x, used, t);
     watch(t, step);
-    x = t > 0 ? step.x_prev : to_x0(d, Prediction::eps, e, x, std::span<const Index>(&t, 1));
+    x = t > 0 ? step.x_prev : step.x0;
     old.insert(old.begin(), e);
     if (old.size() >= static_cast<std::size_t>(order)) old.pop_back();
     progress(d.steps() - t, d.steps());

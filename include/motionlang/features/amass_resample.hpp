@@ -11,6 +11,7 @@
 #include <vector>     // results
 
 #include <motionlang/core/concepts.hpp>
+#include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -52,7 +53,7 @@ Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
 /// Throws shape_error 205, config_error 101 unless both rates are positive.
 template <Scalar S>
 AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans, double old_fps, double new_fps) {
-  if (!(old_fps > 0 && new_fps > 0)) raise<config_error>(101, "amass_resample: ", old_fps, " to ", new_fps, " fps");
+  detail::require_rates("amass_resample", old_fps, new_fps);
   const std::size_t width = detail::amass_width(poses, trans, "amass_resample"), source = trans.size() / 3;
   const auto frames = static_cast<std::size_t>(std::floor(static_cast<double>(source) * new_fps / old_fps));
   AmassPoses<S> out;

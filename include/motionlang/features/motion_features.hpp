@@ -19,6 +19,9 @@
 ///         1.2 and 10, temos.md 4.1 and 4.3
 #pragma once
 
+#include <algorithm>  // find_if
+#include <cmath>      // isfinite
+
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/features/rifke.hpp>
@@ -237,10 +240,19 @@ inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
 
 /// The clip of rows, on the joints of the features.
 /// fps     0: as the published systems have it
-/// Throws  shape_error 205, numeric_error 301 for values that are not finite
+/// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
 inline Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0) {
   const double rate = fps > 0 ? fps : features.fps;
-  if (features.to_motion != nullptr) return features.to_motion(rows, rate);
+  const auto odd = std::find_if(rows.begin(), rows.end(), [](double x) { return !std::isfinite(x); });
+  if (odd != rows.end()) {
+    const Index at = odd - rows.begin();
+    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width, " is not finite");
+  }
+  if (features.to_motion != nullptr) {
+    Motion out = features.to_motion(rows, rate);
+    out.validate();
+    return out;
+  }
   return motion_from_joints(features.skeleton(), features.joints_of(rows), features.joints, rate);
 }
 

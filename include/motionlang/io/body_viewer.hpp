@@ -14,10 +14,10 @@ template <Backend B>
 std::string body_viewer_html(const Body<B>& body, std::span<const ViewerMotion> motions,
                              std::span<const typename B::scalar> betas = {}, const ViewerOptions& options = {}) {
   if (body.faces.empty()) raise<config_error>(101, "viewer: the body has no faces");
+  const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body has not
   const auto mesh = detail::body_mesh(body, betas);
   const auto packed = [](const auto& values) { return detail::to_base64(std::as_bytes(std::span(values))); };
   nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
-  const Skeleton skeleton = body_skeleton(body, betas);
   for (const Vec3<double>& o : skeleton.offsets) offsets.push_back(detail::rounded(o));
   const nlohmann::ordered_json json{{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)},
                                     {"weights", packed(mesh.weights)},     {"triangles", packed(mesh.triangles)},

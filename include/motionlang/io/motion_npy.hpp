@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>  // find_if
+#include <cmath>      // isfinite
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/npy.hpp>
@@ -51,6 +52,8 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
 /// config_error 101 for a rate that is none.
 inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                                 std::string_view name = "array") {
+  if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
+    raise<config_error>(101, name, ": ", options.fps, " frames per second");
   const std::vector<double> v = array.to<double>();
   const auto& shape = array.shape;
   const bool rows = shape.size() == 2;

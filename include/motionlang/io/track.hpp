@@ -2,10 +2,12 @@
 /// A row of a timeline as pictures show it: a text, when it holds, and for which parts of the body.
 #pragma once
 
+#include <cmath>   // isfinite
+#include <span>    // tracks
 #include <string>  // text
 #include <vector>  // parts
 
-#include <motionlang/version.hpp>
+#include <motionlang/core/error.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -14,5 +16,16 @@ struct Track {
   double start = 0, end = 0;         // seconds
   std::vector<std::string> parts{};  // names as in body_part_names; empty: the whole body
 };
+
+namespace detail {
+
+inline void require_finite_times(const char* who, std::span<const Track> tracks) {
+  for (const Track& t : tracks) {
+    if (!std::isfinite(t.start + t.end))
+      raise<config_error>(101, who, ": track '", t.text, "' from ", t.start, " s to ", t.end, " s");
+  }
+}
+
+}  // namespace detail
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

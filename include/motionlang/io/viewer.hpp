@@ -92,11 +92,7 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
   for (const ViewerEntry& e : entries) {
     e.motion.validate();
     if (e.motion.frames() == 0) raise<config_error>(101, "viewer: motion '", e.motion.name, "' has no frames");
-    for (const Track& t : e.tracks) {
-      if (!std::isfinite(t.start + t.end)) {
-        raise<config_error>(101, "viewer: track '", t.text, "' from ", t.start, " s to ", t.end, " s");
-      }
-    }
+    require_finite_times("viewer", e.tracks);
     motions.push_back(viewer_json(e.motion, e.tracks, e.note));
   }
   const std::string& name = entries.front().motion.name;

@@ -19,7 +19,17 @@ enum class Side : int { middle, left, right };
 
 namespace detail {
 
-/// The side that a joint's name tells: left, Left, l_, _L, .l, lHand, LHip and the same for the right.
+/// What parts the words of a name.
+inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
+/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+inline std::size_t lone_letter(std::string_view name, char letter) {
+  for (std::size_t at = 1; at + 1 < name.size(); ++at) {
+    if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
+  }
+  return name.npos;
+}
+
+/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
 inline Side side_of_name(std::string_view name) {
   auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
   auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
@@ -31,12 +41,13 @@ inline Side side_of_name(std::string_view name) {
     if (name.size() < 2) continue;
     const char second = name[1], before_last = name[name.size() - 2];
     if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
-    if (small.back() == letter && (before_last == '_' || before_last == '.' || before_last == '-')) return side;
+    if (small.back() == letter && is_separator(before_last)) return side;
+    if (lone_letter(small, letter) != small.npos) return side;
   }
   return Side::middle;
 }
 
-/// How names mark their side: words anywhere, single letters at either end (lThigh, UpperArm_L, foot.L).
+/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
 inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
 inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
 
@@ -58,6 +69,7 @@ inline std::vector<std::string> other_side(const std::string& name) {
     for (const auto& pair : side_letters) {
       if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
       if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+      if (const auto at = lone_letter(name, pair[side][0]); at != name.npos) replaced(pair[side], pair[1 - side], at);
     }
   }
   return candidates;

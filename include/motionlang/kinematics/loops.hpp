@@ -40,7 +40,9 @@ inline std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
 
 /// The best cycle of at least `least` frames, if its cost is below `most` metres.
 ///     cost(a, b) = mean over joints of |p_a - p_b| + 0.1 s |v_a - v_b|
+/// Throws config_error 101 unless least >= 1.
 inline std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08) {
+  if (least < 1) raise<config_error>(101, "find_loop: a cycle of ", least, " frames");
   const auto poses = detail::poses_in_place(motion);
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
   auto at = [&](Index frame, std::size_t joint) { return poses[static_cast<std::size_t>(frame) * joints + joint]; };
@@ -77,13 +79,13 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
       // The frame that is due (last, in the present round) and the one that comes instead (first).
       const auto due = motion.rotations(loop.last), comes = motion.rotations(loop.first);
       const Vec3<double> at = place + rotate(turned, motion.root_at(loop.last));
-      turned = turned * detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
+      const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));
+      turned = turned * spin;
       const Vec3<double> start = rotate(turned, motion.root_at(loop.first));
       place = {at.x - start.x, 0, at.z - start.z};
       height = motion.root_at(loop.last).y - motion.root_at(loop.first).y;
       for (std::size_t j = 0; j < difference.size(); ++j) difference[j] = due[j] * inverse(comes[j]);
-      const auto spin = detail::turn(detail::heading(due[0]) - detail::heading(comes[0]));  // already in `turned`
-      difference[0] = inverse(spin) * due[0] * inverse(comes[0]);
+      difference[0] = inverse(spin) * difference[0];
       from = loop.first;
       since = 0;
     }

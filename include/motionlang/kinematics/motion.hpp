@@ -56,6 +56,11 @@ struct Motion {
       raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
                          skeleton.size(), " joints");
     }
+    for (int j = 0; j < skeleton.size(); ++j) {
+      const auto& o = skeleton.offset(j);
+      if (!std::isfinite(o.x + o.y + o.z))
+        raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
+    }
     if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];

@@ -146,8 +146,9 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 inline Index detect_t_pose_lead_in(const Motion& motion) {
   constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  const auto longest = static_cast<Index>(std::ceil(0.1 * motion.fps));  // of a blend, frames
-  const Index seen = std::min<Index>(motion.frames() - 1, longest + static_cast<Index>(motion.fps));
+  const auto frames = static_cast<double>(motion.frames());  // a rate may be larger than any Index
+  const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
+  const Index seen = std::min(motion.frames() - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
   if (seen < 2 || joints < 2) return 0;
   double from_zero = 0;
   for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());

@@ -2,6 +2,8 @@
 /// Two motions in one body: some parts move as in one clip, the rest as in another.
 #pragma once
 
+#include <algorithm>  // equal, min
+
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/standard.hpp>
@@ -10,7 +12,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 /// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
 /// everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error 103 for
-/// another skeleton.
+/// another skeleton, 102 for two frame rates.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
 inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
   const auto& names = base.skeleton.names;
@@ -19,6 +21,10 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
       !std::equal(names.begin(), names.end(), smpl.begin())) {
     raise<config_error>(103, "overlay_parts: '", base.name, "' and '", other.name,
                         "' are not on one skeleton of SMPL's joints");
+  }
+  if (base.fps != other.fps) {
+    raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name, "' ",
+                        other.fps);
   }
   Motion out = base;
   const Index frames = std::min(base.frames(), other.frames());

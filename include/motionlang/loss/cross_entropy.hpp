@@ -8,7 +8,8 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
-/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing (Szegedy et al., 2016, section 7).
+/// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
+/// (Szegedy et al., 2016, section 7, give e / classes to every class).
 /// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if the counts differ,
 /// config_error 101 unless 0 <= e < 1.
 template <Backend B>
@@ -26,7 +27,7 @@ Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> 
   const auto s = logits - reshape<2>(max(logits, 1), {rows, 1});
   const auto partition = log(sum(exp(s), 1));
   const auto own = partition - gather(reshape<1>(s, {rows * classes}), at);
-  if (smoothing == 0) return own;
+  if (smoothing == 0 || classes == 1) return own;
   const double each = smoothing / static_cast<double>(classes - 1);
   const auto all = partition * static_cast<double>(classes) - sum(s, 1);
   return own * (1 - smoothing - each) + all * each;

@@ -365,7 +365,7 @@ class MotionInspector {
   /// stays below, so that treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::vector<double>& speeds) {
     // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
-    const auto stride = std::max<Index>(1, static_cast<Index>(std::lround(motion_.fps / 25)));
+    const Index stride = std::max<Index>(1, std::lround(std::min(motion_.fps / 25, static_cast<double>(frames()))));
     std::vector<double> stands;  // the height at which a joint stands
     for (const int foot : feet) {
       std::vector<double> heights;

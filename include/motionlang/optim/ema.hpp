@@ -7,7 +7,7 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     e = rate e + (1 - rate) p
-/// `rate` grows from 0 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
+/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
 /// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
 template <Module Average, Module Model>
 void update_ema(Average& average, const Model& model, double rate, Index step) {

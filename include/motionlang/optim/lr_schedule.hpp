@@ -32,7 +32,7 @@ struct StepDecay {
   double factor = 10;
   Index every = 1;
 
-  double operator()(Index step) const { return rate / std::pow(factor, static_cast<double>(step / every)); }
+  double operator()(Index step) const { return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every))); }
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>  // times of files
+#include <limits>   // the largest frame
 #include <memory>   // owner of mapped rows
 #include <string>   // paths
 
@@ -101,7 +102,7 @@ class MotionIndex {
     require_rows(where, "captions", caption_clips_.size(), caption_rows_);
     Index last = 0;
     for (const Moment& m : moments_) {
-      if (m.clip < last || m.clip >= count() || m.frames.first < 0 || m.frames.length < 1)
+      if (m.clip < last || m.clip >= count() || !is_moment(m.frames))
         raise<io_error>(403, where, ": a moment of ", m.frames.length, " frames at ", m.frames.first, " of clip ",
                         m.clip, " among ", count());
       last = m.clip;
@@ -126,7 +127,7 @@ class MotionIndex {
       raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
                           "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
   }
-  /// Behind the others. Throws shape_error 205 if the vectors do not fit, numeric_error 301, 302 (unit_rows); then nothing has changed.
+  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302 (unit_rows); then nothing has changed.
   void add(EncodedClip c) {
     const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
       if (values.size() != wanted * static_cast<std::size_t>(model_.width))
@@ -134,6 +135,10 @@ class MotionIndex {
                            " vectors of ", model_.width);
       return unit_rows(values, model_.width);
     };
+    for (const FrameSlice& m : c.moments) {
+      if (!is_moment(m))
+        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", m.length, " frames at ", m.first);
+    }
     const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
                captions = rows(c.caption_vectors, c.clip.captions.size());
     clip_rows_.append(clip), moment_rows_.append(moments), caption_rows_.append(captions);
@@ -186,6 +191,10 @@ class MotionIndex {
   }
 
  private:
+  /// Whether it has frames, and an end that an Index can hold.
+  static bool is_moment(const FrameSlice& m) {
+    return m.first >= 0 && m.length >= 1 && m.first <= std::numeric_limits<Index>::max() - m.length;
+  }
   std::span<const float> row(const VectorTable& table, std::size_t i) const {
     const auto width = static_cast<std::size_t>(model_.width);
     return table.rows().subspan(i * width, width);

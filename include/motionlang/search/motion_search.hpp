@@ -117,7 +117,8 @@ class MotionSearch {
   /// left, or all have been seen.
   template <class F>
   static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
-    for (Index asked = 8 * k + 64;; asked *= 4) {
+    if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
+    for (Index asked = 8 * std::min(k, search.count()) + 64;; asked *= 4) {
       const auto best = nearest(search, query, asked);
       auto kept = choose(std::span<const Neighbour>(best));
       if (std::ssize(kept) >= k || std::ssize(best) < asked) return kept;

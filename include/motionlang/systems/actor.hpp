@@ -148,10 +148,10 @@ Sequences<B> denoise(const Actor<B>& actor, const Sequences<B>& motions, std::sp
 template <Backend B>
 Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_motions, Index action, Index steps,
                                  Index length) {
-  const PoolVector<Index> both(2, action), all(static_cast<std::size_t>(steps), action);
+  const PoolVector<Index> both(2, action);
   const auto mu = actor.encode(two_motions, both).mu;
-  return actor.decode(interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps), all,
-                      Offsets::equal(steps, length));
+  const auto line = interpolate_rows(slice(mu, 0, 0, 1), slice(mu, 0, 1, 2), steps);
+  return actor.decode(line, PoolVector<Index>(static_cast<std::size_t>(steps), action), Offsets::equal(steps, length));
 }
 
 /// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the

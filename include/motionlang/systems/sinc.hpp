@@ -2,7 +2,7 @@
 /// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and compose/sinc_composition.hpp.
 ///
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
-///     const Sequences<B> states = distilbert(tokenize(tokenizer, {text})).tokens;      // text/bert.hpp
+///     const Sequences<B> states = distilbert(tokenize(tokenizer, std::vector{text})).tokens;      // text/bert.hpp
 ///     const auto motions = text_to_motion(sinc, states, Offsets{90}, Philox{.seed = 7});
 ///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per second
 ///

@@ -102,10 +102,16 @@ class Regeneration {
   StmcReuse reuse_;
 };
 
+template <Backend B, Denoiser<B> D>
+void require_own_results(const Collage<B, D>& collage) {
+  if (!collage.can_divide())
+    raise<config_error>(102, "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+}
+
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102 for another
-/// mode than StmcMode::stmc: in the SINC modes every text is sampled alone.
+/// mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
                                             const StmcOptions& options, StmcRecord<B>& record) {
@@ -113,6 +119,7 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
+    detail::require_own_results(collage);
     made.rows = collage.stride();
     made.x0.push_back(whole(collage, x, t));
     return made.x0.back();
@@ -138,6 +145,7 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
   std::optional<detail::Regeneration<B, D>> run;
   const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
     if (!run) {
+      detail::require_own_results(collage);
       const BatchPlan before = plan_timelines(record.timelines, stmc.plan_options(options));
       run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within), collage);
     }

@@ -2,7 +2,8 @@
 /// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/, nn/sequence_vae.hpp
 /// and compose/alignment.hpp.
 ///
-///     const Sequences<B> states = distilbert(tokenize(tokenizer, {"walk", "turn left", "sit"})).tokens;    // text/bert.hpp
+///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
+///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
 ///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
 ///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames per second
 ///
@@ -39,8 +40,9 @@ inline constexpr Index teach_window = 8;
 namespace detail {
 
 /// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that leaves fewer than
-/// two.
+/// two, and for a negative gap.
 inline Offsets generated_frames(const Offsets& lengths, Index gap) {
+  if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
   PoolVector<Index> out;
   for (Index i = 0; i < lengths.count(); ++i) {
     out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that knows.
 ///
-///     v_w = count of w in the text * ln((1 + texts) / (1 + texts with w)) + 1/100,   then length 1
+///     v_w = count of w in the text * (ln((1 + texts) / (1 + texts with w)) + 1/100),   then length 1
 /// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
 /// Source  Salton, Buckley: "Term-weighting approaches in automatic text retrieval" (1988)
 #pragma once

@@ -72,6 +72,7 @@ TEST_CASE("parts of a motion: each goes on where the one before it ends, and the
   CHECK(motion.rotations[2](1, 0) == doctest::Approx(std::sin(1.0)));
   CHECK(motion.rotations[4](1, 0) == doctest::Approx(std::sin(2.5)));
   CHECK_ERROR(ml::join_parts<double>(motion, lengths), "[motionlang.shape.205] join_parts: part 2 of 1 frames");
+  CHECK_ERROR(ml::join_parts<double>(motion, first, -1), "[motionlang.config.101] join_parts: a window of -1 frames");
   CHECK_ERROR(ml::join_parts<double>(motion, first, 3),
               "[motionlang.shape.205] join_parts: part 1 of 3 frames, window 3");
   const std::vector<ml::Index> one{2};

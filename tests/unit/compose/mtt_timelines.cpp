@@ -20,6 +20,7 @@ TEST_CASE("parse_mtt_texts: a text and its parts on each line") {
   CHECK_ERROR(ml::parse_mtt_texts("walk\n", "list"), "[motionlang.timeline.501] list:1:5");
   CHECK_ERROR(ml::parse_mtt_texts("walk # wing\n"), "[motionlang.timeline.503]");
   CHECK_ERROR(ml::parse_mtt_texts("\n"), "[motionlang.timeline.507]");
+  CHECK_ERROR(ml::parse_mtt_texts("w\xE4lk # legs\n"), "[motionlang.timeline.501]");
 }
 
 TEST_CASE("mtt_timelines: two tracks, other parts beside each other, hundredths of seconds") {

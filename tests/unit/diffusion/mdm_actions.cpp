@@ -11,9 +11,10 @@ using B = ml::EigenBackend<double>;
 
 namespace {
 
-ml::MdmActions<B> small(Index steps, double guidance = 1) {
+ml::MdmActions<B> small(Index steps, double guidance = 1, ml::MdmArch arch = ml::MdmArch::trans_enc) {
   ml::Philox rng{.seed = 4};
   return {.denoiser = ml::MdmDenoiser<B>({.nfeats = 6,
+                                          .arch = arch,
                                           .condition = ml::MdmCondition::action,
                                           .num_actions = 3,
                                           .latent_dim = 8,
@@ -44,6 +45,18 @@ TEST_CASE(
   CHECK(tensors::distance(mdm.generate(action, rng).rows, jump) < 1e-12);
   CHECK(tensors::distance(mdm.generate(action, rng, {.guidance = 2.5}).rows, null + (jump - null) * 2.5) < 1e-12);
   CHECK(tensors::distance(small(1, 0).generate(action, rng).rows, null) < 1e-12);
+}
+
+TEST_CASE("the published GRU, which runs over its batch, is asked for the motions with actions and without in two calls") {
+  const auto mdm = small(1, 1, ml::MdmArch::gru);
+  REQUIRE(mdm.denoiser.config.gru_over_batch);
+  const std::vector<Index> actions{2, 0};
+  const ml::Philox rng{.seed = 9};
+  const auto with = [&](double guidance) { return mdm.generate(actions, rng, {.guidance = guidance}).rows; };
+  CHECK(tensors::distance(with(2.5), with(0) + (with(1) - with(0)) * 2.5) < 1e-12);
+  CHECK(tensors::distance(with(0), with(1)) > 1e-3);
+  const std::vector<Index> first{2};
+  CHECK(tensors::distance(ml::slice(with(0), 0, 0, 5), mdm.generate(first, rng, {.guidance = 0}).rows) < 1e-12);
 }
 
 TEST_CASE("an unconstrained model makes motions of nothing, and is not guided") {

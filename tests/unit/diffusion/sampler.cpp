@@ -64,6 +64,12 @@ TEST_CASE("a network that knows the answer gives it, whatever the sampler") {
   CHECK(distance(ml::sample_ddim(process, start, knows, no_noise, 0), goal) < 1e-12);
   CHECK(distance(ml::sample_ddim(process, start, knows, noise, 1), goal) < 1e-12);
   for (int order : {2, 3, 4}) CHECK(distance(ml::sample_plms(process, start, knows, order), goal) < 1e-9);
+  for (int order : {2, 3, 4}) {  // who watches sees what comes out
+    auto last = start;
+    const auto watch = [&](Index, const auto& step) { last = step.x_prev; };
+    const auto made = ml::sample_plms(process, start, looks, order, {}, {}, watch);
+    CHECK(distance(made, last) == 0);
+  }
   CHECK_ERROR(ml::sample_plms(process, start, knows, 1), "[motionlang.config.101]");
   CHECK_ERROR(ml::sample_plms(process, start, knows, 5), "[motionlang.config.101]");
 }

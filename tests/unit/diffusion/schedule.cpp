@@ -64,6 +64,15 @@ TEST_CASE("a respaced process tells the network the original steps") {
   CHECK_ERROR(d.respaced(Steps{5, 5}), "[motionlang.config.104]");  // a step twice would add no noise
 }
 
+TEST_CASE("steps that a process has not, and one that keeps nothing") {
+  const ml::GaussianDiffusion twenty(ml::LinearSchedule{.steps = 20});  // the last beta is 1
+  CHECK(twenty.abar(19) == 0);
+  CHECK_ERROR(twenty.inverse_abar(19), "[motionlang.config.104] GaussianDiffusion: step 19 keeps nothing of x0");
+  CHECK(twenty.inverse_abar(18) == 1 / twenty.abar(18));
+  for (const Index t : {Index{-1}, Index{20}})
+    CHECK_ERROR(twenty.abar(t), "[motionlang.shape.203] GaussianDiffusion: step");
+}
+
 TEST_CASE("schedules that cannot be are refused") {
   CHECK_ERROR(ml::GaussianDiffusion(ml::LinearSchedule{.steps = 2}),
               "[motionlang.config.104] diffusion schedule: beta[1] = 10");

@@ -3,6 +3,7 @@
 
 #include <motionlang/features/amass_resample.hpp>
 
+#include "../../support/check_error.hpp"
 #include "../../support/lists.hpp"
 
 namespace ml = motionlang;
@@ -55,6 +56,12 @@ TEST_CASE("amass_mirror: left and right change places, twice is nothing") {
   const auto back = ml::amass_mirror(view(image.poses), view(image.trans));
   CHECK(back.poses == poses);
   CHECK(back.trans == trans);
+}
+
+TEST_CASE("AMASS rates that are none are refused") {
+  const std::vector<double> poses(6), trans(6);
+  for (const double fps : {0.0, -20.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e-310})
+    CHECK_ERROR(ml::amass_resample<double>(poses, trans, fps, 20), "[motionlang.config.101] amass_resample");
 }
 
 TEST_CASE("AMASS arrays that do not fit are refused") {

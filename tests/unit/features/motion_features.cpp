@@ -157,6 +157,15 @@ TEST_CASE("clips come back where the rows have rotations") {
   CHECK((ml::motion_features("guoh3d").to_motion == nullptr));
 }
 
+TEST_CASE("rows and rates that are not finite are refused by every feature vector") {
+  for (const ml::MotionFeatures& f : ml::all_motion_features) {
+    auto rows = f.from_motion(synthetic::walk({.frames = 20}));
+    CHECK_ERROR(ml::motion_of_rows(f, rows, std::numeric_limits<double>::infinity()), "[motionlang.config.101]");
+    rows[static_cast<std::size_t>(2 * f.width + 4)] = std::nan("");
+    CHECK_ERROR(ml::motion_of_rows(f, rows), "[motionlang.numeric.301] motion_of_rows: number 4 of frame 2");
+  }
+}
+
 TEST_CASE("unknown names and other skeletons are refused") {
   CHECK_ERROR(ml::motion_features("guo"), "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, kit, rifke");
   ml::Motion none;

@@ -156,6 +156,9 @@ TEST_CASE("a page with a body: its surface at rest, and motions on its joints") 
   CHECK(bytes("triangles").size() == 12 * body.faces.size());
   CHECK(json["body"]["parents"] == json["motions"][0]["parents"]);
   CHECK(json["body"]["offsets"] == json["motions"][0]["offsets"]);
+  const std::vector<double> two{0.5, 1};
+  CHECK_ERROR(ml::body_viewer_html(body, std::span<const ml::ViewerMotion>(motions), std::span<const double>(two)),
+              "[motionlang.shape.204]");
   ml::Body<B> bare = body;
   bare.faces.clear();
   CHECK_ERROR(ml::body_viewer_html(bare, std::span<const ml::ViewerMotion>(motions)), "[motionlang.config.101] viewer");

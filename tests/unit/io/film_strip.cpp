@@ -181,6 +181,8 @@ TEST_CASE("letters of the picture's font") {
 TEST_CASE("what cannot be drawn is an error") {
   ml::Motion motion = synthetic::walk({.frames = 2});
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, {}, {.width = 10}), doctest::Contains("101"), ml::config_error);
+  const std::vector<ml::Track> never{{"walk", std::nan(""), 1}};
+  CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, never), doctest::Contains("film strip: track 'walk'"), ml::config_error);
   motion.root[1].x = std::nan("");
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion), doctest::Contains("301"), ml::numeric_error);
   motion.root.pop_back();

@@ -111,6 +111,9 @@ TEST_CASE("arrays from files; what is refused") {
   CHECK_ERROR(ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {1, 20, 3})),
               "[motionlang.io.407] array: neither (frames, numbers)");
   CHECK_ERROR(ml::read_motion_npy(folder / "none.npy"), "[motionlang.io.401]");
+  for (const double fps : {-5.0, std::nan(""), std::numeric_limits<double>::infinity()})
+    CHECK_ERROR(ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {1, 20, 3}), {.fps = fps}),
+                "[motionlang.config.101]");
   Joints broken = walk.positions();
   broken[2 * 24 + 3].x = std::nan("");
   ml::write_npy(folder / "broken.npy", array_of(broken, 24));

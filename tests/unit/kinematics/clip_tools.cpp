@@ -175,6 +175,7 @@ TEST_CASE("the cycle of a periodic walk is found, and going round it walks on") 
 }
 
 TEST_CASE("a clip whose poses never come back has no cycle; one that comes close is joined without a jump") {
+  CHECK_ERROR(ml::find_loop(periodic_walk(60), 0), "[motionlang.config.101] find_loop: a cycle of 0 frames");
   CHECK(!ml::find_loop(ml::crop(periodic_walk(60), 0, 15), 12));
   const auto clip = ml::crop(periodic_walk(60), 0, 40);
   const ml::Loop rough{2, 24};  // two frames more than a period

@@ -132,6 +132,8 @@ TEST_CASE("partners are found by the usual marks") {
   CHECK(partners({"Hips", "Foot_L", "Foot_R"}) == std::vector<int>{0, 2, 1});
   CHECK(partners({"pelvis", "thigh.L", "thigh.R"}) == std::vector<int>{0, 2, 1});
   CHECK(partners({"root", "lfemur", "rfemur", "lowerneck"}) == std::vector<int>{0, 2, 1, 3});
+  CHECK(partners({"J_Bip_C_Hips", "J_Bip_L_UpperLeg", "J_Bip_R_UpperLeg"}) == std::vector<int>{0, 2, 1});
+  CHECK(partners({"Bip01", "Bip01 L Thigh", "Bip01 R Thigh"}) == std::vector<int>{0, 2, 1});
   CHECK_THROWS_WITH_AS(partners({"root", "left_arm"}), Contains("[motionlang.config.103]"), ml::config_error);
 }
 

@@ -38,4 +38,7 @@ TEST_CASE("other skeletons are refused") {
     large.skeleton.offsets.push_back({});
   }
   CHECK_ERROR(ml::overlay_parts(large, large, ml::BodyParts::all()), "[motionlang.config.103]");
+  auto faster = base;
+  faster.fps = 120;
+  CHECK_ERROR(ml::overlay_parts(base, faster, ml::BodyParts::all()), "[motionlang.config.102] overlay_parts");
 }

@@ -19,6 +19,8 @@ TEST_CASE("cross entropy: minus the mean logarithm of the right class's share") 
   const std::vector<Index> unknown{1, 2}, few{1};
   CHECK_ERROR(ml::cross_entropy(s, unknown), "[motionlang.shape.203]");
   CHECK_ERROR(ml::cross_entropy(s, few), "[motionlang.shape.204]");
+  const std::vector<Index> only{0, 0};
+  CHECK(ml::cross_entropy(Matrix::from({3, -2}, {2, 1}), only, 0.1).item() == 0);  // one class: nothing to smooth
 }
 
 TEST_CASE("cross entropy: the gradient is (share - right) / rows") {

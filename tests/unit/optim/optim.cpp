@@ -116,6 +116,7 @@ TEST_CASE("learning rates") {
   CHECK(d(9) == 8);
   CHECK(d(10) == 4);
   CHECK(d(35) == 1);
+  CHECK(ml::StepDecay{.rate = 8, .factor = 2, .every = 0}(1) == 4);
 }
 
 TEST_CASE("a line is fitted") {

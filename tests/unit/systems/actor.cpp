@@ -211,6 +211,7 @@ TEST_CASE("ACTOR: motions of actions and durations, without their noise, between
   CHECK(distance(line[0], cleaned[0]) < 1e-5);
   CHECK(distance(line[4], cleaned[2]) < 1e-5);
   CHECK(distance(line[2], line[0]) > 1e-4);
+  CHECK_ERROR(ml::interpolate_motions(model, pair, 3, -1, 4), "[motionlang.config.101] interpolate_rows: -1 rows");
 }
 
 TEST_CASE("ACTOR: between two actions, the ends are the motions of the actions alone") {

@@ -31,6 +31,7 @@ TEST_CASE("offsets know every sequence") {
   CHECK(Offsets::equal(3, 2) == Offsets{2, 2, 2});
   CHECK(Offsets().count() == 0);
   CHECK_ERROR((Offsets{1, -1}), "[motionlang.shape.207] Offsets: negative length -1");
+  CHECK_ERROR(Offsets::equal(-1, 3), "[motionlang.shape.207] Offsets: -1 sequences");
 }
 
 TEST_CASE("a batch and its rows have to agree") {
