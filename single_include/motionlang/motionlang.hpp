@@ -2667,9 +2667,11 @@ template <Backend B, int R>
 Tensor<B, R> square(const Tensor<B, R>& a) {
   return a * a;
 }
+/// Its slope at 0 is 0.
 template <Backend B, int R>
 Tensor<B, R> abs(const Tensor<B, R>& a) {
-  return maximum(a, -a);
+  const Tensor<B, R> zero(0.0);
+  return maximum(a, zero) + maximum(-a, zero);
 }
 
 /// Element by element: a < b ? x : y.
@@ -2759,10 +2761,14 @@ Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& size
 /// out[i_axes[0], i_axes[1], ...] = a[i_0, i_1, ...]
 template <Backend B, int R>
 Tensor<B, R> permute(const Tensor<B, R>& a, const std::array<int, static_cast<std::size_t>(R)>& axes) {
+  std::array<int, static_cast<std::size_t>(R)> from{};
   unsigned seen = 0;
-  for (int axis : axes) seen |= 1u << static_cast<unsigned>(normalize_axis(axis, R, "permute"));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    from[i] = normalize_axis(axes[i], R, "permute");
+    seen |= 1u << static_cast<unsigned>(from[i]);
+  }
   if (seen != (1u << R) - 1) raise<shape_error>(203, "permute: every axis must occur once");
-  return Tensor<B, R>(B::permute(a.data(), std::span<const int>(axes)));
+  return Tensor<B, R>(B::permute(a.data(), std::span<const int>(from)));
 }
 template <Backend B>
 Tensor<B, 2> transpose(const Tensor<B, 2>& a) {
@@ -2874,9 +2880,11 @@ inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   }
   return owner;
 }
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204 for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
+  if (per_sequence.size(0) != offsets.count())
+    raise<shape_error>(204, "repeat_for_rows: ", per_sequence.size(0), " rows for ", offsets.count(), " sequences");
   return gather(per_sequence, sequence_of_row(offsets));
 }
 /// The same rows for each of `count` sequences.
@@ -2894,13 +2902,14 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 template <Backend B, class... T>
 Sequences<B> concat_tokens(const Sequences<B>& first, const T&... more) {
   const std::array<const Offsets*, 1 + sizeof...(T)> parts{&first.offsets, &more.offsets...};
+  for (const Offsets* part : parts) {
+    if (part->count() != first.count())
+      raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
+  }
   PoolVector<Index> pick, lengths;
   for (Index s = 0; s < first.count(); ++s) {
     Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
     for (const Offsets* part : parts) {
-      if (part->count() != first.count()) {
-        raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
-      }
       for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
       start += part->rows();
       length += part->length(s);
@@ -3011,7 +3020,7 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
       case Activation::none:
         return x;
       case Activation::relu:
-        return maximum(x, Tensor<B, R>(0.0));
+        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; of the kernels, as in PyTorch, 0
       case Activation::gelu:
         return x * 0.5 * (erf(x * std::sqrt(0.5)) + 1.0);
       case Activation::silu:
@@ -9589,8 +9598,9 @@ struct ConvTranspose1d {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// The next mask of a context: probability 0 when there is no generator.
+/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
+  if (!(p >= 0 && p < 1)) raise<config_error>(101, "dropout: probability ", p, " is not in [0, 1)");
   if (!context.dropout || p == 0) return {};
   const Philox g = context.next_mask();
   return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};
@@ -9787,10 +9797,14 @@ struct DecodingOptions {
   bool redraw_pad = true;  // decode_one never draws the padding either
 };
 
-/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols)
+/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols). Throws numeric_error
+/// 301 for a logit that is NaN.
 template <Backend B>
 std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
   using S = typename B::scalar;
+  for (const S x : logits.span()) {
+    if (std::isnan(x)) raise<numeric_error>(301, "decoding: a logit is NaN");
+  }
   std::vector<S> out(static_cast<std::size_t>(logits.count()));
   const Index width = logits.size(1);
   if (top_k < 1 || top_k >= width) return out;
@@ -9849,12 +9863,12 @@ inline Index draw(std::span<const double> p, double u) {
 /// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most probable symbol.
 /// next   takes one beginning
 /// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are drawn again
-/// Throws numeric_error 302 where nothing but marks can be drawn
+/// Throws numeric_error 301 for a logit that is NaN, 302 where nothing but marks can be drawn
 template <class Next, class Uniform = std::nullptr_t>
 std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
   std::vector<Index> out{o.begin};
   for (Index step = 0; step < o.max_steps; ++step) {
-    const auto p = detail::next_probabilities(next(IdSequences::one(out)), o.top_k).at(0);
+    auto p = detail::next_probabilities(next(IdSequences::one(out)), o.top_k).at(0);
     Index id = detail::most_probable(p);
     if (id == o.end) break;
     if constexpr (!std::is_same_v<std::remove_cvref_t<Uniform>, std::nullptr_t>) {
@@ -9862,8 +9876,10 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
       double allowed = 0;
       for (Index i = 0; i < std::ssize(p); ++i) allowed += marks(i) ? 0 : p[static_cast<std::size_t>(i)];
       if (!(allowed > 0)) raise<numeric_error>(302, "decode_one: after ", out.size(), " symbols only marks can follow");
-      do id = detail::draw(p, uniform());
-      while (marks(id));
+      for (int draws = 1; marks(id = detail::draw(p, uniform())); ++draws) {
+        if (draws < 1000) continue;  // next to nothing but marks: without them, the others have the same shares
+        for (Index i = 0; i < std::ssize(p); ++i) p[static_cast<std::size_t>(i)] *= marks(i) ? 0 : 1;
+      }
     }
     out.push_back(id);
   }
@@ -10082,7 +10098,7 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
     }
     sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
   }
-  return concat(std::span<const Tensor<B, 2>>(sequences), 0);
+  return sequences.empty() ? q : concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -14730,8 +14746,11 @@ struct ActorDecoder {
     seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
   }
 
-  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class.
+  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class, 204 unless each
+  /// motion has one.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
+    if (std::ssize(labels) != z.size(0))
+      raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");
     const auto one = Offsets::equal(z.size(0), 1);
     if (ztimelinear) return {(*ztimelinear)(concat(1, z, one_hot<B>(labels, ztimelinear->in() - z.size(1)))), one};
     const auto bias = gather(*actionBiases, labels);
@@ -24287,6 +24306,7 @@ inline double frechet_distance(const GaussianStatistics& a, const GaussianStatis
       raise<shape_error>(205, "frechet_distance: a covariance of ", s->covariance.size(), " numbers for ", d,
                          " features");
   }
+  if (d == 0) raise<shape_error>(205, "frechet_distance: statistics of no features");
   double out = 0;
   for (std::size_t i = 0; i < d; ++i) {
     out += (a.mean[i] - b.mean[i]) * (a.mean[i] - b.mean[i]) + a.covariance[i * d + i] + b.covariance[i * d + i];
@@ -25101,12 +25121,15 @@ class MatchingMetric {
  public:
   static constexpr int depths = 3;
 
-  /// A batch; row i of both belongs together. Throws shape_error 204.
+  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer would be nearer than.
   template <Scalar S, Scalar T>
   void add(const Rows<S>& queries, const Rows<T>& answers) {
     detail::require_same_count("MatchingMetric: queries against answers", queries.size(), answers.size());
     const Index n = queries.size();
     const auto table = distances(queries, answers);
+    for (const double d : table) {
+      if (std::isnan(d)) raise<numeric_error>(301, "MatchingMetric: a distance is NaN");
+    }
     for (Index i = 0; i < n; ++i) {
       const auto row = std::span(table).subspan(static_cast<std::size_t>(i * n), static_cast<std::size_t>(n));
       const double own = row[static_cast<std::size_t>(i)];
@@ -25440,7 +25463,7 @@ struct MttSemantics {
 /// latents                  (n, d), of intervals
 /// labels                   (n), the right text of each
 /// text_latents, motion_latents  (texts, d)
-/// Throws                   shape_error 204, 203; numeric_error 302 of none
+/// Throws                   shape_error 204, 203; numeric_error 302 of none, 301 for a NaN
 template <Scalar S, Scalar T>
 MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels, const Rows<T>& text_latents,
                            const Rows<T>& motion_latents) {
@@ -25449,6 +25472,11 @@ MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels
   if (latents.size() == 0) raise<numeric_error>(302, "mtt_semantics: no latents");
   const auto to_text = cosine_similarities(latents, text_latents),
              to_motion = cosine_similarities(latents, motion_latents);
+  for (const auto* table : {&to_text, &to_motion}) {
+    for (const double s : *table) {
+      if (std::isnan(s)) raise<numeric_error>(301, "mtt_semantics: a similarity is NaN");
+    }
+  }
   const Index texts = text_latents.size();
   MttSemantics out;
   for (Index i = 0; i < latents.size(); ++i) {

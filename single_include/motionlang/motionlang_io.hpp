@@ -565,14 +565,20 @@ inline std::string read_file(const FilePath& path) {
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Throws io_error
 /// 401.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
-  const FilePath temporary = path.string() + ".part-" + std::to_string(::getpid());
+  static std::atomic<unsigned> writers{0};
+  std::string temporary;
+  int opened = -1;
+  do {  // a name that no other thread and no other machine has
+    temporary = concat_text(path.string(), ".part-", ::getpid(), "-", writers++);
+    opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
     const int reason = errno;
-    std::remove(temporary.c_str());
+    if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
   {
-    const detail::Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    const detail::Descriptor file(opened);
     if (file.get() < 0 || !file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
@@ -665,6 +671,7 @@ class FileShape {
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
   /// Number of elements.
   Index count() const {
+    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
     Index n = 1;
     for (const Index size : sizes_) n *= size;
     return n;
@@ -2183,7 +2190,7 @@ inline std::string gunzip(std::span<const std::byte> bytes, std::string_view nam
   constexpr std::uint64_t largest_ratio = 1032;
   if (size > largest_ratio * stream.size())
     raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
-  const detail::Inflated out = detail::inflate(stream, size, name);
+  const detail::Inflated out = detail::inflate(stream, size, name, size);
   if (out.consumed != stream.size())
     raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
   if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
@@ -3755,6 +3762,7 @@ inline PickledArray pickled_array(const PickleValue& v) {
   const std::string where = concat_text(v.file(), ": array at byte ", v.at());
   if (is_numpy(v, "_reconstruct")) {
     const PickleValue state = v.state();  // version, shape, element type, whether the first index is the fastest, bytes
+    if (state[4].is(PickleKind::list)) v.fail(404, "an array of objects");
     return {dtype_of(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
   }
   if (is_joblib_array(v)) {
@@ -3944,6 +3952,8 @@ class OptionValues {
   }
   /// A plain or quoted text as what it means; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);
+  /// More of the text that came last. Whether it was a text.
+  bool append_to_last(std::string_view text);
 
   bool empty() const { return values_.empty(); }
   std::vector<FileValue> take() { return std::move(values_); }
@@ -3978,12 +3988,21 @@ inline void OptionValues::add_text(const std::string& path, std::string_view tex
   if (text == "null" || text == "~" || text == "{}") return;
   if (text == "true" || text == "false") return add(path, text == "true");
   const char* const end = text.data() + text.size();
+  const auto all_of_it = [&](const std::from_chars_result& r) { return r.ec == std::errc{} && r.ptr == end; };
   std::int64_t integer = 0;
-  if (!text.empty() && std::from_chars(text.data(), end, integer).ptr == end) return add(path, integer);
+  if (!text.empty() && all_of_it(std::from_chars(text.data(), end, integer))) return add(path, integer);
   double real = 0;
   const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == text.npos;
-  if (number && std::from_chars(text.data(), end, real).ptr == end) return add(path, real);
+  if (number && all_of_it(std::from_chars(text.data(), end, real))) return add(path, real);
   add(path, is_quoted(text) ? unquoted(text) : std::string(text));
+}
+
+inline bool OptionValues::append_to_last(std::string_view text) {
+  std::string* last = values_.empty() ? nullptr : std::get_if<std::string>(&values_.back().value);
+  if (last == nullptr) return false;
+  last->append(" ").append(text);
+  if (is_quoted(*last)) *last = unquoted(*last);
+  return true;
 }
 
 class YamlReader {
@@ -4038,6 +4057,8 @@ class YamlReader {
     const std::string_view text = trimmed(line);
     if (text.empty() || text == "---" || text == "...") return;
     if (text[0] == '\t') fail(403, "a tab as indentation");
+    if (folded_ && indent > *folded_ && key_end(text) == text.npos && values.append_to_last(text)) return;
+    folded_.reset();
     const bool item = is_item(text);
     if (pending_) {
       const bool inside = indent > pending_->indent || (item && indent == pending_->indent);
@@ -4106,6 +4127,7 @@ class YamlReader {
       }
     } else {
       values.add_text(path, text);
+      if (text[0] != '[' && text[0] != '{') folded_ = indent;
     }
   }
   static std::size_t comma_outside_quotes(std::string_view text) {
@@ -4126,6 +4148,7 @@ class YamlReader {
   std::size_t line_ = 0;
   std::vector<Level> levels_;
   std::optional<Pending> pending_;
+  std::optional<std::size_t> folded_;  // indentation of a text that may go on in the next line: programs fold long ones
 };
 
 /// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
@@ -4164,6 +4187,7 @@ inline void add_json_values(const nlohmann::json& value, const std::string& path
 /// The values of a text, JSON if it begins with a brace, an opt.txt if with a banner. `name` stands in messages.
 /// Throws  io_error 403 with the line if it is malformed, 404 for YAML that is not read, 405 if it is too large
 inline std::vector<FileValue> parse_options(std::string_view text, std::string_view name) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != text.npos && text.substr(first).starts_with(detail::option_banner))
     return detail::parse_option_lines(text, name);
@@ -4368,7 +4392,7 @@ inline void find_weights(RunFolder& run) {
     run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
   }
   add_statistics(run);
-  if (run.weights.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
+  if (run.weights.empty() && split.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
 }
 
 }  // namespace detail
@@ -5228,7 +5252,7 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
 }
 /// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`.
 inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
-  Inflated unpacked = inflate(bytes.subspan(2), limit, name);
+  Inflated unpacked = inflate(bytes.subspan(2), limit, name, limit);  // room once: doubling would take twice as much
   std::uint32_t a = 1, b = 0;  // Adler-32
   for (const std::byte byte : unpacked.data) {
     a = (a + std::to_integer<std::uint32_t>(byte)) % 65521;
@@ -5312,13 +5336,13 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
     raise<io_error>(404, name, ": a tar archive, as PyTorch wrote them before 0.1.10");
   } else if (detail::is_zlib(bytes)) {
-    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
+    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left(), name));
     memory->spend(unpacked.size());
     read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
   } else if (is_gzip(bytes)) {
     const auto declared =
         detail::load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
-    memory->spend(2 * std::uint64_t{declared});
+    memory->spend(declared);
     const std::string& unpacked = memory->keep(gunzip(bytes, name));
     read_torch(TorchFile::from_pickle(
         Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
@@ -10663,11 +10687,13 @@ inline ModelFolder read_model_folder(const FilePath& folder) {
   return parse_model_config(read_file(path), path);
 }
 
-/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that are none.
+/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that are none; io_error
+/// 403 for texts that are not UTF-8.
 inline std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file) {
   for (const auto& [key, text] :
        {std::pair<const char*, const std::string&>{"system", m.system}, {"license", m.license}, {"provenance", m.provenance}}) {
     if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: who gets the model has to know it");
+    if (!is_utf8(text)) raise<io_error>(403, name, ": ", key, " is not UTF-8");
   }
   nlohmann::ordered_json out{{"format", detail::model_format},
                              {"version", detail::model_version},
@@ -10697,6 +10723,8 @@ inline void write_model_folder(const FilePath& path, const ModelFolder& model, s
     raise<io_error>(401, path.string(), " is there already; another name, or remove it");
   const fs::path part = target.string() + ".part-" + std::to_string(::getpid());
   std::error_code problem;
+  fs::remove_all(part, problem);  // of a run that was killed and had the same number
+  problem.clear();
   const auto check = [&](const char* what) {
     if (!problem) return;
     const std::string reason = problem.message();
@@ -10773,8 +10801,8 @@ inline nlohmann::ordered_json diffusion_options(const DiffusionRun& run) {
   return out;
 }
 
-/// The files of a text encoder that reading it takes.
-inline std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path) {
+/// The files of a text encoder that reading it takes. `weights`: not only those of its tokenizer.
+inline std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(path, ignored);
   const auto folder = is_folder ? path : path.parent_path();
@@ -10787,6 +10815,7 @@ inline std::vector<std::filesystem::path> text_encoder_files(const std::filesyst
     out.push_back(path);
     return out;
   }
+  if (!weights) return out;
   const RunFolder run = motionlang::find_run(path);
   if (!run.weights.empty()) out.push_back(run.weights);
   for (const auto& [part, file] : run.parts) out.push_back(file);
@@ -14350,7 +14379,11 @@ AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weig
   const std::filesystem::path folder = temos_text_folder(run, options);
   if (!inside) return load_text_encoder<B>(folder);
   AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
-  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(weights), weights)};
+  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC has a DistilBERT as well
+  for (const TensorView& t : weights.tensors()) {
+    if (t.name.starts_with("textencoder.text_model.")) own.add(t, t.name);
+  }
+  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(own), own)};
   check_vocabulary(tokenizer, network, folder.string());
   return {std::move(tokenizer), std::move(network), {}};
 }
@@ -14473,7 +14506,8 @@ void add_lightning(PackedParts<B>& out, const RunFolder& run, const PackOptions&
   out.model.fps = RunReader(run, weights, "").real("data/framerate", out.model.system == "temos" ? 12.5 : 30);
   out.model.text_encoder = "distilbert";
   out.statistics = temos_normalizer<B>(run, weights, sources);
-  if (options.text_encoder) out.text_encoder = text_encoder_files(temos_text_folder(run, sources));
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  if (options.text_encoder) out.text_encoder = text_encoder_files(temos_text_folder(run, sources), !inside);
 }
 
 template <Backend B>
@@ -14527,7 +14561,7 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   parts.model.others["published"] = true;
   for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
     const auto* text = std::get_if<std::string>(&v.value);
-    if (text == nullptr || is_utf8(*text)) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
+    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text))) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
   }
   TensorStore statistics;
   if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");

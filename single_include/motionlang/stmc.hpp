@@ -1378,9 +1378,11 @@ template <Backend B, int R>
 Tensor<B, R> square(const Tensor<B, R>& a) {
   return a * a;
 }
+/// Its slope at 0 is 0.
 template <Backend B, int R>
 Tensor<B, R> abs(const Tensor<B, R>& a) {
-  return maximum(a, -a);
+  const Tensor<B, R> zero(0.0);
+  return maximum(a, zero) + maximum(-a, zero);
 }
 
 /// Element by element: a < b ? x : y.
@@ -1524,10 +1526,14 @@ Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& size
 /// out[i_axes[0], i_axes[1], ...] = a[i_0, i_1, ...]
 template <Backend B, int R>
 Tensor<B, R> permute(const Tensor<B, R>& a, const std::array<int, static_cast<std::size_t>(R)>& axes) {
+  std::array<int, static_cast<std::size_t>(R)> from{};
   unsigned seen = 0;
-  for (int axis : axes) seen |= 1u << static_cast<unsigned>(normalize_axis(axis, R, "permute"));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    from[i] = normalize_axis(axes[i], R, "permute");
+    seen |= 1u << static_cast<unsigned>(from[i]);
+  }
   if (seen != (1u << R) - 1) raise<shape_error>(203, "permute: every axis must occur once");
-  return Tensor<B, R>(B::permute(a.data(), std::span<const int>(axes)));
+  return Tensor<B, R>(B::permute(a.data(), std::span<const int>(from)));
 }
 template <Backend B>
 Tensor<B, 2> transpose(const Tensor<B, 2>& a) {
@@ -1639,9 +1645,11 @@ inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   }
   return owner;
 }
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204 for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
+  if (per_sequence.size(0) != offsets.count())
+    raise<shape_error>(204, "repeat_for_rows: ", per_sequence.size(0), " rows for ", offsets.count(), " sequences");
   return gather(per_sequence, sequence_of_row(offsets));
 }
 /// The same rows for each of `count` sequences.
@@ -1659,13 +1667,14 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 template <Backend B, class... T>
 Sequences<B> concat_tokens(const Sequences<B>& first, const T&... more) {
   const std::array<const Offsets*, 1 + sizeof...(T)> parts{&first.offsets, &more.offsets...};
+  for (const Offsets* part : parts) {
+    if (part->count() != first.count())
+      raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
+  }
   PoolVector<Index> pick, lengths;
   for (Index s = 0; s < first.count(); ++s) {
     Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
     for (const Offsets* part : parts) {
-      if (part->count() != first.count()) {
-        raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
-      }
       for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
       start += part->rows();
       length += part->length(s);
@@ -1776,7 +1785,7 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
       case Activation::none:
         return x;
       case Activation::relu:
-        return maximum(x, Tensor<B, R>(0.0));
+        return maximum(x, Tensor<B, R>(0.0));  // slope 1 at 0; of the kernels, as in PyTorch, 0
       case Activation::gelu:
         return x * 0.5 * (erf(x * std::sqrt(0.5)) + 1.0);
       case Activation::silu:
@@ -8437,8 +8446,9 @@ struct LayerNorm {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// The next mask of a context: probability 0 when there is no generator.
+/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
+  if (!(p >= 0 && p < 1)) raise<config_error>(101, "dropout: probability ", p, " is not in [0, 1)");
   if (!context.dropout || p == 0) return {};
   const Philox g = context.next_mask();
   return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};
@@ -10572,14 +10582,20 @@ inline std::string read_file(const FilePath& path) {
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Throws io_error
 /// 401.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
-  const FilePath temporary = path.string() + ".part-" + std::to_string(::getpid());
+  static std::atomic<unsigned> writers{0};
+  std::string temporary;
+  int opened = -1;
+  do {  // a name that no other thread and no other machine has
+    temporary = concat_text(path.string(), ".part-", ::getpid(), "-", writers++);
+    opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
     const int reason = errno;
-    std::remove(temporary.c_str());
+    if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
   {
-    const detail::Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    const detail::Descriptor file(opened);
     if (file.get() < 0 || !file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
@@ -10716,6 +10732,7 @@ class FileShape {
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
   /// Number of elements.
   Index count() const {
+    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
     Index n = 1;
     for (const Index size : sizes_) n *= size;
     return n;

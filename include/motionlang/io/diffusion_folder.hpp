@@ -56,8 +56,8 @@ inline nlohmann::ordered_json diffusion_options(const DiffusionRun& run) {
   return out;
 }
 
-/// The files of a text encoder that reading it takes.
-inline std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path) {
+/// The files of a text encoder that reading it takes. `weights`: not only those of its tokenizer.
+inline std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(path, ignored);
   const auto folder = is_folder ? path : path.parent_path();
@@ -70,6 +70,7 @@ inline std::vector<std::filesystem::path> text_encoder_files(const std::filesyst
     out.push_back(path);
     return out;
   }
+  if (!weights) return out;
   const RunFolder run = motionlang::find_run(path);
   if (!run.weights.empty()) out.push_back(run.weights);
   for (const auto& [part, file] : run.parts) out.push_back(file);

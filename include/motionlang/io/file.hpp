@@ -8,6 +8,7 @@
 #include <unistd.h>    // close, fsync, getpid
 
 #include <algorithm>   // min, max
+#include <atomic>      // numbers of temporary files
 #include <cerrno>      // errno
 #include <cstddef>     // byte
 #include <cstdint>     // addresses
@@ -156,14 +157,20 @@ inline std::string read_file(const FilePath& path) {
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Throws io_error
 /// 401.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
-  const FilePath temporary = path.string() + ".part-" + std::to_string(::getpid());
+  static std::atomic<unsigned> writers{0};
+  std::string temporary;
+  int opened = -1;
+  do {  // a name that no other thread and no other machine has
+    temporary = concat_text(path.string(), ".part-", ::getpid(), "-", writers++);
+    opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
     const int reason = errno;
-    std::remove(temporary.c_str());
+    if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
   {
-    const detail::Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    const detail::Descriptor file(opened);
     if (file.get() < 0 || !file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }

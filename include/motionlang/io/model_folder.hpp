@@ -16,6 +16,7 @@
 
 #include <filesystem>  // folders
 
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/safetensors.hpp>
 
@@ -73,11 +74,13 @@ inline ModelFolder read_model_folder(const FilePath& folder) {
   return parse_model_config(read_file(path), path);
 }
 
-/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that are none.
+/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that are none; io_error
+/// 403 for texts that are not UTF-8.
 inline std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file) {
   for (const auto& [key, text] :
        {std::pair<const char*, const std::string&>{"system", m.system}, {"license", m.license}, {"provenance", m.provenance}}) {
     if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: who gets the model has to know it");
+    if (!is_utf8(text)) raise<io_error>(403, name, ": ", key, " is not UTF-8");
   }
   nlohmann::ordered_json out{{"format", detail::model_format},
                              {"version", detail::model_version},
@@ -107,6 +110,8 @@ inline void write_model_folder(const FilePath& path, const ModelFolder& model, s
     raise<io_error>(401, path.string(), " is there already; another name, or remove it");
   const fs::path part = target.string() + ".part-" + std::to_string(::getpid());
   std::error_code problem;
+  fs::remove_all(part, problem);  // of a run that was killed and had the same number
+  problem.clear();
   const auto check = [&](const char* what) {
     if (!problem) return;
     const std::string reason = problem.message();

@@ -41,6 +41,8 @@ class OptionValues {
   }
   /// A plain or quoted text as what it means; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);
+  /// More of the text that came last. Whether it was a text.
+  bool append_to_last(std::string_view text);
 
   bool empty() const { return values_.empty(); }
   std::vector<FileValue> take() { return std::move(values_); }
@@ -75,12 +77,21 @@ inline void OptionValues::add_text(const std::string& path, std::string_view tex
   if (text == "null" || text == "~" || text == "{}") return;
   if (text == "true" || text == "false") return add(path, text == "true");
   const char* const end = text.data() + text.size();
+  const auto all_of_it = [&](const std::from_chars_result& r) { return r.ec == std::errc{} && r.ptr == end; };
   std::int64_t integer = 0;
-  if (!text.empty() && std::from_chars(text.data(), end, integer).ptr == end) return add(path, integer);
+  if (!text.empty() && all_of_it(std::from_chars(text.data(), end, integer))) return add(path, integer);
   double real = 0;
   const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == text.npos;
-  if (number && std::from_chars(text.data(), end, real).ptr == end) return add(path, real);
+  if (number && all_of_it(std::from_chars(text.data(), end, real))) return add(path, real);
   add(path, is_quoted(text) ? unquoted(text) : std::string(text));
+}
+
+inline bool OptionValues::append_to_last(std::string_view text) {
+  std::string* last = values_.empty() ? nullptr : std::get_if<std::string>(&values_.back().value);
+  if (last == nullptr) return false;
+  last->append(" ").append(text);
+  if (is_quoted(*last)) *last = unquoted(*last);
+  return true;
 }
 
 class YamlReader {
@@ -135,6 +146,8 @@ class YamlReader {
     const std::string_view text = trimmed(line);
     if (text.empty() || text == "---" || text == "...") return;
     if (text[0] == '\t') fail(403, "a tab as indentation");
+    if (folded_ && indent > *folded_ && key_end(text) == text.npos && values.append_to_last(text)) return;
+    folded_.reset();
     const bool item = is_item(text);
     if (pending_) {
       const bool inside = indent > pending_->indent || (item && indent == pending_->indent);
@@ -203,6 +216,7 @@ class YamlReader {
       }
     } else {
       values.add_text(path, text);
+      if (text[0] != '[' && text[0] != '{') folded_ = indent;
     }
   }
   static std::size_t comma_outside_quotes(std::string_view text) {
@@ -223,6 +237,7 @@ class YamlReader {
   std::size_t line_ = 0;
   std::vector<Level> levels_;
   std::optional<Pending> pending_;
+  std::optional<std::size_t> folded_;  // indentation of a text that may go on in the next line: programs fold long ones
 };
 
 /// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
@@ -261,6 +276,7 @@ inline void add_json_values(const nlohmann::json& value, const std::string& path
 /// The values of a text, JSON if it begins with a brace, an opt.txt if with a banner. `name` stands in messages.
 /// Throws  io_error 403 with the line if it is malformed, 404 for YAML that is not read, 405 if it is too large
 inline std::vector<FileValue> parse_options(std::string_view text, std::string_view name) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != text.npos && text.substr(first).starts_with(detail::option_banner))
     return detail::parse_option_lines(text, name);

@@ -42,7 +42,8 @@ void add_lightning(PackedParts<B>& out, const RunFolder& run, const PackOptions&
   out.model.fps = RunReader(run, weights, "").real("data/framerate", out.model.system == "temos" ? 12.5 : 30);
   out.model.text_encoder = "distilbert";
   out.statistics = temos_normalizer<B>(run, weights, sources);
-  if (options.text_encoder) out.text_encoder = text_encoder_files(temos_text_folder(run, sources));
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  if (options.text_encoder) out.text_encoder = text_encoder_files(temos_text_folder(run, sources), !inside);
 }
 
 template <Backend B>
@@ -96,7 +97,7 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   parts.model.others["published"] = true;
   for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
     const auto* text = std::get_if<std::string>(&v.value);
-    if (text == nullptr || is_utf8(*text)) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
+    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text))) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
   }
   TensorStore statistics;
   if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");

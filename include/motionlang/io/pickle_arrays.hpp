@@ -59,6 +59,7 @@ inline PickledArray pickled_array(const PickleValue& v) {
   const std::string where = concat_text(v.file(), ": array at byte ", v.at());
   if (is_numpy(v, "_reconstruct")) {
     const PickleValue state = v.state();  // version, shape, element type, whether the first index is the fastest, bytes
+    if (state[4].is(PickleKind::list)) v.fail(404, "an array of objects");
     return {dtype_of(state[2]), state[3].boolean(), shape_of(state[1]), state[4].bytes(), where};
   }
   if (is_joblib_array(v)) {

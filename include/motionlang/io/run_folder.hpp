@@ -202,7 +202,7 @@ inline void find_weights(RunFolder& run) {
     run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
   }
   add_statistics(run);
-  if (run.weights.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
+  if (run.weights.empty() && split.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
 }
 
 }  // namespace detail

@@ -3,6 +3,7 @@
 /// takes them; nothing is converted until somebody asks for values.
 #pragma once
 
+#include <algorithm>    // find
 #include <array>        // table of element types
 #include <bit>          // bit_width
 #include <concepts>     // integral, floating_point
@@ -84,6 +85,7 @@ class FileShape {
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
   /// Number of elements.
   Index count() const {
+    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
     Index n = 1;
     for (const Index size : sizes_) n *= size;
     return n;

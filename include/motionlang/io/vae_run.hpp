@@ -83,7 +83,11 @@ AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weig
   const std::filesystem::path folder = temos_text_folder(run, options);
   if (!inside) return load_text_encoder<B>(folder);
   AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
-  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(weights), weights)};
+  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC has a DistilBERT as well
+  for (const TensorView& t : weights.tensors()) {
+    if (t.name.starts_with("textencoder.text_model.")) own.add(t, t.name);
+  }
+  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(own), own)};
   check_vocabulary(tokenizer, network, folder.string());
   return {std::move(tokenizer), std::move(network), {}};
 }

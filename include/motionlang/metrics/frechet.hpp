@@ -67,6 +67,7 @@ inline double frechet_distance(const GaussianStatistics& a, const GaussianStatis
       raise<shape_error>(205, "frechet_distance: a covariance of ", s->covariance.size(), " numbers for ", d,
                          " features");
   }
+  if (d == 0) raise<shape_error>(205, "frechet_distance: statistics of no features");
   double out = 0;
   for (std::size_t i = 0; i < d; ++i) {
     out += (a.mean[i] - b.mean[i]) * (a.mean[i] - b.mean[i]) + a.covariance[i * d + i] + b.covariance[i * d + i];

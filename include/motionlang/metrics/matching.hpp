@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>    // depths
+#include <cmath>    // isnan
 #include <numeric>  // iota
 
 #include <motionlang/metrics/rows.hpp>
@@ -41,12 +42,15 @@ class MatchingMetric {
  public:
   static constexpr int depths = 3;
 
-  /// A batch; row i of both belongs together. Throws shape_error 204.
+  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer would be nearer than.
   template <Scalar S, Scalar T>
   void add(const Rows<S>& queries, const Rows<T>& answers) {
     detail::require_same_count("MatchingMetric: queries against answers", queries.size(), answers.size());
     const Index n = queries.size();
     const auto table = distances(queries, answers);
+    for (const double d : table) {
+      if (std::isnan(d)) raise<numeric_error>(301, "MatchingMetric: a distance is NaN");
+    }
     for (Index i = 0; i < n; ++i) {
       const auto row = std::span(table).subspan(static_cast<std::size_t>(i * n), static_cast<std::size_t>(n));
       const double own = row[static_cast<std::size_t>(i)];

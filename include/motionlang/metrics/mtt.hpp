@@ -18,6 +18,7 @@
 
 #include <algorithm>  // sort, unique
 #include <array>      // quarters
+#include <cmath>      // isnan
 #include <numeric>    // accumulate
 #include <set>        // points
 #include <vector>     // features
@@ -153,7 +154,7 @@ struct MttSemantics {
 /// latents                  (n, d), of intervals
 /// labels                   (n), the right text of each
 /// text_latents, motion_latents  (texts, d)
-/// Throws                   shape_error 204, 203; numeric_error 302 of none
+/// Throws                   shape_error 204, 203; numeric_error 302 of none, 301 for a NaN
 template <Scalar S, Scalar T>
 MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels, const Rows<T>& text_latents,
                            const Rows<T>& motion_latents) {
@@ -162,6 +163,11 @@ MttSemantics mtt_semantics(const Rows<S>& latents, std::span<const Index> labels
   if (latents.size() == 0) raise<numeric_error>(302, "mtt_semantics: no latents");
   const auto to_text = cosine_similarities(latents, text_latents),
              to_motion = cosine_similarities(latents, motion_latents);
+  for (const auto* table : {&to_text, &to_motion}) {
+    for (const double s : *table) {
+      if (std::isnan(s)) raise<numeric_error>(301, "mtt_semantics: a similarity is NaN");
+    }
+  }
   const Index texts = text_latents.size();
   MttSemantics out;
   for (Index i = 0; i < latents.size(); ++i) {

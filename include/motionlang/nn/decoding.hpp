@@ -26,10 +26,14 @@ struct DecodingOptions {
   bool redraw_pad = true;  // decode_one never draws the padding either
 };
 
-/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols)
+/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols). Throws numeric_error
+/// 301 for a logit that is NaN.
 template <Backend B>
 std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
   using S = typename B::scalar;
+  for (const S x : logits.span()) {
+    if (std::isnan(x)) raise<numeric_error>(301, "decoding: a logit is NaN");
+  }
   std::vector<S> out(static_cast<std::size_t>(logits.count()));
   const Index width = logits.size(1);
   if (top_k < 1 || top_k >= width) return out;
@@ -88,12 +92,12 @@ inline Index draw(std::span<const double> p, double u) {
 /// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most probable symbol.
 /// next   takes one beginning
 /// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are drawn again
-/// Throws numeric_error 302 where nothing but marks can be drawn
+/// Throws numeric_error 301 for a logit that is NaN, 302 where nothing but marks can be drawn
 template <class Next, class Uniform = std::nullptr_t>
 std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
   std::vector<Index> out{o.begin};
   for (Index step = 0; step < o.max_steps; ++step) {
-    const auto p = detail::next_probabilities(next(IdSequences::one(out)), o.top_k).at(0);
+    auto p = detail::next_probabilities(next(IdSequences::one(out)), o.top_k).at(0);
     Index id = detail::most_probable(p);
     if (id == o.end) break;
     if constexpr (!std::is_same_v<std::remove_cvref_t<Uniform>, std::nullptr_t>) {
@@ -101,8 +105,10 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
       double allowed = 0;
       for (Index i = 0; i < std::ssize(p); ++i) allowed += marks(i) ? 0 : p[static_cast<std::size_t>(i)];
       if (!(allowed > 0)) raise<numeric_error>(302, "decode_one: after ", out.size(), " symbols only marks can follow");
-      do id = detail::draw(p, uniform());
-      while (marks(id));
+      for (int draws = 1; marks(id = detail::draw(p, uniform())); ++draws) {
+        if (draws < 1000) continue;  // next to nothing but marks: without them, the others have the same shares
+        for (Index i = 0; i < std::ssize(p); ++i) p[static_cast<std::size_t>(i)] *= marks(i) ? 0 : 1;
+      }
     }
     out.push_back(id);
   }

@@ -27,7 +27,7 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
     }
     sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
   }
-  return concat(std::span<const Tensor<B, 2>>(sequences), 0);
+  return sequences.empty() ? q : concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

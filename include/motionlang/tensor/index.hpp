@@ -31,10 +31,14 @@ Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& size
 /// out[i_axes[0], i_axes[1], ...] = a[i_0, i_1, ...]
 template <Backend B, int R>
 Tensor<B, R> permute(const Tensor<B, R>& a, const std::array<int, static_cast<std::size_t>(R)>& axes) {
+  std::array<int, static_cast<std::size_t>(R)> from{};
   unsigned seen = 0;
-  for (int axis : axes) seen |= 1u << static_cast<unsigned>(normalize_axis(axis, R, "permute"));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    from[i] = normalize_axis(axes[i], R, "permute");
+    seen |= 1u << static_cast<unsigned>(from[i]);
+  }
   if (seen != (1u << R) - 1) raise<shape_error>(203, "permute: every axis must occur once");
-  return Tensor<B, R>(B::permute(a.data(), std::span<const int>(axes)));
+  return Tensor<B, R>(B::permute(a.data(), std::span<const int>(from)));
 }
 template <Backend B>
 Tensor<B, 2> transpose(const Tensor<B, 2>& a) {

@@ -121,9 +121,11 @@ template <Backend B, int R>
 Tensor<B, R> square(const Tensor<B, R>& a) {
   return a * a;
 }
+/// Its slope at 0 is 0.
 template <Backend B, int R>
 Tensor<B, R> abs(const Tensor<B, R>& a) {
-  return maximum(a, -a);
+  const Tensor<B, R> zero(0.0);
+  return maximum(a, zero) + maximum(-a, zero);
 }
 
 /// Element by element: a < b ? x : y.

@@ -40,9 +40,11 @@ inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   }
   return owner;
 }
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width).
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204 for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
+  if (per_sequence.size(0) != offsets.count())
+    raise<shape_error>(204, "repeat_for_rows: ", per_sequence.size(0), " rows for ", offsets.count(), " sequences");
   return gather(per_sequence, sequence_of_row(offsets));
 }
 /// The same rows for each of `count` sequences.
@@ -60,13 +62,14 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 template <Backend B, class... T>
 Sequences<B> concat_tokens(const Sequences<B>& first, const T&... more) {
   const std::array<const Offsets*, 1 + sizeof...(T)> parts{&first.offsets, &more.offsets...};
+  for (const Offsets* part : parts) {
+    if (part->count() != first.count())
+      raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
+  }
   PoolVector<Index> pick, lengths;
   for (Index s = 0; s < first.count(); ++s) {
     Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
     for (const Offsets* part : parts) {
-      if (part->count() != first.count()) {
-        raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
-      }
       for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
       start += part->rows();
       length += part->length(s);

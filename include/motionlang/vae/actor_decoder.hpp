@@ -43,8 +43,11 @@ struct ActorDecoder {
     seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
   }
 
-  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class.
+  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class, 204 unless each
+  /// motion has one.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
+    if (std::ssize(labels) != z.size(0))
+      raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");
     const auto one = Offsets::equal(z.size(0), 1);
     if (ztimelinear) return {(*ztimelinear)(concat(1, z, one_hot<B>(labels, ztimelinear->in() - z.size(1)))), one};
     const auto bias = gather(*actionBiases, labels);

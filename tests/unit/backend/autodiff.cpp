@@ -105,6 +105,12 @@ TEST_CASE("a tensor of variables may be gathered with repetition, and equal maxi
   CHECK(ml::backward(ml::sum(ml::maximum(x, x * 1.0)))[x].to_vector() == Values{1, 1, 1});
 }
 
+TEST_CASE("the slope of abs at 0 is 0") {
+  const auto x = variable({-2, 0, 3});
+  CHECK(ml::backward(ml::sum(ml::abs(x)))[x].to_vector() == Values{-1, 0, 1});
+  CHECK(ml::abs(x).to_vector() == Values{2, 0, 3});
+}
+
 TEST_CASE("the optimiser's view of a variable keeps its place in later graphs") {
   auto x = variable({1, 2});
   A::mutable_value(x.mutable_data()) = ml::Tensor<B, 1>::from({10, 20}, {2}).data();

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 #include <vector>
 
 #include <motionlang/io/file.hpp>
@@ -72,6 +73,19 @@ TEST_CASE("write_file: what cannot be written is named, not the temporary file")
   const std::string path = folder.path / "missing" / "a.bvh";
   CHECK_ERROR(ml::write_file(path, std::string_view("a")),
               ("[motionlang.io.401] cannot write " + path + ": No such file or directory").c_str());
+}
+
+TEST_CASE("write_file: two at once leave one of both, whole, and nothing beside it") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path / "a", first(200'000, 'a'), second(300'000, 'b');
+  for (int round = 0; round < 20; ++round) {
+    std::thread other([&] { ml::write_file(path, std::string_view(first)); });
+    ml::write_file(path, std::string_view(second));
+    other.join();
+    const std::string there = ml::read_file(path);
+    CHECK((there == first || there == second));
+  }
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 1);
 }
 
 TEST_CASE("MappedFile: what was forgotten takes no memory, and is read from the file again") {

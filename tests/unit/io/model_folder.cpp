@@ -72,6 +72,9 @@ TEST_CASE("who gets a model has to know its licence and where it comes from") {
     CHECK_ERROR(ml::write_model_folder(folder / "model", m, tensors().views()), "is empty");
   }
   ml::ModelFolder m = sample();
+  m.license = "\xFF";
+  CHECK_ERROR(ml::write_model_folder(folder / "model", m, tensors().views()), "config.json: license is not UTF-8");
+  m = sample();
   m.others["license"] = "other";
   CHECK_ERROR(ml::write_model_folder(folder / "model", m, tensors().views()), "[motionlang.config.102]");
   CHECK(entries(folder.path) == 0);

@@ -77,6 +77,7 @@ TEST_CASE("frechet_distance: of normal distributions along the axes") {
   const ml::GaussianStatistics flat{{0, 0}, {1, 0, 0, 0}}, diagonal{{0, 0}, {1, 1, 1, 1}};
   CHECK(ml::frechet_distance(flat, diagonal) == Approx(1));
   CHECK(ml::frechet_distance({{1}, {0}}, {{3}, {0}}) == Approx(4));
+  CHECK_ERROR(ml::frechet_distance(ml::GaussianStatistics{}, {}), "[motionlang.shape.205] frechet_distance");
 }
 
 TEST_CASE("frechet_distance: identical sets, also with fewer samples than features") {

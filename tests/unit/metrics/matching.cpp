@@ -21,6 +21,9 @@ TEST_CASE("MatchingMetric: ranks inside a batch, sums over batches") {
   CHECK(metric.queries() == 8);
   CHECK_ERROR(metric.hits(4), "[motionlang.config.101]");
   CHECK_ERROR(metric.add(ml::Rows(texts, 1), ml::Rows(motions, 2)), "[motionlang.shape.204]");
+  const std::vector<double> odd{0, std::nan(""), 1, 2};
+  CHECK_ERROR(metric.add(ml::Rows(texts, 1), ml::Rows(odd, 1)), "[motionlang.numeric.301] MatchingMetric");
+  CHECK(metric.queries() == 8);
   CHECK_ERROR(ml::MatchingMetric().r_precision(1), "[motionlang.numeric.302]");
   CHECK_ERROR(ml::MatchingMetric().matching_score(), "[motionlang.numeric.302]");
 }

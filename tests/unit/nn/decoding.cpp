@@ -48,6 +48,10 @@ TEST_CASE("decode_one: draws follow the numbers, marks are drawn again") {
   auto narrow = marks;  // only the most probable symbol is left: no choice
   narrow.top_k = 1;
   CHECK(ml::decode_one(model(chain), narrow, [] { return 0.999; }) == std::vector<Index>{0, 3, 4});
+  const auto odd = [](const ml::IdSequences&) { return ml::Tensor<B, 2>::from({0, std::nan(""), 0, 1, 0}, {1, 5}); };
+  CHECK_ERROR(ml::decode_one(odd, marks), "[motionlang.numeric.301] decoding: a logit is NaN");
+  const Table rarely{{1, 0, 0, 1e-18, 0}, {}, {}, {0, 1, 0, 0, 0}};  // less than the last bit of the sum
+  CHECK(ml::decode_one(model(rarely), marks, [] { return 0.5; }) == std::vector<Index>{0, 3});
   const Table stuck{{1, 0, 0, 0, 0}};
   CHECK_ERROR(ml::decode_one(model(stuck), narrow, [] { return 0.5; }), "[motionlang.numeric.302]");
 }

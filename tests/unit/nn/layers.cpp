@@ -134,6 +134,8 @@ TEST_CASE("linear attention: constant values stay, keys in any order") {
   CHECK(distance(ml::linear_attention(q, ml::gather(k, order), ml::gather(v, order), queries, keys, 2),
                  ml::linear_attention(q, k, v, queries, keys, 2)) < 1e-14);
   CHECK_ERROR(ml::linear_attention(q, k, v, queries, keys, 3), "[motionlang.config.101]");
+  const auto none = Matrix::zeros({0, 4});
+  CHECK(ml::linear_attention(none, none, none, Offsets{}, Offsets{}, 2).size(0) == 0);
 }
 
 TEST_CASE("dropout needs a generator, and every mask of a call is another") {

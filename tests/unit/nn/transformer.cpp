@@ -78,6 +78,8 @@ TEST_CASE("dropout: only with a generator, the same for the same generator, noth
     c.dropout = 0;
     const auto never = encoder(c);
     CHECK(distance(never(x, {.dropout = ml::Philox{}}).rows, never(x).rows) < 1e-13);
+    c.dropout = 1;
+    CHECK_ERROR(encoder(c)(x, {.dropout = ml::Philox{}}), "[motionlang.config.101] dropout: probability 1");
   }
 }
 

@@ -256,6 +256,7 @@ TEST_CASE("ACTOR: what a network cannot take is refused") {
   CHECK_ERROR(model.encode(x, unknown), "[motionlang.shape.203]");
   CHECK_ERROR(model.encode(x, one), "[motionlang.shape.204]");
   CHECK_ERROR(model.decode(Matrix::zeros({2, 16}), unknown, x.offsets), "[motionlang.shape.203]");
+  CHECK_ERROR(model.decode(Matrix::zeros({2, 16}), one, x.offsets), "[motionlang.shape.204] ActorDecoder: 1 labels");
   auto config = small();
   config.encoder = ActorEncoderKind::fully_connected, config.decoder = ActorDecoderKind::fully_connected;
   const auto fixed = model_of(config);

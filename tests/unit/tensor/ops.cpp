@@ -106,6 +106,8 @@ TEST_CASE("numbers are moved where they belong, and nowhere else") {
   CHECK_ERROR(ml::slice(t, 1, 2, 1), "[motionlang.shape.203] slice: 2 ... 1 of axis 1 of (2, 3)");
   CHECK_ERROR(ml::slice(t, 1, 0, 4), "[motionlang.shape.203]");
   CHECK_ERROR(ml::slice(t, 2, 0, 1), "[motionlang.shape.203]");
+  CHECK(ml::permute(t, {0, -1}).to_vector() == t.to_vector());
+  CHECK(ml::permute(t, {-1, 0}).to_vector() == ml::transpose(t).to_vector());
   CHECK_ERROR(ml::permute(t, {0, 0}), "[motionlang.shape.203] permute: every axis must occur once");
   CHECK_ERROR(ml::concat(0, t, Tensor<2>::zeros({2, 2})), "[motionlang.shape.204] concat along axis 0");
   CHECK_ERROR(ml::concat(std::span<const Tensor<2>>(), 0), "[motionlang.shape.205]");
