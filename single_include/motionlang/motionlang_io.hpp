@@ -562,14 +562,18 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Throws io_error
-/// 401.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
+/// that it leads to is written. Throws io_error 401.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
+  std::error_code problem;
+  const bool linked = std::filesystem::is_symlink(path.string(), problem);
+  const std::string found = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
+  const std::string target = problem ? path.string() : found;
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has
-    temporary = concat_text(path.string(), ".part-", ::getpid(), "-", writers++);
+    temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
     opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
@@ -582,7 +586,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
     if (file.get() < 0 || !file.write(contents)) failed("write");
     if (::fsync(file.get()) != 0) failed("flush");
   }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) failed("rename to");
+  if (std::rename(temporary.c_str(), target.c_str()) != 0) failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));

@@ -75,6 +75,16 @@ TEST_CASE("write_file: what cannot be written is named, not the temporary file")
               ("[motionlang.io.401] cannot write " + path + ": No such file or directory").c_str());
 }
 
+TEST_CASE("write_file: behind a symbolic link the file is written, and the link stays") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path / "disk");
+  std::filesystem::create_symlink("disk/a", folder.path / "link");
+  ml::write_file(folder / "disk/a", std::string_view("old"));
+  ml::write_file(folder / "link", std::string_view("new"));
+  CHECK(std::filesystem::is_symlink(folder.path / "link"));
+  CHECK(ml::read_file(folder / "disk/a") == "new");
+}
+
 TEST_CASE("write_file: two at once leave one of both, whole, and nothing beside it") {
   const TemporaryFolder folder;
   const std::string path = folder.path / "a", first(200'000, 'a'), second(300'000, 'b');
