@@ -43,12 +43,12 @@ TEST_CASE("large_table: every number can be written and read, for small and larg
 }
 
 #if defined(__linux__)
-TEST_CASE("take_memory: of a page that is used in part, only that part is taken; given back, nothing is left") {
+TEST_CASE("take_memory: what is not used is not taken; given back, nothing is left") {
   const std::size_t before = resident(), bytes = 64 * page, used = 10 * page + page / 2;
   auto* memory = static_cast<std::byte*>(ml::take_memory(bytes, used));
   for (std::size_t i = 0; i < used; ++i) memory[i] = std::byte{1};
   CHECK(resident() - before >= used);
-  CHECK(resident() - before < used + page / 4);
+  CHECK(resident() - before < used + page + page / 4);  // where the system makes all pages large, the last one is taken whole
   ml::give_memory(memory, bytes);
   CHECK(resident() < before + page / 4);
 }
