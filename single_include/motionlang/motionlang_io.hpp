@@ -2194,7 +2194,7 @@ inline std::string gunzip(std::span<const std::byte> bytes, std::string_view nam
   constexpr std::uint64_t largest_ratio = 1032;
   if (size > largest_ratio * stream.size())
     raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
-  const detail::Inflated out = detail::inflate(stream, size, name, size);
+  const detail::Inflated out = detail::inflate(stream, size, name);
   if (out.consumed != stream.size())
     raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
   if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
@@ -5256,7 +5256,7 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
 }
 /// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`.
 inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
-  Inflated unpacked = inflate(bytes.subspan(2), limit, name, limit);  // room once: doubling would take twice as much
+  Inflated unpacked = inflate(bytes.subspan(2), limit, name);
   std::uint32_t a = 1, b = 0;  // Adler-32
   for (const std::byte byte : unpacked.data) {
     a = (a + std::to_integer<std::uint32_t>(byte)) % 65521;
@@ -5340,13 +5340,13 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
     raise<io_error>(404, name, ": a tar archive, as PyTorch wrote them before 0.1.10");
   } else if (detail::is_zlib(bytes)) {
-    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left(), name));
+    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
     memory->spend(unpacked.size());
     read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
   } else if (is_gzip(bytes)) {
     const auto declared =
         detail::load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
-    memory->spend(declared);
+    memory->spend(2 * std::uint64_t{declared});
     const std::string& unpacked = memory->keep(gunzip(bytes, name));
     read_torch(TorchFile::from_pickle(
         Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));

@@ -37,7 +37,7 @@ inline std::string gunzip(std::span<const std::byte> bytes, std::string_view nam
   constexpr std::uint64_t largest_ratio = 1032;
   if (size > largest_ratio * stream.size())
     raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
-  const detail::Inflated out = detail::inflate(stream, size, name, size);
+  const detail::Inflated out = detail::inflate(stream, size, name);
   if (out.consumed != stream.size())
     raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
   if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
