@@ -6,6 +6,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "formatted.hpp"
@@ -37,6 +38,19 @@ inline CLI::Validator not_negative() {
 inline CLI::Validator in_range(double low, double high) {
   return number_that(formatted("%.9g to %.9g", low, high), formatted("a number from %.9g to %.9g", low, high),
                      [low, high](double x) { return low <= x && x <= high; });
+}
+
+/// CLI11 takes -1 for the largest number.
+inline CLI::Validator seed_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        std::uint64_t x = 0;
+        const char* const end = text.data() + text.size();
+        const auto [last, status] = std::from_chars(text.data(), end, x);
+        const bool good = status == std::errc{} && last == end;
+        return good ? std::string() : "'" + text + "' is not a whole number from 0 to 18446744073709551615";
+      },
+      "");
 }
 
 /// A text that is not there, "$TEXT" of a shell for instance, is not a text without words.

@@ -137,6 +137,8 @@ TEST_CASE("options that make no sense are refused before any work, and it is sai
       {{"generate", "--text", ""}, "--text: is empty"},
       {{"generate", "--text", "walk", "--seconds", "nan"}, "--seconds: 'nan' is not a number from 0.05 to 3600"},
       {{"generate", "--text", "walk", "--overlap", "-1"}, "--overlap: '-1' is not 0 or a number above it"},
+      {{"generate", "--text", "walk", "--seconds", "1", "--seed", "-1"}, "--seed: '-1' is not a whole number from 0 to 18446744073709551615"},
+      {{"generate", "--text", "walk", "--seconds", "1", "--out", ""}, "--out:"},
       {{"judge", "--seeds", "0"}, "--seeds: '0' is not a number above 0"},
       {{"check", "two.txt", "--fps", "inf"}, "--fps: 'inf' is not a number above 0"},
       {{"convert", "walk.bvh", "out.bvh", "--fps", "nan"}, "--fps: 'nan' is not a number above 0"},

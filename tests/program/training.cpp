@@ -126,6 +126,9 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     const auto rest = clips.train(command, halves, {"--set", "optimiser.epochs=50", "--recompute"});
     REQUIRE_MESSAGE(rest.code == 0, rest.text);
     CHECK(contains(rest.text, "going on at step 48 of 100"));
+    const auto shorter = clips.train(command, halves, {"--set", "optimiser.epochs=24"});
+    CHECK(shorter.code == 1);
+    CHECK(contains(shorter.text, "checkpoint.safetensors has 100 steps, 48 are asked for"));
     CHECK(clips.losses(halves) == losses);
     CHECK(clips.weights(halves) == clips.weights(whole));
   }
@@ -244,6 +247,16 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(contains(cold.text, "losses.learned_temperature is for info_nce"));
   CHECK(contains(clips.train("train-tmr", "cold", {"--set", "losses.embedding=false"}).text,
                  "losses.cross_modal_kl, gaussian_kl and embedding are of TEMOS"));
+
+  for (const auto& [set, expected] : {std::pair("optimiser.lr=-1", "lr is -1, expected 0 or more"),
+                                      {"optimiser.epochs=0", "epochs is 0, expected 1 or more"},
+                                      {"losses.kl=-1", "kl is -1, expected 0 or more"},
+                                      {"network.num_layers=1000000", "num_layers is 1000000, expected 1 to 256"},
+                                      {"data.test_share=2", "test_share is 2, expected 0 or more, and less than 1"}}) {
+    const auto refused = clips.train("train-tmr", "refused", {"--set", set});
+    CHECK(refused.code == 1);
+    CHECK_MESSAGE(contains(refused.text, expected), refused.text);
+  }
 
   trained("train-classifier", "graph", {"--set", "kind=stgcn", "--set", "clips.translation=false", "--set", "width=4"});
   CHECK(run({"evaluate", "graph/model", "--data", ".", "--labels", "labels.tsv", "--seeds", "2"}, clips.path).code == 0);

@@ -337,9 +337,10 @@ void add_convert(CLI::App& app) {
       "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
   add_input(*c, *o, "; or weights, or a body (--hands)");
   c->add_option("output", o->out,
-                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints), .html (page), .svg or .png (film "
+                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints, Z up as STMC saves them), .html (page), .svg or .png (film "
                 "strip), with --body .obj (one for each frame); of weights .safetensors, of a body (--hands) .npz; of "
                 "a folder a folder (--as)")
+      ->check(not_empty())
       ->required();
   c->add_option("--as", o->as,
                 "Of a folder: what the motion files in it and below become, .bvh for instance, with --body also .obj; "

@@ -67,7 +67,7 @@ void run(const std::string& path) {
       for (std::size_t i = 0; i < motions.size(); ++i)
         std::printf("  %zu %s, %.2f s\n", i, motions[i].name.c_str(), motions[i].seconds());
     }
-    return motion(path, motions.front());
+    return motion(motions.size() == 1 ? path : path + ", 0 " + motions.front().name, motions.front());
   }
   for (const char* drawn : {".html", ".svg", ".png", ".obj", ".asf"}) {
     if (kind == drawn)

@@ -224,11 +224,13 @@ void add_generate(CLI::App& app) {
   c->add_option("--tokenizer", o->sources.tokenizer,
                 "TM2T: folder of its motion tokenizer; looked for beside the model unless given")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--out", o->out, "Folder for the results")->capture_default_str();
+  c->add_option("--out", o->out, "Folder for the results")->check(not_empty())->capture_default_str();
   c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the GLB result is this file with the motion added")
       ->check(CLI::ExistingFile);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
-  const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")->capture_default_str();
+  const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")
+                        ->check(seed_number())
+                        ->capture_default_str();
   const auto steps = c->add_option("--steps", o->settings.steps,
                                    "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
                          ->check(not_negative());

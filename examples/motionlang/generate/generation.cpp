@@ -86,7 +86,8 @@ std::filesystem::path model_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return path;
   std::vector<std::filesystem::path> found;
   for (const auto& entry : std::filesystem::directory_iterator(path)) {
-    if (entry.path().extension() == ".safetensors") found.push_back(entry.path());
+    if (entry.path().extension() == ".safetensors" && entry.path().filename() != "checkpoint.safetensors")  // of train
+      found.push_back(entry.path());
   }
   if (found.size() != 1)
     ml::raise<ml::io_error>(401, path.string(), ": ", found.size(), " .safetensors files where one is expected");

@@ -70,7 +70,7 @@ class GeneratorOver final : public Generator {
     ml::StmcReuse reuse;
     auto features = ml::regenerate<B>(model_, record, cut(timelines, cut_texts), how, &reuse);
     if (!s.record_file.empty()) save(record, s.record_file, cut_texts);
-    if (s.notes != nullptr) s.notes->reuse = told(reuse, s.keep_beyond.value_or(0)), s.notes->seed = record.rng.seed;
+    if (s.notes != nullptr) s.notes->reuse = told(reuse, s.keep_beyond), s.notes->seed = record.rng.seed;
     return features;
   }
 

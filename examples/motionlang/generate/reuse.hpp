@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <motionlang/systems/stmc_edit.hpp>
@@ -25,7 +26,7 @@ inline std::filesystem::path record_file(const std::filesystem::path& path) {
                           found.empty() ? ", which generate writes with --record" : "; name one of them");
 }
 
-inline std::string told(const ml::StmcReuse& r, double seconds) {
+inline std::string told(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
   char text[400];
   const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
   std::snprintf(text, sizeof text, "reused: %td of %td frames are those of before; %.0f %% of the work of a whole run\n", r.kept,
@@ -33,9 +34,11 @@ inline std::string told(const ml::StmcReuse& r, double seconds) {
   std::string out = text;
   if (r.exact) {
     out += "  the motion is that of a whole run, bit for bit\n";
+  } else if (!keep_beyond) {
+    out += "  not the motion of a whole run: the run that is reused was made with --keep-beyond\n";
   } else {
     std::snprintf(text, sizeof text,
-                  "  not the motion of a whole run: frames further than %.2f s from an edit were kept (--keep-beyond)\n", seconds);
+                  "  not the motion of a whole run: frames further than %.2f s from an edit were kept (--keep-beyond)\n", *keep_beyond);
     out += text;
   }
   if (r.everywhere > 0) {

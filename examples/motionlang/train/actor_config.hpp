@@ -16,6 +16,7 @@ struct ActorNetworkConfig {
   std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
   std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
 
+  void require_sound() const { require_sizes(*this); }
   static constexpr auto fields() {
     using C = ActorNetworkConfig;
     return ml::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers, "num_heads",
@@ -29,6 +30,10 @@ struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
   std::string points = "joints";  // or "vertices": --body names the model
 
+  void require_sound() const {
+    for (const auto& [name, value] : {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
+      require_value(name, value, value >= 0, "0 or more");
+  }
   static constexpr auto fields() {
     using C = ActorLossConfig;
     return ml::fields("rc", &C::rc, "rcxyz", &C::rcxyz, "kl", &C::kl, "vel", &C::vel, "velxyz", &C::velxyz, "points",

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <motionlang/core/fields.hpp>
@@ -44,8 +45,22 @@ nlohmann::ordered_json config_json(const C& config) {
   return out;
 }
 
+/// Throws config_error 101 unless `good`: "lr is -1, expected 0 or more".
+template <class T>
+void require_value(const char* name, T value, bool good, const char* expected) {
+  if (!good) ml::raise<ml::config_error>(101, name, " is ", value, ", expected ", expected);
+}
+/// The sizes that every network has.
+template <class Network>
+void require_sizes(const Network& n) {
+  for (const auto& [name, size] : {std::pair("latent_dim", n.latent_dim), {"ff_size", n.ff_size}, {"num_heads", n.num_heads}})
+    require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+  require_value("num_layers", n.num_layers, n.num_layers >= 1 && n.num_layers <= 256, "1 to 256");
+  require_value("dropout", n.dropout, n.dropout >= 0 && n.dropout < 1, "0 or more, and less than 1");
+}
+
 /// Members that the document has replace those of `config`; others stay. Throws config_error 103 for a name that is no
-/// member, with the one that is most like it; 107 for a value of the wrong kind.
+/// member, with the one that is most like it; 107 for a value of the wrong kind; 101 for a number that means nothing.
 template <ml::Module C>
 void read_config(C& config, const ml::JsonView& view) {
   std::vector<std::string> known;
@@ -60,6 +75,7 @@ void read_config(C& config, const ml::JsonView& view) {
   }
   detail::ConfigReader read{view};
   ml::detail::each_field(read, ml::detail::walk(config));
+  if constexpr (requires { config.require_sound(); }) config.require_sound();
 }
 
 namespace detail {

@@ -16,6 +16,8 @@
 #include <motionlang/io/annotations.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
+#include "config_json.hpp"
+
 namespace program {
 
 namespace ml = motionlang;
@@ -75,6 +77,12 @@ struct DataConfig {
   std::uint64_t split_seed = 1;
   bool mirror = false;  // mirrored clips with mirrored captions as well, of clips in a table, for training
 
+  void require_sound() const {
+    for (const auto& [name, value] : {std::pair("test_share", test_share), {"validation_share", validation_share}})
+      require_value(name, value, value >= 0 && value < 1, "0 or more, and less than 1");
+    require_value("min_seconds", min_seconds, min_seconds >= 0, "0 or more");
+    require_value("max_seconds", max_seconds, max_seconds > 0, "a number above 0");
+  }
   static constexpr auto fields() {
     using C = DataConfig;
     return ml::fields("min_seconds", &C::min_seconds, "max_seconds", &C::max_seconds, "test_share", &C::test_share,

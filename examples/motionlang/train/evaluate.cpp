@@ -82,7 +82,7 @@ void add_evaluate(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
-  c->add_option("--seed", o->seed, "Seed of what is generated")->capture_default_str();
+  c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
   c->callback([o] { run(*o); });
 }
 

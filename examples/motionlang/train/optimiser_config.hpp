@@ -8,6 +8,7 @@
 #include <motionlang/optim/adamw.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
 
+#include "config_json.hpp"
 #include "trainer.hpp"
 
 namespace program {
@@ -30,6 +31,15 @@ struct OptimiserConfig {
                       &C::warmup, "batch", &C::batch, "epochs", &C::epochs, "seed", &C::seed);
   }
 
+  void require_sound() const {
+    require_value("eps", eps, eps > 0, "a number above 0");
+    for (const auto& [name, value] : {std::pair("beta1", beta1), {"beta2", beta2}, {"ema", ema}})
+      require_value(name, value, value >= 0 && value < 1, "0 or more, and less than 1");
+    for (const auto& [name, value] : {std::pair("lr", lr), {"weight_decay", weight_decay}, {"clip_norm", clip_norm}})
+      require_value(name, value, value >= 0, "0 or more");
+    for (const auto& [name, value] : {std::pair("batch", batch), {"epochs", epochs}}) require_value(name, value, value >= 1, "1 or more");
+    require_value("warmup", warmup, warmup >= 0, "0 or more");
+  }
   ml::AdamWConfig adamw() const {
     return {.lr = lr, .beta1 = beta1, .beta2 = beta2, .eps = eps, .weight_decay = weight_decay};
   }

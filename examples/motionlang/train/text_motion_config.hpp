@@ -16,6 +16,7 @@ struct TextMotionNetworkConfig {
   bool vae = true;
   std::string motion_encoder = "transformer", motion_decoder = "transformer";  // or "gru"; encoder "none": TEMOS alone
 
+  void require_sound() const { require_sizes(*this); }
   static constexpr auto fields() {
     using C = TextMotionNetworkConfig;
     return ml::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers, "num_heads",
@@ -47,6 +48,11 @@ struct TextMotionLossConfig {
   double margin = 10;
   bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // of TEMOS
 
+  void require_sound() const {
+    for (const auto& [name, value] :
+         {std::pair("recons", recons), {"kl", kl}, {"latent", latent}, {"contrastive", contrastive}, {"margin", margin}})
+      require_value(name, value, value >= 0, "0 or more");
+  }
   static constexpr auto fields() {
     using C = TextMotionLossConfig;
     return ml::fields("recons", &C::recons, "kl", &C::kl, "latent", &C::latent, "contrastive", &C::contrastive,

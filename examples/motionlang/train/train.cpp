@@ -114,7 +114,9 @@ void add_train(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--denoiser", o->denoiser, "Begin with the denoiser of this model; only texts are learnt anew")
       ->check(CLI::ExistingFile);
-  c->add_option("--seed", o->config.seed, "Same seed, same weights, stopped and resumed or not")->capture_default_str();
+  c->add_option("--seed", o->config.seed, "Same seed, same weights, stopped and resumed or not")
+      ->check(seed_number())
+      ->capture_default_str();
   c->add_option("--license", o->license, "Licence of the weights, for their metadata: as the data allow");
   c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");

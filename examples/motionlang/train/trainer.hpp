@@ -158,6 +158,9 @@ class Trainer {
     };
     if (!o.fresh && std::filesystem::exists(checkpoint)) {
       resume(checkpoint, o.other_settings);
+      if (steps_done() > task_.steps())
+        ml::raise<ml::config_error>(102, checkpoint.string(), " has ", steps_done(), " steps, ", task_.steps(),
+                                    " are asked for: --fresh starts anew, another --out keeps both");
       std::printf("going on at step %td of %td\n", steps_done(), task_.steps());
     } else {
       begin();
