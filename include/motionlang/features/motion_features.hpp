@@ -38,7 +38,8 @@ struct MotionFeatures {
   double fps = 0;    // that the published systems use
   Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
   const Skeleton& (*skeleton)();
-  FeatureLayout (*layout)();  // which numbers belong to which body part
+  FeatureLayout (*layout)();             // which numbers belong to which body part
+  std::span<const FeatureRange> ranges;  // what the numbers mean
   /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws config_error 103 if the
   /// joints are others, shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
@@ -224,18 +225,22 @@ inline FeatureLayout layout_of_actor() { return actor_layout(); }
 }  // namespace detail
 
 inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
-    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, &detail::guoh3d_rows_of, &detail::joints_of_guoh3d, nullptr},
-    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, &detail::kit_rows_of, &detail::joints_of_kit, nullptr},
-    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, &detail::rifke_rows_of, &detail::joints_of_rifke, nullptr},
-    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, &detail::rifke64_rows_of, &detail::joints_of_rifke64, nullptr},
-    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<true>,
-     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<false>,
-     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, &smplrifke_from_motion,
-     &detail::joints_of_smplrifke, &detail::smplrifke_motion},
-    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, &detail::actor_rows_of, &detail::joints_of_actor,
-     &detail::actor_motion},
+    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, guoh3dfeats_ranges, &detail::guoh3d_rows_of,
+     &detail::joints_of_guoh3d, nullptr},
+    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, kit_ranges, &detail::kit_rows_of,
+     &detail::joints_of_kit, nullptr},
+    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, rifke_ranges, &detail::rifke_rows_of,
+     &detail::joints_of_rifke, nullptr},
+    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, rifke64_ranges, &detail::rifke64_rows_of,
+     &detail::joints_of_rifke64, nullptr},
+    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<true>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<false>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, smplrifke_ranges,
+     &smplrifke_from_motion, &detail::joints_of_smplrifke, &detail::smplrifke_motion},
+    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, actor_ranges, &detail::actor_rows_of,
+     &detail::joints_of_actor, &detail::actor_motion},
 }};
 
 /// The clip of rows, on the joints of the features.

@@ -111,6 +111,14 @@ inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl
   });
 }
 
+/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+inline constexpr std::array<FeatureRange, 4> actor_ranges{{
+    {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
+    {{144, 147}, "way of the root since frame 0: x, y, z", "m"},
+    {{147, 150}, "0: the root's row is as long as the others", "1"},
+}};
+
 /// What ACTOR's networks read, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices
 /// root     (frames), the pelvis; read if `translation` is on

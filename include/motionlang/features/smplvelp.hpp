@@ -41,6 +41,14 @@ inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = s
   });
 }
 
+/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
+    {{0, 1}, "height of the translation in the world", "m"},
+    {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
+    {{3, 9}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{9, 135}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+}};
+
 /// rotations  (frames, joints); joint 0 in the world
 /// trans      (frames)
 /// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...

@@ -157,6 +157,76 @@ TEST_CASE("clips come back where the rows have rotations") {
   CHECK((ml::motion_features("guoh3d").to_motion == nullptr));
 }
 
+TEST_CASE("every number of every feature vector has one meaning, and the body part of its joint") {
+  for (const ml::MotionFeatures& f : ml::all_motion_features) {
+    CAPTURE(f.name);
+    const auto layout = f.layout();
+    CHECK(layout.size == f.width);
+    std::vector<ml::BodyPart> part_of(static_cast<std::size_t>(f.width));
+    for (const std::string_view name : ml::body_part_names) {
+      const auto part = *ml::parse_body_part(name);
+      for (const ml::Index i : layout.indices(part)) part_of[static_cast<std::size_t>(i)] = part;
+    }
+    const bool mmm = f.skeleton().size() == 21;
+    ml::Index end = 0;
+    for (const ml::FeatureRange& r : f.ranges) {
+      CAPTURE(r.meaning);
+      CHECK(r.numbers.begin == end);
+      REQUIRE(r.numbers.size() > 0);
+      end = r.numbers.end;
+      REQUIRE(end <= f.width);
+      CHECK(!r.meaning.empty());
+      CHECK(!r.unit.empty());
+      const ml::Index joints = r.joints.size(), each = joints == 0 ? r.numbers.size() : r.numbers.size() / joints;
+      if (joints > 0) {
+        REQUIRE(each * joints == r.numbers.size());
+        REQUIRE(r.joints.end <= f.skeleton().size());
+      }
+      for (ml::Index i = r.numbers.begin; i < r.numbers.end; ++i) {
+        const auto joint = static_cast<std::size_t>(r.joints.begin + (i - r.numbers.begin) / each);
+        const auto of_joint = mmm ? ml::kit_part_of_joint[joint] : ml::smpl_part_of_joint[joint];
+        CHECK(part_of[static_cast<std::size_t>(i)] == (joints == 0 ? ml::BodyPart::legs : of_joint));
+      }
+    }
+    CHECK(end == f.width);
+  }
+}
+
+TEST_CASE("the tables of meanings have the ranges and units of the publications") {
+  struct Published {
+    std::string_view name;
+    std::size_t row;
+    ml::IndexRange numbers;
+    std::string_view begins, unit;
+  };
+  const std::vector<Published> published{
+      {"guoh3d", 0, {0, 1}, "half the turn", "rad/frame"},    // humanml3d-features.md 6
+      {"guoh3d", 1, {1, 3}, "velocity of the root", "m/frame"},
+      {"guoh3d", 4, {67, 193}, "rotation", "1"},
+      {"guoh3d", 6, {259, 263}, "left ankle, left foot", "1"},
+      {"kit", 2, {3, 4}, "height of the root", "m/640"},      // there and 10
+      {"kit", 5, {184, 247}, "velocity", "m/640/frame"},
+      {"rifke", 1, {1, 64}, "position", "m"},                 // tmr.md 4.1
+      {"rifke", 2, {64, 65}, "turn of the heading to the next frame", "rad/frame"},
+      {"rifke64", 2, {61, 62}, "turn of the heading since the frame before", "rad/frame"},  // temos.md 4.1
+      {"rifke64", 3, {62, 64}, "velocity of the root since", "m/640/frame"},
+      {"smplvelp", 1, {1, 3}, "velocity", "m/frame"},         // temos.md 4.2
+      {"smplvelp-published", 2, {3, 9}, "rotation in the world", "1"},
+      {"smplrifke", 2, {3, 4}, "turn of the heading to the next frame", "rad/frame"},  // mdm.md 6
+      {"smplrifke", 5, {136, 205}, "position relative to the pelvis", "m"},
+      {"actor", 2, {144, 147}, "way of the root since frame 0", "m"},  // actor.md 4.1
+  };
+  for (const Published& p : published) {
+    CAPTURE(p.name);
+    CAPTURE(p.row);
+    const auto ranges = ml::motion_features(p.name).ranges;
+    REQUIRE(p.row < ranges.size());
+    CHECK((ranges[p.row].numbers == p.numbers));
+    CHECK(ranges[p.row].meaning.starts_with(p.begins));
+    CHECK(ranges[p.row].unit == p.unit);
+  }
+}
+
 TEST_CASE("rows and rates that are not finite are refused by every feature vector") {
   for (const ml::MotionFeatures& f : ml::all_motion_features) {
     auto rows = f.from_motion(synthetic::walk({.frames = 20}));
