@@ -4,6 +4,7 @@
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
 
+#include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/glove.hpp>
@@ -49,4 +50,7 @@ TEST_CASE_TEMPLATE("laws of text encoders", B, ml::ReferenceBackend<double>, ml:
   laws::text_encoder_laws<B>(
       ml::TokenizedEncoder(pieces, ml::Mpnet<B>(bert, rng), {.pooling = ml::Pooling::mean, .normalize = true}));
   laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::ClipText<B>(clip, rng), {.pooling = ml::Pooling::end}));
+  laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::Bert<B>(bert, rng), {.pooling = ml::Pooling::first}));
+  const ml::BertTokenizer words({"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]", "walk", "sit", "arms", "raise", "##s", "!"});
+  laws::text_encoder_laws<B>(ml::AnyTextEncoder<B>{ml::AnyTokenizer(words), ml::AnyTextNetwork<B>{ml::Bert<B>(bert, rng)}, {}});
 }

@@ -22,7 +22,7 @@ using B = ml::EigenBackend<float>;
 
 struct EmbedOptions {
   std::string texts, encoder, out, name, pooling = "none";
-  bool normalize = false, empty = true;
+  bool normalize = false, empty = true, truncate = false;
   ml::Index batch = 32;
 };
 
@@ -48,7 +48,7 @@ void run(EmbedOptions o) {
   const std::map<std::string, ml::Pooling> poolings{
       {"none", ml::Pooling::none}, {"mean", ml::Pooling::mean}, {"first", ml::Pooling::first}, {"end", ml::Pooling::end}};
   ml::TextEncoderOptions options{.text = {.pooling = poolings.at(o.pooling), .normalize = o.normalize}};
-  options.limits.truncate = true;
+  if (o.truncate) options.limits.truncate = true;
   options.limits.cleaning = ml::ClipCleaning::original;  // as STMC's own caches
   const auto encoder = ml::load_text_encoder<B>(o.encoder, options);
   if (o.name.empty()) o.name = std::filesystem::path(o.encoder).lexically_normal().filename().string();
@@ -90,6 +90,8 @@ void add_embed(CLI::App& app) {
       ->capture_default_str();
   c->add_flag("--normalize", o->normalize, "Vectors of texts get the length 1 (TMR's sent_embeddings)");
   c->add_flag("--empty,!--no-empty", o->empty, "Also the text \"\", the unconditional one")->capture_default_str();
+  c->add_flag("--truncate", o->truncate, "Cuts texts that are longer than the encoder takes (512 ids), which are refused "
+              "otherwise; CLIP, of 77 ids, always cuts");
   c->add_option("--batch", o->batch, "Texts at a time")->check(in_range(1, 4096))->capture_default_str();
   c->callback([o] { run(*o); });
 }

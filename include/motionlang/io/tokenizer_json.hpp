@@ -316,7 +316,10 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 
 inline BertTokenizer bert_from_folder(const std::string& folder, const TokenizerConfig& config,
                                       const TokenizerLimits& limits) {
-  const bool mpnet = config.tokenizer_class.starts_with("MPNet");
+  std::vector<std::string> vocabulary = read_vocabulary(folder + "/vocab.txt");
+  const std::vector<std::string> marks = mpnet_vocabulary({});  // the last one stands at the end
+  const bool mpnet = config.tokenizer_class.starts_with("MPNet") ||
+                     (vocabulary.size() >= marks.size() && std::equal(marks.begin(), marks.end() - 1, vocabulary.begin()));
   BertTokenizerOptions o = mpnet ? BertTokenizerOptions::mpnet() : BertTokenizerOptions();
   o.lower_case = config.lower_case.value_or(o.lower_case);
   o.strip_accents = config.strip_accents;
@@ -334,7 +337,7 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
   }
   o.longest = limits.longest.value_or(o.longest);
   o.truncate = limits.truncate.value_or(o.truncate);
-  return read_bert_tokenizer(folder + "/vocab.txt", std::move(o));
+  return BertTokenizer(std::move(vocabulary), std::move(o), folder + "/vocab.txt");
 }
 
 inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {

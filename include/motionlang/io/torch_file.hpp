@@ -230,6 +230,9 @@ class TorchTensors {
     t.shape = sizes(given[2]);
     t.strides = sizes(given[3]);
     t.swapped = swapped_ && bytes_of(t.dtype) > 1;
+    constexpr std::size_t metadata = 6;  // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
+      v.fail(404, "a tensor that is negated or conjugated when it is read");
     if (t.shape.rank() != t.strides.rank())
       v.fail(403, "a tensor with ", t.shape.rank(), " sizes and ", t.strides.rank(), " strides");
     if (const char* problem = out_of_range(t, t.storage.size() / bytes_of(t.dtype))) {
@@ -342,6 +345,10 @@ class TorchFile {
   static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory, bool checksums = false) {
     const std::string folder = root_folder(zip);
     if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
+    for (const ZipEntry& e : zip.entries()) {
+      if (is_root_pickle(e.name) && !e.name.starts_with(folder))
+        raise<io_error>(403, zip.name(), ": both '", folder, "data.pkl' and '", e.name, "' at byte ", e.offset, ": which is meant?");
+    }
     detail::TorchTensors tensors(memory);
     const std::string data = folder + "data/";
     bool script = false;
@@ -359,9 +366,12 @@ class TorchFile {
         raise<io_error>(403, zip.name(), ": byte order '", text.substr(0, 16), "'");
       tensors.set_swapped(text == "big");
     }
-    Pickle object(zip.checked(*zip.find(folder + "data.pkl")), concat_text(zip.name(), "/", folder, "data.pkl"),
-                  {.persistent_ids = true}, memory);
-    return TorchFile(std::move(object), std::move(tensors), memory, script ? "TorchScript" : "torch zip");
+    const auto bytes = zip.checked(*zip.find(folder + "data.pkl"));
+    Pickle object(bytes, concat_text(zip.name(), "/", folder, "data.pkl"), {.persistent_ids = true}, memory);
+    const std::uint64_t behind = bytes.size() - object.end();
+    TorchFile out(std::move(object), std::move(tensors), memory, script ? "TorchScript" : "torch zip");
+    out.behind_ = behind;
+    return out;
   }
 
   /// A plain pickle, in which tensors bring their storages.
@@ -374,15 +384,14 @@ class TorchFile {
   }
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip) {
-    constexpr std::string_view pickle = "data.pkl";
     for (const ZipEntry& e : zip.entries()) {
-      const std::size_t slash = e.name.find('/');
-      if (slash != std::string::npos && std::string_view(e.name).substr(slash + 1) == pickle)
-        return e.name.substr(0, slash + 1);
+      if (is_root_pickle(e.name)) return e.name.substr(0, e.name.find('/') + 1);
     }
     return "";
   }
 
+  /// Bytes that follow the pickle of an archive and mean nothing.
+  std::uint64_t bytes_behind() const { return behind_; }
   /// "torch zip", "TorchScript", "torch legacy" or "pickle".
   const std::string& format() const { return format_; }
   PickleValue root() const { return object_.root(); }
@@ -400,11 +409,16 @@ class TorchFile {
         tensors_(std::move(tensors)),
         memory_(std::move(memory)),
         format_(std::move(format)) {}
+  static bool is_root_pickle(std::string_view member) {
+    const std::size_t slash = member.find('/');
+    return slash != member.npos && member.substr(slash + 1) == "data.pkl";
+  }
 
   Pickle object_;
   detail::TorchTensors tensors_;
   std::shared_ptr<TensorMemory> memory_;
   std::string format_;
+  std::uint64_t behind_ = 0;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -423,10 +423,18 @@ inline bool is_safetensors(std::span<const std::byte> bytes) {
   return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
 }
 
+/// Whether the first number is the length of a header that the file holds, and which is no longer than one may be.
+inline bool has_header_length(std::span<const std::byte> bytes) {
+  if (bytes.size() < sizeof(std::uint64_t)) return false;
+  const auto length = load<std::uint64_t>(bytes, 0, "", "");
+  return length <= SafetensorsFile::max_header && length <= bytes.size() - sizeof length;
+}
+
 /// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
-  return is_safetensors(bytes) || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
+  const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));  // a wrong length
+  return is_safetensors(bytes) || damaged || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
          text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes);
 }
 
@@ -466,7 +474,11 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   const auto read_torch = [&](const TorchFile& file) {
     out.format_ = file.format();
     reader.read(file);
+    if (out.tensors_.empty() && !out.skipped_.empty())
+      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ", *out.skipped_.begin(),
+                      " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
+    if (file.bytes_behind() > 0) out.skipped_.insert(concat_text(file.bytes_behind(), " bytes behind the end of data.pkl"));
   };
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
@@ -501,7 +513,16 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     read_torch(TorchFile::from_pickle(
         Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
   } else if (detail::begins_pickle(text)) {
-    read_torch(TorchFile::from_pickle(Pickle(bytes, name, {.inline_bytes = joblib_array_bytes}), memory));
+    Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
+    const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);  // of 8 bytes, or more
+    if (number && pickle.end() < bytes.size() && bytes[static_cast<std::size_t>(pickle.end())] == std::byte{0x80})
+      pickle.root().fail(404, "not the magic number of PyTorch's older files, although pickles follow it,");
+    read_torch(TorchFile::from_pickle(std::move(pickle), memory));
+  } else if (detail::has_header_length(bytes)) {
+    refuse_keys("safetensors");
+    return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
+  } else if (text.size() < safetensors_start) {
+    raise<io_error>(402, name, ": ", text.size(), " bytes are no file of weights of any kind");
   } else {
     raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
   }

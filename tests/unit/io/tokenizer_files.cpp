@@ -227,6 +227,7 @@ TEST_CASE("folders: tokenizer.json, else vocab.txt, else vocab.json and merges.t
   CHECK(clip.encode("wa&amp;l") != clip.encode("wa&l"));
 
   ml::write_file(folder / "vocab.txt", "<s>\n<pad>\n</s>\n<unk>\n[UNK]\nWalk\nwalk\n<mask>\n");
+  CHECK(ml::read_tokenizer(folder.path).encode("Walk x") == Ids{0, 6, 4, 2});  // known by its marks
   ml::write_file(folder / "tokenizer_config.json", R"({"tokenizer_class": "MPNetTokenizer", "do_lower_case": false,
     "cls_token": "<s>", "sep_token": "</s>", "unk_token": "[UNK]", "mask_token": "<mask>"})");
   const auto mpnet = ml::read_tokenizer(folder.path);

@@ -178,7 +178,7 @@ TEST_CASE("what asks for more than the file justifies is refused") {
   CHECK_ERROR(open("many_expanded.pt"), "bytes more than a file of its size justifies");
   CHECK_ERROR(open("wrapping_sizes.pt"), "has more elements than its storage allows");
   CHECK_ERROR(open("count_legacy.pt"), "[motionlang.io.405]");
-  CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.404] empty: not a file of weights");
+  CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.402] empty: 0 bytes are no file of weights");
   std::string sizes =
       "\x80\x02"
       "ctorch\nSize\nq";  // Size((Size((...),)),)
@@ -242,4 +242,54 @@ TEST_CASE("names that do not match are listed with the most similar of the other
         "\n  missing    norm.bias"
         "\n  unexpected encoder.wieght  (the model has encoder.weight)");
   CHECK(to_string(ml::KeyReport{std::vector<std::string>(25, "a"), {}}).ends_with("missing    5 more"));
+}
+
+namespace {
+
+/// spec_zip.pt with `more` behind its data.pkl, and with a member of that name and content unless the name is empty.
+std::vector<std::byte> changed_archive(std::string_view more, const std::string& name = "", std::string_view content = "") {
+  const auto zip = ml::ZipArchive::open(sample("spec_zip.pt"));
+  ml::ZipWriter out;
+  for (const ml::ZipEntry& e : zip.entries()) {
+    std::vector<std::byte> bytes = zip.read(e);
+    if (e.name.ends_with("/data.pkl")) ml::detail::append_text(bytes, more);
+    out.add(e.name, bytes);
+  }
+  if (!name.empty()) out.add(name, std::as_bytes(std::span(content)));
+  return out.finish();
+}
+
+}  // namespace
+
+TEST_CASE("PyTorch: what follows the pickle is told, two roots are refused") {
+  const auto file = ml::WeightFile::from_bytes(changed_archive("more"), "x.pt");
+  CHECK(floats(file, "h") == std::vector<float>{1, -2.5F});
+  CHECK(file.skipped().contains("4 bytes behind the end of data.pkl"));
+  CHECK(ml::WeightFile::from_bytes(changed_archive(""), "x.pt").skipped().empty());
+  CHECK_ERROR(ml::WeightFile::from_bytes(changed_archive("", "other/data.pkl", "\x80\x02}."), "x.pt"), "'other/data.pkl' at byte");
+}
+
+TEST_CASE("PyTorch: tensors that are negated on reading, whole modules") {
+  const auto archive = [](std::string_view metadata) {
+    using namespace std::string_view_literals;
+    const std::string pickle = ml::concat_text(
+        "\x80\x02}U\x01wctorch._utils\n_rebuild_tensor_v2\n((U\x07storagectorch\nFloatStorage\nU\x01"
+        "0U\x03"
+        "cpuK\x06tQK\x00K\x02K\x03\x86K\x03K\x01\x86\x89}"sv,
+        metadata, "tRs."sv);
+    ml::ZipWriter zip;
+    zip.add("a/data.pkl", std::as_bytes(std::span(pickle)));
+    zip.add("a/data/0", std::as_bytes(std::span(six)));
+    return zip.finish();
+  };
+  CHECK(floats(ml::WeightFile::from_bytes(archive("}"), "x.pt"), "w") == six);
+  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt"), "skipped: torch._utils._rebuild_tensor_v2");
+  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt", {}, {.path = {}, .strict = true}), "a tensor that is negated");
+
+  const std::string_view module = "\x80\x02" "ctorch.nn.modules.linear\nLinear\n)\x81}b.";
+  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(module)), "x.pkl"),
+              "skipped: torch.nn.modules.linear.Linear (of a whole module or model, save its state_dict())");
+  const std::string legacy(ml::detail::torch_legacy_magic);
+  const std::string with_source = legacy + "\x80\x02M\xe9\x03.\x80\x02}U\x0dlittle_endian\x88s.\x80\x02(U\x06moduleK\x01tQ)\x81.";
+  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(with_source)), "x.pt"), "a whole module with its source code");
 }

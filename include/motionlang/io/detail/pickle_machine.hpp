@@ -581,6 +581,8 @@ class PickleMachine {
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
     const PickleKind kind = nodes_[callee].kind;
+    if (kind == PickleKind::persistent)  // PyTorch's older form refers to the source code of classes
+      fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (kind != PickleKind::name && kind != PickleKind::object) fail(403, "a call of ", name_of(kind));
     if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
     call(callee, arguments);
