@@ -10,6 +10,7 @@
 #include <numbers>        // pi
 #include <unordered_map>  // names
 #include <unordered_set>  // names
+#include <utility>        // exchange
 
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
@@ -26,7 +27,8 @@ struct BvhReadOptions {
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  double end_length = 0.1;         // of the bones after leaf joints, metres; of length 0, Blender invents its own
+  double end_length = 0.1;         // of the bones after leaf joints where the skeleton has none, metres, but no longer than the bone
+                                   // before; of length 0, Blender invents its own
 };
 
 namespace detail {
@@ -156,9 +158,24 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
   return (1.0 / static_cast<double>(table.rows)) * sum;
 }
 
+/// Where the end sites of the joints are: of several at one joint the first; none if the file has none.
+inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJoint> joints, double scale) {
+  std::vector<Vec3<double>> ends;
+  std::vector<int> joint_of(file.nodes.size(), -1);  // that has no end yet
+  for (std::size_t j = 0; j < joints.size(); ++j) joint_of[static_cast<std::size_t>(joints[j].number)] = static_cast<int>(j);
+  for (const BvhNode& node : file.nodes) {
+    if (!node.end_site || node.parent < 0) continue;
+    const int joint = std::exchange(joint_of[static_cast<std::size_t>(node.parent)], -1);
+    if (joint < 0) continue;
+    ends.resize(joints.size());
+    ends[static_cast<std::size_t>(joint)] = scale * node.offset;
+  }
+  return ends;
+}
+
 }  // namespace detail
 
-/// What the file means. End sites are left out; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
+/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
 /// positions that change (stretching bones) are replaced by their mean. A root that merely carries another moving root
 /// is joined with it, so that the root of the motion is the one that moves.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
@@ -184,6 +201,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
     const bool is_root = skeleton.size() == 1;
     skeleton.offsets.push_back(options.scale * (is_root ? j.node->offset : detail::constant_offset(j, table)));
   }
+  skeleton.ends = detail::bvh_ends(file, joints, options.scale);
   motion.root.reserve(frames);
   motion.local.reserve(frames * joints.size());
   for (Index f = 0; f < file.frames; ++f) {
@@ -249,10 +267,13 @@ inline std::vector<int> depth_first_order(const Skeleton& skeleton) {
   return order;
 }
 
-/// Where a leaf's bone ends: `length` metres along the bone before it, upwards if there is none.
+/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is none.
 inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double length) {
+  if (!skeleton.ends.empty() && norm(skeleton.ends[static_cast<std::size_t>(joint)]) > 0)
+    return skeleton.ends[static_cast<std::size_t>(joint)];
   const Vec3<double> bone = joint == 0 ? Vec3<double>{} : skeleton.offset(joint);
-  return norm(bone) > 1e-9 ? length * normalized(bone) : Vec3<double>{0, length, 0};
+  const double before = norm(bone);
+  return before > 1e-9 ? std::min(1.0, length / before) * bone : Vec3<double>{0, length, 0};
 }
 
 }  // namespace detail

@@ -106,7 +106,11 @@ class BvhParser {
   }
   void channels(BvhNode& joint) {
     const auto count = scan_.count<std::size_t>("the number of channels");
-    for (std::size_t i = 0; i < count; ++i) joint.channels.push_back(channel());
+    for (std::size_t i = 0; i < count; ++i) {
+      joint.channels.push_back(channel());
+      if (std::count(joint.channels.begin(), joint.channels.end(), joint.channels.back()) > 1)
+        scan_.fail(403, "joint '", TextScanner::shortened(joint.name), "' has a channel twice");
+    }
   }
   BvhChannel channel() {
     const std::string_view word = scan_.word("a channel");

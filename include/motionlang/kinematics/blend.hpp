@@ -58,7 +58,8 @@ struct LoopRound {
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 inline LoopRound make_loop(const Motion& motion, Index frames) {
   if (frames < 1 || frames > motion.frames() / 2) {
-    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ", motion.fps,
+                        " per second: at most half of it");
   }
   const Index last = motion.frames() - frames, middle = frames / 2;
   const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));

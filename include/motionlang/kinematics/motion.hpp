@@ -57,7 +57,7 @@ struct Motion {
                          skeleton.size(), " joints");
     }
     for (int j = 0; j < skeleton.size(); ++j) {
-      const auto& o = skeleton.offset(j);
+      const auto o = skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }

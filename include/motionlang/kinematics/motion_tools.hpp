@@ -121,8 +121,9 @@ inline Motion mirror(const Motion& motion, std::span<const int> partners) {
     if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
       raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
     }
-    const Vec3<double>& offset = skeleton.offsets[j];
-    out.skeleton.offsets[static_cast<std::size_t>(p)] = {-offset.x, offset.y, offset.z};
+    const auto mirrored = [](const Vec3<double>& v) { return Vec3<double>{-v.x, v.y, v.z}; };
+    out.skeleton.offsets[static_cast<std::size_t>(p)] = mirrored(skeleton.offsets[j]);
+    if (!skeleton.ends.empty()) out.skeleton.ends[static_cast<std::size_t>(p)] = mirrored(skeleton.ends[j]);
   }
   for (Vec3<double>& r : out.root) r.x = -r.x;
   for (Index f = 0; f < motion.frames(); ++f) {
@@ -141,9 +142,18 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. Returns 0 for skeletons whose
-/// zero pose is no T-pose: call it before retargeting.
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last digit counts as
+/// one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
+  Index held = 0;
+  const auto same = [&](Index f) {
+    return std::ranges::equal(motion.rotations(f), motion.rotations(0), [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+  };
+  while (held + 1 < motion.frames() && same(held + 1)) ++held;
+  if (held > 0) {
+    const Index more = detect_t_pose_lead_in(crop(motion, held, motion.frames()));
+    return more > 0 ? held + more : 0;
+  }
   constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
   const auto frames = static_cast<double>(motion.frames());  // a rate may be larger than any Index

@@ -27,6 +27,9 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
+  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have them. One for each
+  /// joint, (0, 0, 0) where it is not known, or none at all.
+  std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
   static Skeleton from_joints(std::span<const Joint> joints) {
@@ -100,6 +103,8 @@ struct Skeleton {
       raise<config_error>(106, "Skeleton: ", names.size(), " names, ", parents.size(), " parents, ", offsets.size(),
                           " offsets");
     }
+    if (!ends.empty() && ends.size() != parents.size())
+      raise<config_error>(106, "Skeleton: ", ends.size(), " ends of ", parents.size(), " joints");
     for (int j = 0; j < size(); ++j) {
       if (j == 0 ? parent(j) != -1 : parent(j) < 0 || parent(j) >= j) {
         raise<config_error>(
@@ -109,7 +114,8 @@ struct Skeleton {
       if (find(name(j)) != j) raise<config_error>(106, "Skeleton: two joints are called '", name(j), "'");
     }
   }
-  bool operator==(const Skeleton&) const = default;
+  /// Poses of one fit the other: `ends` are of no account.
+  bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

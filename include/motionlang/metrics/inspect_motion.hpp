@@ -92,6 +92,7 @@ struct InspectionLimits {
   double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
   double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
   double low = 0.03;         // m above where a foot joint is when it stands: still on the floor
+  double carried = 0.4;      // of the length of the legs that the pelvis is above a foot that carries it: not of who swims or crawls
   double on_the_spot = 0.5;  // m across which the root moves in a clip in place
   double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
 };
@@ -103,11 +104,12 @@ struct UnitFactor {
   double factor;
   std::string_view unit;
 };
-inline constexpr std::array<UnitFactor, 9> unit_factors{{
+inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {100, "the file is in metres where centimetres were expected"},
     {10, "decimetres"},
     {0.1, "millimetres where centimetres were expected"},
     {2.54, "inches where centimetres were expected"},
+    {30.48, "feet where centimetres were expected"},
     {2.54 / 0.45, "the unit of CMU's files, 1/0.45 inch, where centimetres were expected"},
     {0.01, "centimetres where metres were expected"},
     {0.001, "millimetres where metres were expected"},
@@ -201,9 +203,12 @@ class MotionInspector {
     return sum;
   }
 
+  double leg_length() const {
+    return 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
+  }
   /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are long.
   void check_scale() {
-    const double legs = 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
+    const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
     auto human = [&](double h) { return h >= limits_.shortest && h <= limits_.tallest; };
     if (human(height) || !(height > 0)) return;
@@ -364,6 +369,7 @@ class MotionInspector {
   /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
   /// stays below, so that treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::vector<double>& speeds) {
+    const double carried = limits_.carried * leg_length() * out_.cure.scale;
     // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
     const Index stride = std::max<Index>(1, std::lround(std::min(motion_.fps / 25, static_cast<double>(frames()))));
     std::vector<double> stands;  // the height at which a joint stands
@@ -377,7 +383,7 @@ class MotionInspector {
       double slowest = -1;
       for (std::size_t k = 0; k < feet.size() && f + stride < frames(); ++k) {
         const Vec &a = at(f, feet[k]), &b = at(f + stride, feet[k]);
-        if (std::max(a.y, b.y) > stands[k] + limits_.low) continue;
+        if (std::max(a.y, b.y) > stands[k] + limits_.low || at(f, body_->pelvis).y - a.y < carried) continue;
         const double speed = norm(Vec{b.x - a.x, 0, b.z - a.z}) * motion_.fps / static_cast<double>(stride);
         if (slowest < 0 || speed < slowest) slowest = speed;
       }
@@ -391,6 +397,15 @@ class MotionInspector {
   }
 
   void check_feet() {
+    const double sole = sole_height({0, 1, 0});
+    if (std::abs(sole) <= limits_.standing) check_contacts();
+    if (sole >= -limits_.below && sole <= limits_.above) return;
+    add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
+        " y = 0");
+    out_.cure.lift = -sole;
+  }
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing.
+  void check_contacts() {
     std::vector<double> speeds;
     for (const bool left : {true, false}) {
       auto side = [&](const BodyJoints::Pair& p) { return left ? p.left : p.right; };
@@ -408,11 +423,6 @@ class MotionInspector {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
           norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot ? "; a clip in place" : "");
     }
-    const double sole = sole_height({0, 1, 0});
-    if (sole >= -limits_.below && sole <= limits_.above) return;
-    add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
-        " y = 0");
-    out_.cure.lift = -sole;
   }
 
   const Motion& motion_;
@@ -457,7 +467,9 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
   const auto body = find_body_joints(out.skeleton);
   const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
   for (Vec3<double>& r : out.root) r = cure.scale * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
-  for (Vec3<double>& o : out.skeleton.offsets) o = cure.scale * (turn_rest ? rotate(up, o) : o);
+  for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
+    for (Vec3<double>& o : *bones) o = cure.scale * (turn_rest ? rotate(up, o) : o);
+  }
   for (Index f = 0; f < out.frames(); ++f) {
     const auto pose = out.rotations(f);
     if (turn_rest) {

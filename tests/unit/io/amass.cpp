@@ -140,3 +140,21 @@ TEST_CASE("sequences for a body model: every number of the file, in its own worl
   ml::write_npz(folder / "b.npz", arrays);
   CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"), doctest::Contains("poses (2, 157)"), ml::io_error);
 }
+
+TEST_CASE("poses in parts are those of one array") {
+  const TemporaryFolder folder;
+  std::vector<double> root(2 * 3, 1), body(2 * 63, 2), hands(2 * 90, 3);
+  const auto array = [](const std::vector<double>& v) { return ml::NpyArray::of(std::span<const double>(v), {2, std::ssize(v) / 2}); };
+  std::vector<ml::NamedArray> arrays{{"root_orient", array(root)},
+                                     {"pose_body", array(body)},
+                                     {"pose_hand", array(hands)},
+                                     {"trans", matrix(2, 3)},
+                                     {"mocap_frame_rate", ml::NpyArray::scalar(120.0)}};
+  ml::write_npz(folder / "a.npz", arrays);
+  const ml::AmassSequence s = ml::read_amass_sequence(folder / "a.npz");
+  REQUIRE((s.frames == 2 && s.columns == 156 && s.poses.size() == 2 * 156));
+  CHECK((s.poses[156] == 1 && s.poses[156 + 3] == 2 && s.poses[156 + 65] == 2 && s.poses[156 + 66] == 3 && s.poses.back() == 3));
+  arrays[2].array = matrix(3, 90);
+  ml::write_npz(folder / "b.npz", arrays);
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"), doctest::Contains("parts of the poses have 2 and 3 rows"), ml::io_error);
+}

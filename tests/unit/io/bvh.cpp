@@ -7,6 +7,7 @@
 #include <string>
 
 #include <motionlang/io/bvh.hpp>
+#include <motionlang/metrics/inspect_motion.hpp>
 
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
@@ -191,9 +192,11 @@ TEST_CASE("BVH: written for the strictest reader") {
   CHECK(text[text.size() - 2] != '\n');
   CHECK(std::count(text.begin() + static_cast<std::ptrdiff_t>(text.find("Frame Time")), text.end(), '\n') == 4);
   int leaves = 0, ends = 0;
-  for (const auto& node : ml::to_bvh(walk).nodes) {
+  const auto nodes = ml::to_bvh(walk).nodes;
+  for (const auto& node : nodes) {
     ends += node.end_site ? 1 : 0;
-    if (node.end_site) CHECK(ml::norm(node.offset) == Approx(10));
+    if (node.end_site)
+      CHECK(ml::norm(node.offset) == Approx(std::min(10.0, ml::norm(nodes[static_cast<std::size_t>(node.parent)].offset))));
   }
   for (int j = 0; j < walk.skeleton.size(); ++j) leaves += walk.skeleton.children(j).empty() ? 1 : 0;
   CHECK(ends == leaves);
@@ -263,6 +266,25 @@ TEST_CASE("BVH: names that other programs accept") {
   CHECK(back.skeleton.find("mixamorig_Left_Hip") >= 0);
   CHECK(back.skeleton.find("mixamorig_Left_Hip_2") >= 0);
   CHECK(back.skeleton.find("joint") >= 0);
+}
+
+TEST_CASE("BVH: where bones end is kept, mirrored and scaled with the clip; a channel stands once") {
+  auto motion = ml::to_motion(ml::parse_bvh(two_joints));
+  REQUIRE(motion.skeleton.ends.size() == 2);
+  check_equal(motion.skeleton.ends[1], {0.02, 0.05, 0});
+  check_equal(ml::to_bvh(motion).nodes[2].offset, {2, 5, 0});
+  const std::vector<int> itself{0, 1};
+  ml::Cure tripled;
+  tripled.scale = 3;
+  check_equal(ml::to_bvh(ml::mirror(motion, itself)).nodes[2].offset, {-2, 5, 0});
+  check_equal(ml::to_bvh(ml::mended(motion, tripled)).nodes[2].offset, {6, 15, 0});
+  motion.skeleton.ends.clear();
+  check_equal(ml::to_bvh(motion).nodes[2].offset, {0, 10, 0});
+  check_equal(ml::to_bvh(motion, {.end_length = 0.5}).nodes[2].offset, {0, 10, 0});  // not longer than the bone before
+  motion.skeleton.ends.resize(1);
+  CHECK_THROWS_WITH_AS(motion.validate(), doctest::Contains("1 ends of 2 joints"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::parse_bvh(with(two_joints, "Zrotation Xrotation Yrotation\n  JOINT", "Zrotation Xrotation Xrotation\n  JOINT")),
+                       doctest::Contains("joint 'hips' has a channel twice"), ml::io_error);
 }
 
 TEST_CASE("BVH: a single joint, and a bone of no length, get an end") {

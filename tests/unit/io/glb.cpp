@@ -322,6 +322,17 @@ TEST_CASE("what cannot be written is an error") {
   CHECK_THROWS_WITH_AS(ml::glb_bytes(motions), doctest::Contains("101"), ml::config_error);
 }
 
+TEST_CASE("other versions of glTF and packed data are refused by name") {
+  Builder b = two_joints();
+  b.document["asset"]["version"] = "1.0";
+  CHECK_THROWS_WITH_AS(b.file(), doctest::Contains("glTF of version 1.0"), ml::io_error);
+  b = two_joints();
+  b.document["extensionsRequired"] = {"KHR_texture_basisu"};  // of pictures
+  CHECK(b.file().motion(0).frames() > 1);
+  b.document["bufferViews"][1]["extensions"]["EXT_meshopt_compression"] = json::object();
+  CHECK_THROWS_WITH_AS(b.file().motion(0), doctest::Contains("packed by EXT_meshopt_compression"), ml::io_error);
+}
+
 TEST_CASE("hostile documents") {
   auto refused = [](auto change, const char* text) {
     Builder b = two_joints();

@@ -157,6 +157,12 @@ TEST_CASE("an inserted T-pose is found: one frame, or a blend and its overshoot"
   CHECK(ml::detect_t_pose_lead_in(with_lead_in(walk, 1)) == 1);
   CHECK(ml::detect_t_pose_lead_in(with_lead_in(walk, 2)) == 4);
   CHECK(synthetic::largest_distance(ml::drop_lead_in(with_lead_in(walk, 1)), walk) == 0);
+  auto held = with_lead_in(walk, 1);
+  const auto pose = ml::crop(held, 0, 1);
+  for (int frames = 2; frames < 80; ++frames) {
+    held = ml::concatenate(pose, held);
+    CHECK(ml::detect_t_pose_lead_in(held) == frames);
+  }
 }
 
 TEST_CASE("a performer who starts in a T-pose is left alone") {

@@ -205,6 +205,18 @@ TEST_CASE("feet that slide: a walk on the spot, a path that is too long") {
   CHECK(faults(stretched) == only(ml::Fault::sliding_feet));
 }
 
+TEST_CASE("feet that carry nothing do not slide: in water, on the belly") {
+  auto swims = walk(), crawls = walk();
+  for (Vec& r : swims.root) r.x = r.z = 0, r.y += 0.8;
+  CHECK(faults(swims) == only(ml::Fault::floor));
+  for (ml::Index f = 0; f < crawls.frames(); ++f) {  // leans forward about the pelvis and moves on along the floor
+    auto& pelvis = crawls.rotations(f)[0];
+    pelvis = synthetic::about_x(std::numbers::pi / 2) * pelvis;
+    crawls.root[static_cast<std::size_t>(f)] = {0, 0.1, 0.05 * static_cast<double>(f)};
+  }
+  CHECK(!ml::inspect_motion(crawls).has(ml::Fault::sliding_feet));
+}
+
 TEST_CASE("feet that are not on the floor") {
   for (const double lift : {-0.9, -0.1, 0.2, 3.0}) {
     auto m = walk();

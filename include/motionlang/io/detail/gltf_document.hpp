@@ -30,11 +30,14 @@ struct GltfNode {
   GltfTransform rest;
 };
 
+/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and materials.
 class GltfDocument {
  public:
   /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
+    const std::string version = root()["asset"]["version"].as<std::string>();
+    if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", known is 2");
     read_nodes();
     name_humanoid();
   }
@@ -144,6 +147,10 @@ class GltfDocument {
   }
 
   std::span<const std::byte> view_bytes(const JsonView& view) const {
+    for (const char* packed : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+      if (view.contains("extensions") && view["extensions"].contains(packed))
+        raise<io_error>(404, view.path(), ": packed by ", packed, ": unpack the file first, for instance with gltf-transform");
+    }
     const auto buffer = view["buffer"].as<Index>();
     if (buffer != 0 || element("buffers", 0).contains("uri")) {
       raise<io_error>(404, view.path(), ": buffer ", buffer, " is not the one in this file");
