@@ -39,6 +39,17 @@ class ProgressBar {
     drawn_ = false;
   }
 
+  /// Minutes and seconds, or hours and minutes.
+  static std::string clock(double seconds) {
+    const auto s = static_cast<long>(seconds + 0.5);
+    char text[32];
+    if (s >= 3600)
+      std::snprintf(text, sizeof text, "%ld:%02ld h", s / 3600, s / 60 % 60);
+    else
+      std::snprintf(text, sizeof text, "%ld:%02ld min", s / 60, s % 60);
+    return text;
+  }
+
  private:
   void draw(std::ptrdiff_t done, std::ptrdiff_t total, double elapsed) {
     const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1;
@@ -51,15 +62,6 @@ class ProgressBar {
                  clock(left).c_str(), note_.empty() ? "" : "  ", note_.c_str(), terminal_ ? "\033[K" : "\n");
     std::fflush(stderr);
     drawn_ = true;
-  }
-  static std::string clock(double seconds) {
-    const auto s = static_cast<long>(seconds + 0.5);
-    char text[32];
-    if (s >= 3600)
-      std::snprintf(text, sizeof text, "%ld:%02ld h", s / 3600, s / 60 % 60);
-    else
-      std::snprintf(text, sizeof text, "%ld:%02ld min", s / 60, s % 60);
-    return text;
   }
 
   std::string what_, note_;

@@ -1,7 +1,9 @@
 // The commands that train TMR, TEMOS, ACTOR and classifiers, and evaluate: on a few made-up clips, in seconds.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <numeric>
+#include <sstream>
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/bvh.hpp>
@@ -10,6 +12,7 @@
 #include <motionlang/io/npz.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/metrics/ape_ave.hpp>
 
 #include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/body_arrays.hpp"
@@ -93,9 +96,10 @@ Outcome train_tiny(const std::string& command, const std::filesystem::path& fold
 
 /// A walk of so many rows, and what is said about it, in a data set.
 void add_walk(const std::string& data_set, const std::string& id, int rows, const std::string& features,
-              const ml::HumanMl3dForm& form) {
+              const ml::HumanMl3dForm& form, synthetic::Walk walk = {}) {
   const auto& f = ml::motion_features(features);
-  const auto values = f.from_motion(synthetic::walk({.frames = rows + 1, .fps = f.fps}));
+  walk.frames = rows + 1, walk.fps = f.fps;
+  const auto values = f.from_motion(synthetic::walk(walk));
   const std::vector<float> joints(static_cast<std::size_t>(rows * 3 * form.joints));
   ml::HumanMl3dClip clip{id, rows, {values.begin(), values.end()}, joints, {}};
   clip.captions.push_back({.text = "a person walks " + id, .words = {}, .start = 0, .end = 0});
@@ -116,6 +120,7 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     const auto done = clips.train(command, whole, {"--set", "optimiser.epochs=50"});
     REQUIRE_MESSAGE(done.code == 0, done.text);
     CHECK(contains(done.text, "4 motions to train on, 2 for validation, 2 for tests"));
+    CHECK_MESSAGE(contains(done.text, "trained  100 steps in 0:"), done.text);
     const auto losses = clips.losses(whole);
     REQUIRE(losses.size() == 100);
     CHECK(mean(std::span(losses).last(10)) < 0.9 * mean(std::span(losses).first(10)));
@@ -126,6 +131,7 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     const auto rest = clips.train(command, halves, {"--set", "optimiser.epochs=50", "--recompute"});
     REQUIRE_MESSAGE(rest.code == 0, rest.text);
     CHECK(contains(rest.text, "going on at step 48 of 100"));
+    CHECK_MESSAGE(contains(rest.text, "trained  52 steps in 0:"), rest.text);
     const auto shorter = clips.train(command, halves, {"--set", "optimiser.epochs=24"});
     CHECK(shorter.code == 1);
     CHECK(contains(shorter.text, "checkpoint.safetensors has 100 steps, 48 are asked for"));
@@ -141,6 +147,12 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   for (const char* word : {"text to motion", "all, texts alike", "by chance", "dissimilar"})
     CHECK_MESSAGE(contains(tmr.text, word), tmr.text);
   CHECK(!contains(tmr.text, "generated"));
+  ml::write_file(clips / "dissimilar.txt", "elsewhere\n");
+  const auto none_of_list = evaluate("train-tmr", {"--captions", "captions.tsv", "--nsim", "dissimilar.txt"});
+  CHECK(none_of_list.code == 1);
+  CHECK_MESSAGE(contains(none_of_list.text, "--nsim dissimilar.txt names no motion of the test part"),
+                none_of_list.text);
+  CHECK(!contains(none_of_list.text, "text to motion"));
   const auto row = [](const std::string& text, const std::string& name) {  // the last one that begins so
     const auto at = text.rfind("  " + name);
     return at == text.npos ? name + " is missing in\n" + text : text.substr(at, text.find('\n', at) - at);
@@ -170,7 +182,15 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   CHECK_MESSAGE(actor.code == 0, actor.text);
   for (const char* word : {"accuracy", "FID", "recorded", "generated", "  denoised  ", "  between two of an action "})
     CHECK_MESSAGE(contains(actor.text, word), actor.text);
-  const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training"});
+  std::string walks;  // a part without one of the classes
+  for (int i = 0; i < 8; i += 2) walks += "clip" + std::to_string(i) + "\t0\t2\twalk\n";
+  ml::write_file(clips / "walks.tsv", walks);
+  const auto one_class = evaluate("train-actor", {"--labels", "walks.tsv", "--classifier", "train-classifier_whole/model",
+                                                  "--seeds", "2", "--part", "training"});
+  CHECK_MESSAGE(one_class.code == 0, one_class.text);
+  CHECK_MESSAGE(contains(one_class.text, "  generated"), one_class.text);
+  const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training",
+                                                        "--threads", "1", "--precision", "bf16"});
   CHECK_MESSAGE(classifier.code == 0, classifier.text);
   CHECK_MESSAGE(contains(classifier.text, "accuracy"), classifier.text);
 
@@ -261,12 +281,35 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   trained("train-classifier", "graph", {"--set", "kind=stgcn", "--set", "clips.translation=false", "--set", "width=4"});
   CHECK(run({"evaluate", "graph/model", "--data", ".", "--labels", "labels.tsv", "--seeds", "2"}, clips.path).code == 0);
 
+  std::vector<std::string> weights_of_0{"--set", "losses.rc=0", "--set", "losses.rcxyz=0", "--set", "losses.kl=0"};
+  const auto idle = clips.train("train-actor", "idle", weights_of_0);
+  CHECK(idle.code == 1);
+  CHECK_MESSAGE(contains(idle.text, "losses.rc, rcxyz, kl, vel and velxyz are 0, expected one above 0"), idle.text);
+  weights_of_0.insert(weights_of_0.end(), {"--set", "losses.vel=1"});
+  trained("train-actor", "speeds", weights_of_0);
+
   trained("train-actor", "first", {});
   trained("train-actor", "second", {"--from", "first/model", "--set", "clips.num_frames=-2", "--set", "clips.min_len=10", "--set",
                                     "clips.max_len=14", "--set", "optimiser.lr=0"});
   CHECK(clips.weights("second") == clips.weights("first"));  // nothing is learnt at rate 0, so it is what was gone on from
   CHECK(run({"evaluate", "first/model", "--data", ".", "--labels", "labels.tsv", "--classifier", "graph/model", "--seeds", "2"},
             clips.path).code == 0);  // ST-GCN does not read the way of the root
+
+  // fully connected networks have motions of one length: 12 frames, 15 a second
+  trained("train-actor", "full", {"--set", "network.encoder=fully_connected", "--set", "network.decoder=fully_connected"});
+  const auto walks_for = [&](const std::string& seconds) {
+    return run({"generate", "--model", "full/model", "--action", "walk", "--seconds", seconds, "--out", "made"}, clips.path);
+  };
+  const std::string one_length = "this ACTOR is fully connected, its motions have 12 frames (0.8 s)";
+  CHECK(walks_for("0.8").code == 0);
+  const auto longer = walks_for("2");
+  CHECK(longer.code == 1);
+  CHECK_MESSAGE(contains(longer.text, "[motionlang.config.101] a motion of 30 frames (2 s); " + one_length), longer.text);
+  ml::write_bvh(clips / "brief.bvh", synthetic::walk({.frames = 10}));
+  const auto brief = run({"convert", "brief.bvh", "out.bvh", "--denoise", "full/model", "--action", "walk"}, clips.path);
+  CHECK(brief.code == 1);
+  CHECK_MESSAGE(contains(brief.text, "[motionlang.config.101] a motion of "), brief.text);
+  CHECK_MESSAGE(contains(brief.text, one_length), brief.text);
 
   // a model of another pose representation is judged by the same classifiers
   const auto recorded = [&](const std::string& model, const std::string& classifier) {
@@ -387,7 +430,9 @@ TEST_CASE("hyperparameters: presets, files, single ones; unknown names with the 
   for (const char* line : {"\"latent_dim\": 256", "\"num_layers\": 6", "\"contrastive\": 0.1", "\"temperature\": 0.1",
                            "\"threshold\": 0.8", "\"batch\": 32", "\"epochs\": 500", "\"seed\": 1234"})
     CHECK_MESSAGE(contains(tmr.text, line), line);
-  CHECK(contains(print("train-temos", {}).text, "\"epochs\": 1001"));
+  const auto temos = print("train-temos", {"--preset", "temos-published"});
+  for (const char* line : {"\"features\": \"rifke64\"", "\"epochs\": 1001", "\"min_seconds\": 0.8"})
+    CHECK_MESSAGE(contains(temos.text, line), temos.text);
   for (const char* line : {"\"num_layers\": 8", "\"batch\": 20", "\"epochs\": 5000", "\"num_frames\": 60"})
     CHECK_MESSAGE(contains(print("train-actor", {}).text, line), line);
   ml::write_file(clips / "mine.json", "{\"losses\": {\"kl\": 0.5}, \"optimiser\": {\"batch\": 7}}");
@@ -505,6 +550,48 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   CHECK_MESSAGE(contains(lots.text, "12 motions to train on, 4 for validation, 4 for tests; 0 left out"), lots.text);
 }
 
+TEST_CASE("errors of TEMOS on MMM's joints: KIT's units as millimetres, the heading of knees and elbows") {
+  const TemporaryFolder place;
+  const std::string kit = (place / "kit").string();
+  add_walk(kit, "00001", 60, "kit", ml::kit_ml_form, {.steps_per_second = 1.1, .turn = 0.8});
+  add_walk(kit, "00002", 40, "kit", ml::kit_ml_form);
+  ml::write_ids(kit + "/train.txt", std::vector<std::string>{"00001"});
+  ml::write_ids(kit + "/test.txt", std::vector<std::string>{"00002"});
+  const auto trained = train_tiny("train-temos", place.path, {"--data", "kit", "--set", "optimiser.epochs=1"});
+  REQUIRE_MESSAGE(trained.code == 0, trained.text);
+  const auto measured = run({"evaluate", "out/model", "--data", "kit", "--samples", "1"}, place.path);
+  REQUIRE_MESSAGE(measured.code == 0, measured.text);
+  CHECK(contains(measured.text, "as TEMOS measures MMM's joints"));
+  const auto at = measured.text.find("  random clip");  // the only one to train on
+  REQUIRE_MESSAGE(at != std::string::npos, measured.text);
+  std::istringstream numbers(measured.text.substr(at + 13));
+  std::array<double, 8> said{};
+  for (double& x : said) REQUIRE_MESSAGE(static_cast<bool>(numbers >> x), measured.text);
+
+  const auto joints = [&](const std::string& id) {  // in KIT's units
+    const auto read = ml::HumanMl3dFolder(kit, ml::kit_ml_form).load(id).features;
+    const std::vector<double> rows(read.begin(), read.end());
+    return ml::guoh3d_joints(std::span<const double>(rows), 21);
+  };
+  const auto errors = [&](const ml::RifkeVariant& variant) {
+    ml::ApeAveMetric<double> metric(variant, 0.001);
+    metric.add(joints("00001"), joints("00002"));
+    const auto e = metric.result();
+    std::array<double, 8> out{};
+    std::size_t i = 0;
+    for (const ml::PositionErrors* p : {&e.ape, &e.ave}) {
+      for (const double x : {p->root, p->trajectory, p->mean_local(), p->mean_joints()}) out[i++] = x;
+    }
+    return out;
+  };
+  const auto published = errors(ml::temos_rifke());
+  auto hips_and_shoulders = ml::temos_rifke();
+  hips_and_shoulders.across = {{{16, 11}, {8, 5}}};
+  const auto others = errors(hips_and_shoulders);
+  for (std::size_t i = 0; i < said.size(); ++i) CHECK(std::abs(said[i] - published[i]) < 6e-4);  // of three digits
+  CHECK(std::abs(published[2] - others[2]) > 1.5e-3);
+}
+
 TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained on, measured, generated, searched") {
   const TemporaryFolder place;
   const auto said = [&](const std::vector<std::string>& arguments) {
@@ -573,7 +660,7 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
   const auto errors = evaluated({"--samples", "2"});
   const auto at = errors.find("  mean pose");
   REQUIRE_MESSAGE(at != errors.npos, errors);
-  const double way = std::stod(errors.substr(at + 11));  // of the root, in metres, not in KIT's units
+  const double way = std::stod(errors.substr(at + 11));  // of the root, in thousands of KIT's units
   CHECK_MESSAGE((way > 0.1 && way < 10), errors);
 
   // rows of another width, of another data set, of both

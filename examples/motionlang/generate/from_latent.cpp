@@ -79,6 +79,7 @@ class FromActions final : public FromLatent {
   ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
     const ml::Interval& wanted = only_text(timeline);
     const Index action = class_of(wanted.text), frames = wanted.end - wanted.start;
+    require_frames(frames, actor_.model.fc_decoder.has_value());
     const auto rows = ml::generate(actor_.model, std::span(&action, 1), std::span(&frames, 1), noise).rows;
     return actor_.motion_of(rows.span());
   }
@@ -98,12 +99,22 @@ class FromActions final : public FromLatent {
                                   "ACTOR has to know which action a motion shows to denoise it: --action names it");
     const Index known = class_of(action), frames = motion.frames(),
                 width = actor_.model.config.njoints * actor_.model.config.nfeats;
+    require_frames(frames, actor_.model.fc_encoder || actor_.model.fc_decoder);
     const ml::Sequences<B> x(ml::Tensor<B, 2>::from(as_floats(actor_.rows_of(motion)), {frames, width}),
                              ml::Offsets{frames});
     return actor_.motion_of(ml::denoise(actor_.model, x, std::span(&known, 1)).rows.span());
   }
   Index longest() const override { return actor_.longest; }
 
+  /// Fully connected networks have motions of one length.
+  void require_frames(Index frames, bool fully_connected) const {
+    const Index wanted = actor_.model.config.num_frames;
+    if (!fully_connected || frames == wanted) return;
+    const auto seconds = [&](Index n) { return static_cast<double>(n) / fps(); };
+    ml::raise<ml::config_error>(101, "a motion of ", frames, " frames (", seconds(frames),
+                                " s); this ACTOR is fully connected, its motions have ", wanted, " frames (",
+                                seconds(wanted), " s)");
+  }
   Index class_of(const std::string& action) const {
     return action_of(action, actor_.labels, actor_.model.config.num_classes);
   }

@@ -34,6 +34,11 @@ struct ActorLossConfig {
     for (const auto& [name, value] : {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
       require_value(name, value, value >= 0, "0 or more");
   }
+  /// Throws config_error 101 if there is nothing to learn from.
+  void require_any() const {
+    if (rc + rcxyz + kl + vel + velxyz == 0)
+      ml::raise<ml::config_error>(101, "losses.rc, rcxyz, kl, vel and velxyz are 0, expected one above 0");
+  }
   static constexpr auto fields() {
     using C = ActorLossConfig;
     return ml::fields("rc", &C::rc, "rcxyz", &C::rcxyz, "kl", &C::kl, "vel", &C::vel, "velxyz", &C::velxyz, "points",

@@ -12,6 +12,7 @@ namespace {
 
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
+  o.machine.apply();
   const std::string found = ml::find_run(o.model).system;
   const std::string system = found.empty() || found == "motionlang" ? ml::read_model_folder(o.model).system
                              : found == "tmr"                       ? found
@@ -83,6 +84,7 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
+  o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "../machine_options.hpp"
 #include "text_motion_model.hpp"
 
 namespace program {
@@ -20,6 +21,7 @@ struct EvaluationOptions {
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   std::uint64_t seed = 0;
+  MachineOptions machine;
 };
 
 /// Retrieval in both directions by the four protocols, of recorded motions and of such that were made for the texts.

@@ -68,6 +68,18 @@ struct Measured {
   }
 };
 
+/// Classes numbered without those of which there is no motion and so no pair, and how many are left.
+std::pair<std::vector<Index>, Index> present_classes(std::span<const Index> classes, Index kinds) {
+  std::vector<Index> numbered, number(static_cast<std::size_t>(kinds), -1);
+  Index present = 0;
+  for (const Index y : classes) {
+    Index& n = number[static_cast<std::size_t>(y)];
+    if (n < 0) n = present++;
+    numbered.push_back(n);
+  }
+  return {numbered, present};
+}
+
 /// The mean over seeds, with the interval of ACTOR's tables.
 std::string summary(const std::string& metric, std::span<const double> of_seeds) {
   const auto r = ml::actor_summary(metric, of_seeds);
@@ -94,6 +106,7 @@ void evaluate_actor(const EvaluationOptions& o) {
   Classifier<B> classifier(judge_file.config, kinds, ml::Philox{});
   load_action_weights(classifier, o.classifier);
 
+  const auto [numbered, present] = present_classes(classes, kinds);
   const RecognitionSets<B> motions{model, part, classes, clips, seen};
   std::map<std::string, std::vector<double>> results;
   ProgressBar bar("evaluating");
@@ -107,7 +120,7 @@ void evaluate_actor(const EvaluationOptions& o) {
         {"gt", judge(classifier, seen, count, [&](auto which) { return motions.recorded(which, first); })},
         {"gt2", judge(classifier, seen, count, [&](auto which) { return motions.recorded(which, second); })},
         {"gen", judge(classifier, seen, count, [&](auto which) {
-           return motions.sampled(which, seed.split("windows"), of_batch("noise", which));
+           return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
          })},
         {"denoised", judge(classifier, seen, count, [&](auto which) { return motions.denoised(which, first); })},
         {"between", judge(classifier, seen, count, [&](auto which) {
@@ -119,7 +132,7 @@ void evaluate_actor(const EvaluationOptions& o) {
       results["diversity_" + name].push_back(
           ml::mean_pair_distance(set.rows(), ml::random_pairs(set.rows().size(), 200, random)));
       results["multimodality_" + name].push_back(
-          ml::mean_pair_distance(set.rows(), ml::pairs_within_classes(classes, kinds, 20, random)));
+          ml::mean_pair_distance(set.rows(), ml::pairs_within_classes(numbered, present, 20, random)));
       if (name != "gt") results["fid_" + name].push_back(ml::frechet_distance(sets.at("gt").rows(), set.rows()));
     }
     bar(s + 1, o.seeds);

@@ -116,17 +116,21 @@ class Synthesis {
 
 void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
   const Measured m(o, file);
+  ml::RetrievalOptions options{.threshold = o.threshold};
+  for (const DescribedMotion& d : *m.part) options.ids.push_back(d.id);
+  if (!o.nsim.empty()) {
+    options.nsim_ids = ml::read_ids(o.nsim);
+    const auto measured = [&](const std::string& id) { return std::ranges::find(options.ids, id) != options.ids.end(); };
+    if (std::ranges::none_of(options.nsim_ids, measured))
+      ml::raise<ml::config_error>(102, "--nsim ", o.nsim.string(), " names no motion of the ", o.part, " part");
+  }
   const auto model = load_text_motion<ml::Tmr, B>(o.model, file);
   const auto table = latents_of(model, *m.part, m.token_cache());
   std::optional<LatentTable> made;
   if (o.synthesis) made = latents_of(model, *m.part, m.token_cache(), Synthesis(o, model, file, m.token_cache()));
   const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
   const ml::Rows sentences(e.span(), e.size(1));
-  ml::RetrievalOptions options{.threshold = o.threshold};
-  for (const DescribedMotion& d : *m.part) options.ids.push_back(d.id);
-  if (!o.nsim.empty()) {
-    options.nsim_ids = ml::read_ids(o.nsim);
-  } else {
+  if (o.nsim.empty()) {
     const std::set<std::string> different(table.texts.begin(), table.texts.end());
     const auto count = std::min<Index>(100, std::ssize(different));
     if (count >= 2) {
@@ -153,18 +157,29 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
 
 namespace {
 
-/// SMPL's 22 joints or MMM's 21 in metres, Z up.
-ml::RifkeVariant joints_of_people(Index joints) {
-  if (joints == ml::kit21_skeleton().size())
-    return {.joints = joints, .z_up = true, .across = {{{16, 11}, {8, 5}}}, .floor = {14, 15, 19, 20}};
-  return {.joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}};
-}
 using Joints = std::vector<ml::Vec3<double>>;
 
-Joints joints_of(const ml::MotionFeatures& f, std::span<const float> rows) {
-  const std::vector<double> values(rows.begin(), rows.end());
-  return ml::detail::turned_up(f.joints_of(values), true);
-}
+/// How errors are measured: MMM's 21 joints as TEMOS has it (spec temos.md 8.1, 11.2), Y up, KIT's units taken for
+/// millimetres, seen from the heading of knees and elbows; SMPL's 22 in metres, Z up.
+struct MeasuredJoints {
+  bool mmm;
+  ml::RifkeVariant variant;
+  double unit;
+
+  explicit MeasuredJoints(const ml::MotionFeatures& f)
+      : mmm(f.joints == ml::kit21_skeleton().size()),
+        variant(mmm ? ml::temos_rifke()
+                    : ml::RifkeVariant{
+                          .joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}}),
+        unit(mmm ? 0.001 : 1) {}
+  Joints operator()(const ml::MotionFeatures& f, std::span<const float> rows) const {
+    const std::vector<double> values(rows.begin(), rows.end());
+    if (!mmm) return ml::detail::turned_up(f.joints_of(values), true);
+    Joints joints = f.joints_of(values);
+    for (auto& p : joints) p = ml::detail::mmm_units_per_metre * ml::Vec3<double>{-p.x, p.y, p.z};
+    return joints;
+  }
+};
 std::span<const float> rows_of(const DescribedMotion& d, Index width) {
   const auto& frames = d.texts.front().frames;
   return std::span(d.rows).subspan(static_cast<std::size_t>(frames.first * width),
@@ -173,15 +188,17 @@ std::span<const float> rows_of(const DescribedMotion& d, Index width) {
 
 /// The mean of all poses, seen from the body, standing still.
 Joints mean_pose(const std::vector<DescribedMotion>& motions, const ml::MotionFeatures& f) {
-  const ml::RifkeVariant people = joints_of_people(f.joints);
+  const MeasuredJoints joints_of(f);
   const auto n = static_cast<std::size_t>(f.joints);
   Joints sum(n);
   double frames = 0;
   for (const DescribedMotion& d : motions) {
-    const auto c = ml::canonical_motion(people, std::span<const ml::Vec3<double>>(joints_of(f, rows_of(d, f.width))));
+    const Joints joints = joints_of(f, rows_of(d, f.width));
+    const auto c = ml::canonical_motion(joints_of.variant, std::span<const ml::Vec3<double>>(joints));
     for (Index t = 0; t < c.frames(); ++t, ++frames) {
       const auto frame = static_cast<std::size_t>(t);
-      sum[0] = sum[0] + ml::Vec3<double>{0, 0, c.root[frame].z};
+      const ml::Vec3<double>& root = c.root[frame];
+      sum[0] = sum[0] + (joints_of.variant.z_up ? ml::Vec3<double>{0, 0, root.z} : ml::Vec3<double>{0, root.y, 0});
       for (std::size_t j = 1; j < n; ++j) sum[j] = sum[j] + c.local[frame * (n - 1) + j - 1];
     }
   }
@@ -204,7 +221,8 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   const auto model = load_text_motion<ml::Temos, B>(o.model, file);
   const auto& features = ml::motion_features(file.config.features);
   using Metric = ml::ApeAveMetric<double>;
-  const Metric none(joints_of_people(features.joints));
+  const MeasuredJoints joints_of(features);
+  const Metric none(joints_of.variant, joints_of.unit);
   const auto n = static_cast<std::size_t>(o.samples);
   std::vector<Metric> of_sample(n, none);
   Metric best = none, worst = none, at_mean = none, pose = none, clip = none;
@@ -249,6 +267,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   bar.finish();
   std::vector<ml::ApeAve> results;
   for (const Metric& r : of_sample) results.push_back(r.result());
+  if (joints_of.mmm) std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
   std::printf("  %-22s   %-31s   %s\n  %22s      root   traj.   local  global      root   traj.   local  global\n", "",
               "APE (m)", "AVE (m^2)", "");
   print_errors("one sample", results.front());

@@ -100,14 +100,14 @@ inline TextMotionConfig tmr_preset(const std::string& name) {
   ml::raise<ml::config_error>(103, "--preset '", name, "' is not tmr-published or small");
 }
 
-/// "temos-published": spec temos.md 2, 6. Throws config_error 103.
+/// "temos-published": spec temos.md 2, 4.1, 6. Throws config_error 103.
 inline TextMotionConfig temos_preset(const std::string& name) {
   TextMotionConfig c;
   if (name == "small")
     c = small_text_motion();
   else if (name != "temos-published")
     ml::raise<ml::config_error>(103, "--preset '", name, "' is not temos-published or small");
-  c.features = name == "small" ? "smplvelp" : "rifke";
+  c.features = name == "small" ? "smplvelp" : "rifke64";
   c.losses.contrastive_loss = "none";
   if (name != "small") {
     c.optimiser.epochs = 1001;

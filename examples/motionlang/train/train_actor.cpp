@@ -14,6 +14,7 @@ struct Options {
 void run(const Options& o) {
   auto config = actor_preset(o.common.preset);
   if (!configure(config, o.common)) return;
+  config.losses.require_any();
   const auto data = read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data,
                               actor_row_maker(config.clips));
   Trainer trainer(ActorTask(config, data, o.from, o.body));

@@ -167,7 +167,9 @@ class Trainer {
       keep();
     }
     ProgressBar bar("training", steps_done());
-    auto saved = std::chrono::steady_clock::now();
+    const ml::Index first = steps_done();
+    const auto began = std::chrono::steady_clock::now();
+    auto saved = began;
     double shown = 0;
     while (!finished()) {
       const double loss = step();
@@ -190,6 +192,8 @@ class Trainer {
     if (steps_done() < task_.steps())
       std::printf("stopped early at step %td: the validation no longer gets better\n", steps_done());
     keep();
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - began;
+    std::printf("trained  %td steps in %s\n", steps_done() - first, ProgressBar::clock(time.count()).c_str());
   }
 
  private:
