@@ -1,6 +1,8 @@
 // motionlang index and search on a few clips, with a TMR of random weights: its scores mean nothing, but a clip is its own nearest.
 #include <doctest/doctest.h>
 
+#include <set>
+
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/glb.hpp>
@@ -266,6 +268,7 @@ TEST_CASE("index: Ctrl-C leaves an index of what is done, and the same command g
 TEST_CASE("index: what is said later about clips that are there already: captions, a license") {
   const Gallery g;
   fs::remove(g / "clips/broken.bvh");
+  fs::remove(g / "clips/LICENSE.txt");
   REQUIRE(g.index({"--license", "CC0"}).code == 0);
   ml::write_file(g / "captions.tsv", "left\t1\t2\tlegs\ta person turns left\nleft\t2\t4\tlegs\tturns\n");
   const std::vector<std::string> again{"index", "clips", "-o", "moves.index"};
@@ -287,6 +290,32 @@ TEST_CASE("index: what is said later about clips that are there already: caption
   const Outcome renamed = with({"--captions", "captions.tsv"});
   check_contains(renamed, 0, {"6 clips", "1 renamed"});
   CHECK(!contains(renamed.text, "there is no clip"));
+}
+
+TEST_CASE("index: a LICENSE file that comes, changes or goes later; --license of a call is before it") {
+  const Gallery g;
+  fs::remove(g / "clips/broken.bvh");
+  fs::remove(g / "clips/LICENSE.txt");
+  const auto licenses = [&] {
+    std::set<std::string> all;
+    for (const auto& clip : ml::read_motion_index(g / "moves.index").clips()) all.insert(clip.license);
+    return all;
+  };
+  using Licenses = std::set<std::string>;
+  REQUIRE(g.index().code == 0);
+  CHECK(licenses() == Licenses{""});
+  ml::write_file(g / "clips/LICENSE", "CC0\n");
+  check_contains(g.index(), 0, {"(0 added, 0 removed, 0 renamed, 5 unchanged", "5 files have another license now"});
+  CHECK(licenses() == Licenses{"CC0"});
+  CHECK(!contains(g.index().text, "another license"));
+  ml::write_file(g / "clips/sub/LICENSE", "MIT\n");
+  check_contains(g.index(), 0, {"5 unchanged", "1 files have another license now"});
+  CHECK(licenses() == Licenses{"CC0", "MIT"});
+  check_contains(g.index({"--license", "mine"}), 0, {"5 files have another license now"});
+  CHECK(licenses() == Licenses{"mine"});
+  fs::remove(g / "clips/LICENSE");
+  check_contains(g.index(), 0, {"1 files have another license now"});
+  CHECK(licenses() == Licenses{"mine", "MIT"});
 }
 
 TEST_CASE("index: another file of the same time and size is not taken for a renamed one") {

@@ -284,9 +284,16 @@ class Indexer {
   /// A file that is not read again.
   void keep(const ml::IndexedClip& c, const std::string& path) {
     named_.insert(named_as(path));
-    if (o_.license.empty() || c.license == o_.license) return;
-    index_->set_license(path, o_.license);
+    const std::string license = license_of(path, c.license);
+    if (license == c.license) return;
+    index_->set_license(path, license);
     ++relicensed_;
+  }
+  /// That of this call, else of the LICENSE file, else what the index had.
+  std::string license_of(const fs::path& path, const std::string& before) const {
+    if (!o_.license.empty()) return o_.license;
+    const std::string& beside = licenses_->of(path.parent_path());
+    return beside.empty() ? before : beside;
   }
 
   /// A clip on its way into the index, or why it does not get there.
@@ -309,9 +316,7 @@ class Indexer {
     for (std::size_t f = 0; f < files.size(); ++f) {
       for (Prepared& p : prepared[f]) {
         const auto before = license_before_.find(files[f].path.string());
-        p.clip.license = !o_.license.empty()               ? o_.license
-                         : before != license_before_.end() ? before->second
-                                                           : licenses_->of(files[f].path.parent_path());
+        p.clip.license = license_of(files[f].path, before != license_before_.end() ? before->second : "");
         encode(std::move(p));
       }
     }
@@ -417,7 +422,8 @@ void add_index(CLI::App& app) {
   c->add_option("--captions", o->captions, "Table of parts of clips and what they show (examples/training/README.md)")
       ->check(CLI::ExistingFile);
   c->add_option("--license", o->license,
-                "Of the motions below the folder; the first line of the LICENSE file beside or above them unless given");
+                "Of the motions below the folder, those that are in the index as well; unless given, the first line of the LICENSE "
+                "file beside or above them as it is now; without such a file, what the index had");
   const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments, seconds")
                                    ->delimiter(',')
                                    ->check(in_range(0.05, 600))
