@@ -669,7 +669,8 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-inline constexpr std::size_t small_page = 4096, large_page = std::size_t{2} << 20;
+/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
 
 constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -687,7 +688,9 @@ inline void* take_memory(std::size_t bytes, std::size_t used) {
     std::byte* memory = static_cast<std::byte*>(start) + before;
     if (before > 0) ::munmap(start, before);
     if (after > 0) ::munmap(memory + whole, after);
-    ::madvise(memory, used / detail::large_page * detail::large_page, MADV_HUGEPAGE);  // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    ::madvise(memory, large, MADV_HUGEPAGE);
+    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
     return memory;
   }
 #endif
@@ -5296,6 +5299,9 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
+  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have them. One for each
+  /// joint, (0, 0, 0) where it is not known, or none at all.
+  std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
   static Skeleton from_joints(std::span<const Joint> joints) {
@@ -5369,6 +5375,8 @@ struct Skeleton {
       raise<config_error>(106, "Skeleton: ", names.size(), " names, ", parents.size(), " parents, ", offsets.size(),
                           " offsets");
     }
+    if (!ends.empty() && ends.size() != parents.size())
+      raise<config_error>(106, "Skeleton: ", ends.size(), " ends of ", parents.size(), " joints");
     for (int j = 0; j < size(); ++j) {
       if (j == 0 ? parent(j) != -1 : parent(j) < 0 || parent(j) >= j) {
         raise<config_error>(
@@ -5378,7 +5386,8 @@ struct Skeleton {
       if (find(name(j)) != j) raise<config_error>(106, "Skeleton: two joints are called '", name(j), "'");
     }
   }
-  bool operator==(const Skeleton&) const = default;
+  /// Poses of one fit the other: `ends` are of no account.
+  bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5491,7 +5500,7 @@ struct Motion {
                          skeleton.size(), " joints");
     }
     for (int j = 0; j < skeleton.size(); ++j) {
-      const auto& o = skeleton.offset(j);
+      const auto o = skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
@@ -5625,8 +5634,9 @@ inline Motion mirror(const Motion& motion, std::span<const int> partners) {
     if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
       raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
     }
-    const Vec3<double>& offset = skeleton.offsets[j];
-    out.skeleton.offsets[static_cast<std::size_t>(p)] = {-offset.x, offset.y, offset.z};
+    const auto mirrored = [](const Vec3<double>& v) { return Vec3<double>{-v.x, v.y, v.z}; };
+    out.skeleton.offsets[static_cast<std::size_t>(p)] = mirrored(skeleton.offsets[j]);
+    if (!skeleton.ends.empty()) out.skeleton.ends[static_cast<std::size_t>(p)] = mirrored(skeleton.ends[j]);
   }
   for (Vec3<double>& r : out.root) r.x = -r.x;
   for (Index f = 0; f < motion.frames(); ++f) {
@@ -5645,9 +5655,18 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. Returns 0 for skeletons whose
-/// zero pose is no T-pose: call it before retargeting.
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last digit counts as
+/// one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
+  Index held = 0;
+  const auto same = [&](Index f) {
+    return std::ranges::equal(motion.rotations(f), motion.rotations(0), [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+  };
+  while (held + 1 < motion.frames() && same(held + 1)) ++held;
+  if (held > 0) {
+    const Index more = detect_t_pose_lead_in(crop(motion, held, motion.frames()));
+    return more > 0 ? held + more : 0;
+  }
   constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
   const auto frames = static_cast<double>(motion.frames());  // a rate may be larger than any Index
@@ -5876,7 +5895,8 @@ struct LoopRound {
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 inline LoopRound make_loop(const Motion& motion, Index frames) {
   if (frames < 1 || frames > motion.frames() / 2) {
-    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames());
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ", motion.fps,
+                        " per second: at most half of it");
   }
   const Index last = motion.frames() - frames, middle = frames / 2;
   const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
@@ -12163,18 +12183,28 @@ inline std::vector<std::string> action_labels(std::string_view dataset, Index cl
 
 #ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
 #define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part. Composition needs nothing else from a representation.
+/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
+/// former from a representation.
 ///
 /// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
 ///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
+///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Half-open range of positions.
 struct IndexRange {
   Index begin = 0, end = 0;
-  Index size() const { return end - begin; }
+  constexpr Index size() const { return end - begin; }
   bool operator==(const IndexRange&) const = default;
+};
+
+/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+struct FeatureRange {
+  IndexRange numbers;
+  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view unit;     // "1": none; frames are those of the features
+  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
 };
 
 /// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
@@ -12245,6 +12275,16 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
   });
 }
 
+/// What the numbers of `smplrifke_layout` mean. World: Z up.
+inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
+    {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
+    {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
+    {{3, 4}, "turn of the heading to the next frame", "rad/frame"},
+    {{4, 10}, "rotation in the world without the heading: the first two rows of the matrix", "1", {0, 1}},
+    {{10, 136}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+    {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
+}};
+
 /// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
 ///
 ///     0              turn of the heading to the next frame: half the angle, radians
@@ -12257,14 +12297,14 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
 struct Guoh3dSlots {
   Index joints = 22;
 
-  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  Index size() const { return contacts().end; }
+  constexpr IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  constexpr IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  constexpr Index size() const { return contacts().end; }
   /// The seven groups whose deviations are published as one number each.
-  std::vector<IndexRange> groups() const {
-    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  constexpr std::array<IndexRange, 7> groups() const {
+    return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
   }
 };
 
@@ -12282,6 +12322,33 @@ inline FeatureLayout guoh3dfeats_layout(
   });
 }
 
+namespace detail {
+
+constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& slots, std::string_view length,
+                                                            std::string_view speed, std::string_view contacts) {
+  const auto [turn, velocity, height, positions, rotations, velocities, feet] = slots.groups();
+  return {{
+      {turn, "half the turn of the heading to the next frame", "rad/frame"},
+      {velocity, "velocity of the root to the next frame, seen from the body of the next frame: x, z", speed},
+      {height, "height of the root above the floor", length},
+      {positions, "position from the floor below the root, seen from the body: x, y, z", length, {1, slots.joints}},
+      {rotations,
+       "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
+       "the first two columns of the matrix",
+       "1", {1, slots.joints}},
+      {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
+      {feet, contacts, "1"},
+  }};
+}
+
+}  // namespace detail
+
+/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
+    {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
+inline constexpr auto kit_ranges =
+    detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
+
 /// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
 /// joints and with `kit_part_of_joint` TEMOS's 64.
 inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
@@ -12292,6 +12359,20 @@ inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std:
     return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
   });
 }
+
+/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
+    {{0, 1}, "height of the root", "m"},
+    {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
+    {{64, 65}, "turn of the heading to the next frame", "rad/frame"},
+    {{65, 67}, "velocity of the root to the next frame, seen from the body: x, y", "m/frame"},
+}};
+inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
+    {{0, 1}, "height of the root above the floor", "m/640"},
+    {{1, 61}, "position from the floor below the root, seen from the body: x, y, z", "m/640", {1, 21}},
+    {{61, 62}, "turn of the heading since the frame before", "rad/frame"},
+    {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
+}};
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -12386,6 +12467,14 @@ inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl
     return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
   });
 }
+
+/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+inline constexpr std::array<FeatureRange, 4> actor_ranges{{
+    {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
+    {{144, 147}, "way of the root since frame 0: x, y, z", "m"},
+    {{147, 150}, "0: the root's row is as long as the others", "1"},
+}};
 
 /// What ACTOR's networks read, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices
@@ -13955,6 +14044,14 @@ inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = s
   });
 }
 
+/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
+    {{0, 1}, "height of the translation in the world", "m"},
+    {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
+    {{3, 9}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{9, 135}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+}};
+
 /// rotations  (frames, joints); joint 0 in the world
 /// trans      (frames)
 /// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...
@@ -14021,7 +14118,8 @@ struct MotionFeatures {
   double fps = 0;    // that the published systems use
   Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
   const Skeleton& (*skeleton)();
-  FeatureLayout (*layout)();  // which numbers belong to which body part
+  FeatureLayout (*layout)();             // which numbers belong to which body part
+  std::span<const FeatureRange> ranges;  // what the numbers mean
   /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws config_error 103 if the
   /// joints are others, shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
@@ -14207,18 +14305,22 @@ inline FeatureLayout layout_of_actor() { return actor_layout(); }
 }  // namespace detail
 
 inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
-    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, &detail::guoh3d_rows_of, &detail::joints_of_guoh3d, nullptr},
-    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, &detail::kit_rows_of, &detail::joints_of_kit, nullptr},
-    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, &detail::rifke_rows_of, &detail::joints_of_rifke, nullptr},
-    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, &detail::rifke64_rows_of, &detail::joints_of_rifke64, nullptr},
-    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<true>,
-     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, &detail::smplvelp_rows_of<false>,
-     &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, &smplrifke_from_motion,
-     &detail::joints_of_smplrifke, &detail::smplrifke_motion},
-    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, &detail::actor_rows_of, &detail::joints_of_actor,
-     &detail::actor_motion},
+    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, guoh3dfeats_ranges, &detail::guoh3d_rows_of,
+     &detail::joints_of_guoh3d, nullptr},
+    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, kit_ranges, &detail::kit_rows_of,
+     &detail::joints_of_kit, nullptr},
+    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, rifke_ranges, &detail::rifke_rows_of,
+     &detail::joints_of_rifke, nullptr},
+    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, rifke64_ranges, &detail::rifke64_rows_of,
+     &detail::joints_of_rifke64, nullptr},
+    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<true>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<false>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, smplrifke_ranges,
+     &smplrifke_from_motion, &detail::joints_of_smplrifke, &detail::smplrifke_motion},
+    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, actor_ranges, &detail::actor_rows_of,
+     &detail::joints_of_actor, &detail::actor_motion},
 }};
 
 /// The clip of rows, on the joints of the features.
@@ -22162,12 +22264,12 @@ class Collage {
       begin[crops.back().first];
       if (guidance_ != 1) begin[crops.back().second];
     }
+    batches_.clear(), cond_.clear(), null_.clear();
+    if (!can_divide()) return build_two_calls(crops);
     std::vector<Job> jobs;
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    batches_.clear(), cond_.clear(), null_.clear();
-    if (!can_divide()) return build_two_calls(crops);
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, which;  // of the next batch
     Index before = 0;                         // rows of the batches so far
@@ -24703,6 +24805,7 @@ struct InspectionLimits {
   double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
   double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
   double low = 0.03;         // m above where a foot joint is when it stands: still on the floor
+  double carried = 0.4;      // of the length of the legs that the pelvis is above a foot that carries it: not of who swims or crawls
   double on_the_spot = 0.5;  // m across which the root moves in a clip in place
   double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
 };
@@ -24714,11 +24817,12 @@ struct UnitFactor {
   double factor;
   std::string_view unit;
 };
-inline constexpr std::array<UnitFactor, 9> unit_factors{{
+inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {100, "the file is in metres where centimetres were expected"},
     {10, "decimetres"},
     {0.1, "millimetres where centimetres were expected"},
     {2.54, "inches where centimetres were expected"},
+    {30.48, "feet where centimetres were expected"},
     {2.54 / 0.45, "the unit of CMU's files, 1/0.45 inch, where centimetres were expected"},
     {0.01, "centimetres where metres were expected"},
     {0.001, "millimetres where metres were expected"},
@@ -24812,9 +24916,12 @@ class MotionInspector {
     return sum;
   }
 
+  double leg_length() const {
+    return 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
+  }
   /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are long.
   void check_scale() {
-    const double legs = 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
+    const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
     auto human = [&](double h) { return h >= limits_.shortest && h <= limits_.tallest; };
     if (human(height) || !(height > 0)) return;
@@ -24975,6 +25082,7 @@ class MotionInspector {
   /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
   /// stays below, so that treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::vector<double>& speeds) {
+    const double carried = limits_.carried * leg_length() * out_.cure.scale;
     // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
     const Index stride = std::max<Index>(1, std::lround(std::min(motion_.fps / 25, static_cast<double>(frames()))));
     std::vector<double> stands;  // the height at which a joint stands
@@ -24988,7 +25096,7 @@ class MotionInspector {
       double slowest = -1;
       for (std::size_t k = 0; k < feet.size() && f + stride < frames(); ++k) {
         const Vec &a = at(f, feet[k]), &b = at(f + stride, feet[k]);
-        if (std::max(a.y, b.y) > stands[k] + limits_.low) continue;
+        if (std::max(a.y, b.y) > stands[k] + limits_.low || at(f, body_->pelvis).y - a.y < carried) continue;
         const double speed = norm(Vec{b.x - a.x, 0, b.z - a.z}) * motion_.fps / static_cast<double>(stride);
         if (slowest < 0 || speed < slowest) slowest = speed;
       }
@@ -25002,6 +25110,15 @@ class MotionInspector {
   }
 
   void check_feet() {
+    const double sole = sole_height({0, 1, 0});
+    if (std::abs(sole) <= limits_.standing) check_contacts();
+    if (sole >= -limits_.below && sole <= limits_.above) return;
+    add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
+        " y = 0");
+    out_.cure.lift = -sole;
+  }
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing.
+  void check_contacts() {
     std::vector<double> speeds;
     for (const bool left : {true, false}) {
       auto side = [&](const BodyJoints::Pair& p) { return left ? p.left : p.right; };
@@ -25019,11 +25136,6 @@ class MotionInspector {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
           norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot ? "; a clip in place" : "");
     }
-    const double sole = sole_height({0, 1, 0});
-    if (sole >= -limits_.below && sole <= limits_.above) return;
-    add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
-        " y = 0");
-    out_.cure.lift = -sole;
   }
 
   const Motion& motion_;
@@ -25068,7 +25180,9 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
   const auto body = find_body_joints(out.skeleton);
   const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
   for (Vec3<double>& r : out.root) r = cure.scale * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
-  for (Vec3<double>& o : out.skeleton.offsets) o = cure.scale * (turn_rest ? rotate(up, o) : o);
+  for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
+    for (Vec3<double>& o : *bones) o = cure.scale * (turn_rest ? rotate(up, o) : o);
+  }
   for (Index f = 0; f < out.frames(); ++f) {
     const auto pose = out.rotations(f);
     if (turn_rest) {

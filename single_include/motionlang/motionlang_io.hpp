@@ -2685,7 +2685,7 @@ class ZipArchive {
   /// The bytes of a stored member where they lie, without a copy and without a checksum. Throws io_error 404 if it is
   /// deflated.
   std::span<const std::byte> stored(const ZipEntry& entry) const {
-    if (entry.deflated) raise<io_error>(404, name_, ": member '", entry.name, "' is compressed");
+    if (entry.deflated) raise<io_error>(404, name_, ": member '", entry.name, "' at byte ", entry.offset, " is compressed");
     return bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
   }
   /// The same after a look at the checksum. Throws io_error 403, 404.
@@ -2704,7 +2704,7 @@ class ZipArchive {
                                       ? detail::inflate(raw, size, where, size).data
                                       : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
-      raise<io_error>(403, where, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);
+      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);
     }
     check_crc(entry, data);
     return data;
@@ -2713,7 +2713,7 @@ class ZipArchive {
  private:
   void check_crc(const ZipEntry& entry, std::span<const std::byte> data) const {
     if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
-      raise<io_error>(403, name_, "/", entry.name, ": checksum ", crc, ", the directory says ", entry.crc);
+      raise<io_error>(403, name_, "/", entry.name, " at byte ", entry.offset, ": checksum ", crc, ", the directory says ", entry.crc);
     }
   }
   template <class T>
@@ -2724,17 +2724,17 @@ class ZipArchive {
   /// Finds the end record from the back; with ZIP64 the larger record that stands before it.
   void read_directory() {
     constexpr std::uint64_t end_size = 22, longest_comment = 65535, locator_size = 20;
-    if (bytes_.size() < end_size) raise<io_error>(403, name_, ": too short for a zip archive");
+    if (bytes_.size() < end_size) raise<io_error>(403, name_, ": ", bytes_.size(), " bytes are too short for a zip archive");
     std::uint64_t end = bytes_.size() - end_size;
     const std::uint64_t first = end > longest_comment ? end - longest_comment : 0;
     while (at<std::uint32_t>(end, "end record") != 0x06054B50u) {
-      if (end == first) raise<io_error>(403, name_, ": no end record of a zip archive: not a zip, or cut off");
+      if (end == first) raise<io_error>(403, name_, ": no end record of a zip archive from byte ", first, " on: not a zip, or cut off");
       --end;
     }
     std::uint64_t count = at<std::uint16_t>(end + 10, "end record"), size = at<std::uint32_t>(end + 12, "end record");
     std::uint64_t start = at<std::uint32_t>(end + 16, "end record");
     if (at<std::uint16_t>(end + 4, "end record") != at<std::uint16_t>(end + 6, "end record")) {
-      raise<io_error>(404, name_, ": zip archive in several parts");
+      raise<io_error>(404, name_, ": zip archive in several parts, says its end record at byte ", end);
     }
     if (end >= locator_size && at<std::uint32_t>(end - locator_size, "ZIP64 locator") == 0x07064B50u) {
       const auto large = at<std::uint64_t>(end - locator_size + 8, "ZIP64 locator");
@@ -2747,10 +2747,10 @@ class ZipArchive {
     }
     const auto directory = detail::slice(bytes_, start, size, name_, "zip directory");
     constexpr std::uint64_t most_members = 100'000;
-    if (count > most_members) raise<io_error>(405, name_, ": ", count, " members; at most ", most_members);
+    if (count > most_members) raise<io_error>(405, name_, ": ", count, " members, says the end record at byte ", end, "; at most ", most_members);
     std::uint64_t position = start;
     for (std::uint64_t i = 0; i < count; ++i) position = read_entry(position);
-    if (position > start + directory.size()) raise<io_error>(403, name_, ": zip directory runs past its end");
+    if (position > start + directory.size()) raise<io_error>(403, name_, ": zip directory runs past its end at byte ", start + directory.size());
   }
 
   /// Reads the directory entry at `position` and gives the position of the next.
@@ -2771,16 +2771,15 @@ class ZipArchive {
     std::uint64_t header = at<std::uint32_t>(position + 42, what);
     read_zip64(position + 46 + name_size, extra_size, e, header);
 
-    if ((flags & 1u) != 0) raise<io_error>(404, name_, ": member '", e.name, "' is encrypted");
-    if (method != 0 && method != 8) raise<io_error>(404, name_, ": member '", e.name, "' has method ", method);
-    if (!e.deflated && e.packed != e.size) {
-      raise<io_error>(403, name_, ": stored member '", e.name, "' has ", e.packed, " and ", e.size, " bytes");
-    }
+    const auto refuse = [&](int id, const auto&... why) {
+      raise<io_error>(id, name_, ": zip directory entry at byte ", position, ": member '", e.name, "' ", why...);
+    };
+    if ((flags & 1u) != 0) refuse(404, "is encrypted");
+    if (method != 0 && method != 8) refuse(404, "has method ", method);
+    if (!e.deflated && e.packed != e.size) refuse(403, "is stored and has ", e.packed, " and ", e.size, " bytes");
     constexpr std::uint64_t highest_ratio = 1032;  // of deflate: 258 bytes from two bits
-    if (e.deflated && e.size / highest_ratio > e.packed) {
-      raise<io_error>(405, name_, ": member '", e.name, "': ", e.size, " bytes cannot come from ", e.packed);
-    }
-    check_name(e.name);
+    if (e.deflated && e.size / highest_ratio > e.packed) refuse(405, "of ", e.size, " bytes cannot come from ", e.packed);
+    if (leads_out(e.name)) refuse(403, "leads out of the archive");
     if (at<std::uint32_t>(header, "zip member") != 0x04034B50u) {
       raise<io_error>(403, name_, ": no member '", e.name, "' at byte ", header);
     }
@@ -2809,25 +2808,24 @@ class ZipArchive {
     }
   }
 
-  void check_name(const std::string& member) const {
-    const bool climbs = member.find("..") != std::string::npos || member.find('\0') != std::string::npos ||
-                        member.find('\\') != std::string::npos;
-    if (member.empty() || member.front() == '/' || climbs) {
-      raise<io_error>(403, name_, ": member name '", member, "' leads out of the archive");
-    }
+  static bool leads_out(const std::string& member) {
+    return member.empty() || member.front() == '/' || member.find("..") != std::string::npos ||
+           member.find_first_of(std::string_view("\0\\", 2)) != std::string::npos;
   }
 
   void check_ranges() const {
     std::unordered_set<std::string_view> names;
     std::vector<const ZipEntry*> sorted;
     for (const ZipEntry& e : entries_) {
-      if (!names.insert(e.name).second) raise<io_error>(403, name_, ": two members are called '", e.name, "'");
+      if (!names.insert(e.name).second)
+        raise<io_error>(403, name_, ": two members are called '", e.name, "', one of them at byte ", e.offset);
       sorted.push_back(&e);
     }
     std::sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->offset < b->offset; });
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (sorted[i - 1]->offset + sorted[i - 1]->packed > sorted[i]->offset) {
-        raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name, "' overlap");
+        raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name, "' overlap at byte ",
+                        sorted[i]->offset);
       }
     }
   }
@@ -3536,6 +3534,8 @@ class PickleMachine {
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
     const PickleKind kind = nodes_[callee].kind;
+    if (kind == PickleKind::persistent)  // PyTorch's older form refers to the source code of classes
+      fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (kind != PickleKind::name && kind != PickleKind::object) fail(403, "a call of ", name_of(kind));
     if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
     call(callee, arguments);
@@ -4693,6 +4693,9 @@ class TorchTensors {
     t.shape = sizes(given[2]);
     t.strides = sizes(given[3]);
     t.swapped = swapped_ && bytes_of(t.dtype) > 1;
+    constexpr std::size_t metadata = 6;  // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
+      v.fail(404, "a tensor that is negated or conjugated when it is read");
     if (t.shape.rank() != t.strides.rank())
       v.fail(403, "a tensor with ", t.shape.rank(), " sizes and ", t.strides.rank(), " strides");
     if (const char* problem = out_of_range(t, t.storage.size() / bytes_of(t.dtype))) {
@@ -4805,6 +4808,10 @@ class TorchFile {
   static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory, bool checksums = false) {
     const std::string folder = root_folder(zip);
     if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
+    for (const ZipEntry& e : zip.entries()) {
+      if (is_root_pickle(e.name) && !e.name.starts_with(folder))
+        raise<io_error>(403, zip.name(), ": both '", folder, "data.pkl' and '", e.name, "' at byte ", e.offset, ": which is meant?");
+    }
     detail::TorchTensors tensors(memory);
     const std::string data = folder + "data/";
     bool script = false;
@@ -4822,9 +4829,12 @@ class TorchFile {
         raise<io_error>(403, zip.name(), ": byte order '", text.substr(0, 16), "'");
       tensors.set_swapped(text == "big");
     }
-    Pickle object(zip.checked(*zip.find(folder + "data.pkl")), concat_text(zip.name(), "/", folder, "data.pkl"),
-                  {.persistent_ids = true}, memory);
-    return TorchFile(std::move(object), std::move(tensors), memory, script ? "TorchScript" : "torch zip");
+    const auto bytes = zip.checked(*zip.find(folder + "data.pkl"));
+    Pickle object(bytes, concat_text(zip.name(), "/", folder, "data.pkl"), {.persistent_ids = true}, memory);
+    const std::uint64_t behind = bytes.size() - object.end();
+    TorchFile out(std::move(object), std::move(tensors), memory, script ? "TorchScript" : "torch zip");
+    out.behind_ = behind;
+    return out;
   }
 
   /// A plain pickle, in which tensors bring their storages.
@@ -4837,15 +4847,14 @@ class TorchFile {
   }
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip) {
-    constexpr std::string_view pickle = "data.pkl";
     for (const ZipEntry& e : zip.entries()) {
-      const std::size_t slash = e.name.find('/');
-      if (slash != std::string::npos && std::string_view(e.name).substr(slash + 1) == pickle)
-        return e.name.substr(0, slash + 1);
+      if (is_root_pickle(e.name)) return e.name.substr(0, e.name.find('/') + 1);
     }
     return "";
   }
 
+  /// Bytes that follow the pickle of an archive and mean nothing.
+  std::uint64_t bytes_behind() const { return behind_; }
   /// "torch zip", "TorchScript", "torch legacy" or "pickle".
   const std::string& format() const { return format_; }
   PickleValue root() const { return object_.root(); }
@@ -4863,11 +4872,16 @@ class TorchFile {
         tensors_(std::move(tensors)),
         memory_(std::move(memory)),
         format_(std::move(format)) {}
+  static bool is_root_pickle(std::string_view member) {
+    const std::size_t slash = member.find('/');
+    return slash != member.npos && member.substr(slash + 1) == "data.pkl";
+  }
 
   Pickle object_;
   detail::TorchTensors tensors_;
   std::shared_ptr<TensorMemory> memory_;
   std::string format_;
+  std::uint64_t behind_ = 0;
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5273,10 +5287,18 @@ inline bool is_safetensors(std::span<const std::byte> bytes) {
   return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
 }
 
+/// Whether the first number is the length of a header that the file holds, and which is no longer than one may be.
+inline bool has_header_length(std::span<const std::byte> bytes) {
+  if (bytes.size() < sizeof(std::uint64_t)) return false;
+  const auto length = load<std::uint64_t>(bytes, 0, "", "");
+  return length <= SafetensorsFile::max_header && length <= bytes.size() - sizeof length;
+}
+
 /// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
-  return is_safetensors(bytes) || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
+  const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));  // a wrong length
+  return is_safetensors(bytes) || damaged || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
          text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes);
 }
 
@@ -5316,7 +5338,11 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
   const auto read_torch = [&](const TorchFile& file) {
     out.format_ = file.format();
     reader.read(file);
+    if (out.tensors_.empty() && !out.skipped_.empty())
+      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ", *out.skipped_.begin(),
+                      " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
+    if (file.bytes_behind() > 0) out.skipped_.insert(concat_text(file.bytes_behind(), " bytes behind the end of data.pkl"));
   };
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
@@ -5351,7 +5377,16 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     read_torch(TorchFile::from_pickle(
         Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
   } else if (detail::begins_pickle(text)) {
-    read_torch(TorchFile::from_pickle(Pickle(bytes, name, {.inline_bytes = joblib_array_bytes}), memory));
+    Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
+    const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);  // of 8 bytes, or more
+    if (number && pickle.end() < bytes.size() && bytes[static_cast<std::size_t>(pickle.end())] == std::byte{0x80})
+      pickle.root().fail(404, "not the magic number of PyTorch's older files, although pickles follow it,");
+    read_torch(TorchFile::from_pickle(std::move(pickle), memory));
+  } else if (detail::has_header_length(bytes)) {
+    refuse_keys("safetensors");
+    return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
+  } else if (text.size() < safetensors_start) {
+    raise<io_error>(402, name, ": ", text.size(), " bytes are no file of weights of any kind");
   } else {
     raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
   }
@@ -5787,8 +5822,35 @@ StGcn<B> load_stgcn(const TensorSet& file) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate). The gender may be a
-/// text or an array of one, as in SSM_synced.
+namespace detail {
+
+/// Poses that SMPL-X tools store in parts, side by side: root and body, face and hands where they are there.
+template <class Matrix>
+void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence& out) {
+  std::vector<NpyArray> parts{matrix("root_orient"), matrix("pose_body")};
+  for (const char* name : {"pose_jaw", "pose_eye", "pose_hand"}) {
+    if (npz.has(name)) parts.push_back(matrix(name));
+  }
+  out.frames = parts.front().shape[0];
+  for (const NpyArray& part : parts) {
+    if (part.shape[0] != out.frames)
+      raise<io_error>(407, npz.file(), ": parts of the poses have ", out.frames, " and ", part.shape[0], " rows");
+    out.columns += part.shape[1];
+  }
+  out.poses.resize(static_cast<std::size_t>(out.frames * out.columns));
+  Index first = 0;
+  for (const NpyArray& part : parts) {
+    const std::vector<double> numbers = part.to<double>();
+    for (Index f = 0; f < out.frames; ++f)
+      std::copy_n(numbers.begin() + f * part.shape[1], part.shape[1], out.poses.begin() + f * out.columns + first);
+    first += part.shape[1];
+  }
+}
+
+}  // namespace detail
+
+/// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
+/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced.
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
 ///         motion), 407 if one has another shape, 403 for an impossible frame rate
 inline AmassSequence read_amass_sequence(const FilePath& path) {
@@ -5800,15 +5862,20 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
     }
     return array;
   };
-  const NpyArray poses = matrix("poses"), trans = matrix("trans");
-  AmassSequence out{.frames = poses.shape[0], .columns = poses.shape[1]};
+  AmassSequence out;
+  if (npz.has("poses") || !npz.has("root_orient")) {
+    const NpyArray poses = matrix("poses");
+    out.frames = poses.shape[0], out.columns = poses.shape[1], out.poses = poses.to<double>();
+  } else {
+    detail::join_pose_parts(npz, matrix, out);
+  }
+  const NpyArray trans = matrix("trans");
   if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {
     raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and trans (", trans.shape[0], ", ",
                     trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
   }
-  out.poses = poses.to<double>();
   out.trans = trans.to<double>();
-  out.fps = npz.read(npz.has("mocap_framerate") ? "mocap_framerate" : "mocap_frame_rate").value<double>();
+  out.fps = npz.read(npz.has("mocap_frame_rate") ? "mocap_frame_rate" : "mocap_framerate").value<double>();
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (npz.has("gender")) out.gender = npz.read("gender").text();
   if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
@@ -9299,7 +9366,11 @@ class BvhParser {
   }
   void channels(BvhNode& joint) {
     const auto count = scan_.count<std::size_t>("the number of channels");
-    for (std::size_t i = 0; i < count; ++i) joint.channels.push_back(channel());
+    for (std::size_t i = 0; i < count; ++i) {
+      joint.channels.push_back(channel());
+      if (std::count(joint.channels.begin(), joint.channels.end(), joint.channels.back()) > 1)
+        scan_.fail(403, "joint '", TextScanner::shortened(joint.name), "' has a channel twice");
+    }
   }
   BvhChannel channel() {
     const std::string_view word = scan_.word("a channel");
@@ -9438,7 +9509,8 @@ struct BvhReadOptions {
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  double end_length = 0.1;         // of the bones after leaf joints, metres; of length 0, Blender invents its own
+  double end_length = 0.1;         // of the bones after leaf joints where the skeleton has none, metres, but no longer than the bone
+                                   // before; of length 0, Blender invents its own
 };
 
 namespace detail {
@@ -9567,9 +9639,24 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
   return (1.0 / static_cast<double>(table.rows)) * sum;
 }
 
+/// Where the end sites of the joints are: of several at one joint the first; none if the file has none.
+inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJoint> joints, double scale) {
+  std::vector<Vec3<double>> ends;
+  std::vector<int> joint_of(file.nodes.size(), -1);  // that has no end yet
+  for (std::size_t j = 0; j < joints.size(); ++j) joint_of[static_cast<std::size_t>(joints[j].number)] = static_cast<int>(j);
+  for (const BvhNode& node : file.nodes) {
+    if (!node.end_site || node.parent < 0) continue;
+    const int joint = std::exchange(joint_of[static_cast<std::size_t>(node.parent)], -1);
+    if (joint < 0) continue;
+    ends.resize(joints.size());
+    ends[static_cast<std::size_t>(joint)] = scale * node.offset;
+  }
+  return ends;
+}
+
 }  // namespace detail
 
-/// What the file means. End sites are left out; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
+/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
 /// positions that change (stretching bones) are replaced by their mean. A root that merely carries another moving root
 /// is joined with it, so that the root of the motion is the one that moves.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
@@ -9595,6 +9682,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
     const bool is_root = skeleton.size() == 1;
     skeleton.offsets.push_back(options.scale * (is_root ? j.node->offset : detail::constant_offset(j, table)));
   }
+  skeleton.ends = detail::bvh_ends(file, joints, options.scale);
   motion.root.reserve(frames);
   motion.local.reserve(frames * joints.size());
   for (Index f = 0; f < file.frames; ++f) {
@@ -9660,10 +9748,13 @@ inline std::vector<int> depth_first_order(const Skeleton& skeleton) {
   return order;
 }
 
-/// Where a leaf's bone ends: `length` metres along the bone before it, upwards if there is none.
+/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is none.
 inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double length) {
+  if (!skeleton.ends.empty() && norm(skeleton.ends[static_cast<std::size_t>(joint)]) > 0)
+    return skeleton.ends[static_cast<std::size_t>(joint)];
   const Vec3<double> bone = joint == 0 ? Vec3<double>{} : skeleton.offset(joint);
-  return norm(bone) > 1e-9 ? length * normalized(bone) : Vec3<double>{0, length, 0};
+  const double before = norm(bone);
+  return before > 1e-9 ? std::min(1.0, length / before) * bone : Vec3<double>{0, length, 0};
 }
 
 }  // namespace detail
@@ -10147,7 +10238,10 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 
 inline BertTokenizer bert_from_folder(const std::string& folder, const TokenizerConfig& config,
                                       const TokenizerLimits& limits) {
-  const bool mpnet = config.tokenizer_class.starts_with("MPNet");
+  std::vector<std::string> vocabulary = read_vocabulary(folder + "/vocab.txt");
+  const std::vector<std::string> marks = mpnet_vocabulary({});  // the last one stands at the end
+  const bool mpnet = config.tokenizer_class.starts_with("MPNet") ||
+                     (vocabulary.size() >= marks.size() && std::equal(marks.begin(), marks.end() - 1, vocabulary.begin()));
   BertTokenizerOptions o = mpnet ? BertTokenizerOptions::mpnet() : BertTokenizerOptions();
   o.lower_case = config.lower_case.value_or(o.lower_case);
   o.strip_accents = config.strip_accents;
@@ -10165,7 +10259,7 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
   }
   o.longest = limits.longest.value_or(o.longest);
   o.truncate = limits.truncate.value_or(o.truncate);
-  return read_bert_tokenizer(folder + "/vocab.txt", std::move(o));
+  return BertTokenizer(std::move(vocabulary), std::move(o), folder + "/vocab.txt");
 }
 
 inline ClipTokenizer clip_from_folder(const std::string& folder, const TokenizerLimits& limits) {
@@ -12088,11 +12182,14 @@ struct GltfNode {
   GltfTransform rest;
 };
 
+/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and materials.
 class GltfDocument {
  public:
   /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
   GltfDocument(std::span<const std::byte> bytes, std::string file)
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
+    const std::string version = root()["asset"]["version"].as<std::string>();
+    if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", known is 2");
     read_nodes();
     name_humanoid();
   }
@@ -12202,6 +12299,10 @@ class GltfDocument {
   }
 
   std::span<const std::byte> view_bytes(const JsonView& view) const {
+    for (const char* packed : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+      if (view.contains("extensions") && view["extensions"].contains(packed))
+        raise<io_error>(404, view.path(), ": packed by ", packed, ": unpack the file first, for instance with gltf-transform");
+    }
     const auto buffer = view["buffer"].as<Index>();
     if (buffer != 0 || element("buffers", 0).contains("uri")) {
       raise<io_error>(404, view.path(), ": buffer ", buffer, " is not the one in this file");

@@ -91,7 +91,8 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-inline constexpr std::size_t small_page = 4096, large_page = std::size_t{2} << 20;
+/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
 
 constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -109,7 +110,9 @@ inline void* take_memory(std::size_t bytes, std::size_t used) {
     std::byte* memory = static_cast<std::byte*>(start) + before;
     if (before > 0) ::munmap(start, before);
     if (after > 0) ::munmap(memory + whole, after);
-    ::madvise(memory, used / detail::large_page * detail::large_page, MADV_HUGEPAGE);  // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    ::madvise(memory, large, MADV_HUGEPAGE);
+    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
     return memory;
   }
 #endif
@@ -6799,6 +6802,9 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
+  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have them. One for each
+  /// joint, (0, 0, 0) where it is not known, or none at all.
+  std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
   static Skeleton from_joints(std::span<const Joint> joints) {
@@ -6872,6 +6878,8 @@ struct Skeleton {
       raise<config_error>(106, "Skeleton: ", names.size(), " names, ", parents.size(), " parents, ", offsets.size(),
                           " offsets");
     }
+    if (!ends.empty() && ends.size() != parents.size())
+      raise<config_error>(106, "Skeleton: ", ends.size(), " ends of ", parents.size(), " joints");
     for (int j = 0; j < size(); ++j) {
       if (j == 0 ? parent(j) != -1 : parent(j) < 0 || parent(j) >= j) {
         raise<config_error>(
@@ -6881,7 +6889,8 @@ struct Skeleton {
       if (find(name(j)) != j) raise<config_error>(106, "Skeleton: two joints are called '", name(j), "'");
     }
   }
-  bool operator==(const Skeleton&) const = default;
+  /// Poses of one fit the other: `ends` are of no account.
+  bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -9116,18 +9125,28 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 
 #ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
 #define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part. Composition needs nothing else from a representation.
+/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
+/// former from a representation.
 ///
 /// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
 ///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
+///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Half-open range of positions.
 struct IndexRange {
   Index begin = 0, end = 0;
-  Index size() const { return end - begin; }
+  constexpr Index size() const { return end - begin; }
   bool operator==(const IndexRange&) const = default;
+};
+
+/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+struct FeatureRange {
+  IndexRange numbers;
+  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view unit;     // "1": none; frames are those of the features
+  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
 };
 
 /// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
@@ -9198,6 +9217,16 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
   });
 }
 
+/// What the numbers of `smplrifke_layout` mean. World: Z up.
+inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
+    {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
+    {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
+    {{3, 4}, "turn of the heading to the next frame", "rad/frame"},
+    {{4, 10}, "rotation in the world without the heading: the first two rows of the matrix", "1", {0, 1}},
+    {{10, 136}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+    {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
+}};
+
 /// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
 ///
 ///     0              turn of the heading to the next frame: half the angle, radians
@@ -9210,14 +9239,14 @@ inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = 
 struct Guoh3dSlots {
   Index joints = 22;
 
-  IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  Index size() const { return contacts().end; }
+  constexpr IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  constexpr IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  constexpr Index size() const { return contacts().end; }
   /// The seven groups whose deviations are published as one number each.
-  std::vector<IndexRange> groups() const {
-    return {{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()};
+  constexpr std::array<IndexRange, 7> groups() const {
+    return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
   }
 };
 
@@ -9235,6 +9264,33 @@ inline FeatureLayout guoh3dfeats_layout(
   });
 }
 
+namespace detail {
+
+constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& slots, std::string_view length,
+                                                            std::string_view speed, std::string_view contacts) {
+  const auto [turn, velocity, height, positions, rotations, velocities, feet] = slots.groups();
+  return {{
+      {turn, "half the turn of the heading to the next frame", "rad/frame"},
+      {velocity, "velocity of the root to the next frame, seen from the body of the next frame: x, z", speed},
+      {height, "height of the root above the floor", length},
+      {positions, "position from the floor below the root, seen from the body: x, y, z", length, {1, slots.joints}},
+      {rotations,
+       "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
+       "the first two columns of the matrix",
+       "1", {1, slots.joints}},
+      {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
+      {feet, contacts, "1"},
+  }};
+}
+
+}  // namespace detail
+
+/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
+    {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
+inline constexpr auto kit_ranges =
+    detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
+
 /// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
 /// joints and with `kit_part_of_joint` TEMOS's 64.
 inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
@@ -9245,6 +9301,20 @@ inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std:
     return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
   });
 }
+
+/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
+    {{0, 1}, "height of the root", "m"},
+    {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
+    {{64, 65}, "turn of the heading to the next frame", "rad/frame"},
+    {{65, 67}, "velocity of the root to the next frame, seen from the body: x, y", "m/frame"},
+}};
+inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
+    {{0, 1}, "height of the root above the floor", "m/640"},
+    {{1, 61}, "position from the floor below the root, seen from the body: x, y, z", "m/640", {1, 21}},
+    {{61, 62}, "turn of the heading since the frame before", "rad/frame"},
+    {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
+}};
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -9629,7 +9699,7 @@ struct Motion {
                          skeleton.size(), " joints");
     }
     for (int j = 0; j < skeleton.size(); ++j) {
-      const auto& o = skeleton.offset(j);
+      const auto o = skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
@@ -12165,12 +12235,12 @@ class Collage {
       begin[crops.back().first];
       if (guidance_ != 1) begin[crops.back().second];
     }
+    batches_.clear(), cond_.clear(), null_.clear();
+    if (!can_divide()) return build_two_calls(crops);
     std::vector<Job> jobs;
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    batches_.clear(), cond_.clear(), null_.clear();
-    if (!can_divide()) return build_two_calls(crops);
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, which;  // of the next batch
     Index before = 0;                         // rows of the batches so far

@@ -68,7 +68,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
         "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads", "--preset", "--record",
         "--reuse", "--keep-beyond", "--samples", "--towards"}},
       {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts"}},
-      {"info", {"file"}},
+      {"info", {"file", "--features"}},
       {"convert",
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
         "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as",
@@ -190,6 +190,40 @@ TEST_CASE("check and info show what a file holds") {
   const auto pieces = w.run({"check", "pieces.txt"});
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
+}
+
+TEST_CASE("info --features: ranges, meanings, units and body parts") {
+  const TemporaryFolder folder;
+  const auto info = [&](const std::string& name) { return run({"info", "--features", name}, folder.path); };
+  const auto guo = info("guoh3d");
+  CHECK(guo.code == 0);
+  for (const char* line :
+       {"guoh3d: 263 numbers in a frame, 20 frames per second, skeleton of 24 joints\n",
+        "  0        rad/frame    half the turn of the heading to the next frame\n",
+        "  3        m            height of the root above the floor\n",
+        "  4-66     m            each of joints 1-21: position",
+        "  193-258  m/frame      each of joints 0-21: velocity to the next frame",
+        "  head       37-39, 46-48, 133-138, 151-156, 229-231, 238-240\n",  // stmc.md 2
+        "   15 head                     neck\n"})
+    CHECK_MESSAGE(contains(guo.text, line), line, " in ", guo.text);
+  const auto actor = info("actor");
+  CHECK_MESSAGE(contains(actor.text, "  0-5      1            joint 0: rotation in the world"), actor.text);
+
+  const auto list = info("list");
+  CHECK(list.code == 0);
+  for (const ml::MotionFeatures& f : ml::all_motion_features)
+    CHECK_MESSAGE(contains(list.text, std::string(f.name) + ": " + std::to_string(f.width) + " numbers"), list.text);
+  const auto unknown = info("guo");
+  CHECK(unknown.code == 1);
+  CHECK_MESSAGE(contains(unknown.text, "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, kit, rifke"),
+                unknown.text);
+  ml::write_file(folder / "two.txt", timeline_text);
+  const std::vector<std::string> nothing{"info"}, both{"info", "two.txt", "--features", "kit"};
+  for (const auto& wrong : {nothing, both}) {
+    const auto out = run(wrong, folder.path);
+    CHECK(out.code == 2);
+    CHECK_MESSAGE(contains(out.text, "xactly 1 option"), out.text);
+  }
 }
 
 TEST_CASE("a timeline from standard input is read as one of a file") {
@@ -635,6 +669,38 @@ TEST_CASE("convert and generate put motions on a character") {
   const auto made = w.generate("out", {"--rig", "rig.glb"});
   REQUIRE_MESSAGE(made.code == 0, made.text);
   CHECK(ml::GlbFile::open(w / "out/two.glb").animation_names() == std::vector<std::string>{"idle", "two"});
+}
+
+TEST_CASE("doctor tells numbers that are none; info tells of binary files what is wrong with them") {
+  const Workplace w;
+  std::filesystem::create_directories(w / "data");
+  std::vector<float> joints(2 * 22 * 3, 1);
+  joints[70] = std::numeric_limits<float>::quiet_NaN();
+  ml::write_npy(w / "data/nan.npy", ml::NpyArray::of(std::span<const float>(joints), {2, 22, 3}));
+  const auto seen = w.run({"doctor", "data"});
+  CHECK_MESSAGE(contains(seen.text, "nan.npy: not finite: [motionlang.numeric.301]"), seen.text);
+  ml::write_file(w / "zeros", std::string(100, '\0'));
+  const auto told = w.run({"info", "zeros"});
+  CHECK(told.code == 1);
+  CHECK_MESSAGE(contains(told.text, "zeros: byte 8"), told.text);
+}
+
+TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is told") {
+  const Workplace w;
+  std::vector<double> poses(2 * 156), trans(6), betas{1.5, -2};
+  poses[100] = 0.5;
+  const std::vector<ml::NamedArray> arrays{{"poses", ml::NpyArray::of(std::span<const double>(poses), {2, 156})},
+                                           {"trans", ml::NpyArray::of(std::span<const double>(trans), {2, 3})},
+                                           {"betas", ml::NpyArray::of(std::span<const double>(betas), {2})},
+                                           {"gender", ml::NpyArray::text("female")},
+                                           {"mocap_framerate", ml::NpyArray::scalar(60.0)}};
+  ml::write_npz(w / "a.npz", arrays);
+  const auto same = w.run({"convert", "a.npz", "b.npz"});
+  CHECK_MESSAGE(contains(same.text, "a.npz: left out are hands and face; --body shows them"), same.text);
+  const auto back = ml::read_amass(w / "b.npz");
+  CHECK(back.body.gender == "female");
+  CHECK(back.body.betas == betas);
+  CHECK(contains(w.run({"convert", "a.npz", "b.bvh"}).text, "left out are hands, face and betas"));
 }
 
 TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended copy") {

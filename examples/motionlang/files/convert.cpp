@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <set>
 
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/io/amass.hpp>
 #include <motionlang/io/merged_body.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -109,15 +111,12 @@ class Conversion {
   /// taken: names that clips of a data set have already, or files.
   Conversion(const ConvertOptions& o, const Loaded& loaded, std::set<std::string>& taken)
       : o_(o), loaded_(loaded), taken_(taken) {
-    if (loaded.body == nullptr || kind_of(o.in) != ".npz") {
+    if (kind_of(o.in) != ".npz")
       motions_ = read_motions(o.in, o.read);
-      return;
-    }
-    BodyClip clip = loaded.body->read(o.in);
-    motions_.push_back(std::move(clip.motion));
-    betas_ = std::move(clip.betas);
-    told_ = std::move(clip.told);
-    if (loaded.denoised && clip.has_more) told_ += o.in + ": what --denoise makes is without hands and face\n";
+    else if (loaded.body == nullptr)
+      read_amass();
+    else
+      read_for_body();
   }
 
   void run() {
@@ -132,6 +131,31 @@ class Conversion {
   const std::string& told() const { return told_; }
 
  private:
+  /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
+  void read_amass() {
+    ml::AmassSequence sequence = ml::read_amass_sequence(o_.in);
+    motions_.push_back(ml::amass_motion(sequence, fs::path(o_.in).stem().string()));
+    const auto is_set = [](double x) { return x != 0; };
+    bool hands = false;
+    for (ml::Index f = 0; f < sequence.frames; ++f) {
+      const auto row = std::span(sequence.poses).subspan(static_cast<std::size_t>(f * sequence.columns), static_cast<std::size_t>(sequence.columns));
+      hands = hands || std::ranges::any_of(row.subspan(66), is_set);
+    }
+    const bool shape = std::ranges::any_of(sequence.betas, is_set) && kind_of(o_.out) != ".npz";
+    if (hands || shape)
+      told_ += o_.in + ": left out " + (hands && shape ? "are hands, face and betas" : hands ? "are hands and face" : "are betas") +
+               "; --body shows them\n";
+    amass_ = {std::move(sequence.gender), std::move(sequence.betas)};
+  }
+
+  void read_for_body() {
+    BodyClip clip = loaded_.body->read(o_.in);
+    motions_.push_back(std::move(clip.motion));
+    betas_ = std::move(clip.betas);
+    told_ = std::move(clip.told);
+    if (loaded_.denoised && clip.has_more) told_ += o_.in + ": what --denoise makes is without hands and face\n";
+  }
+
   /// Of several motions one that fails is named and stops no other.
   template <class Work>
   void attempt(const std::string& name, Work work) {
@@ -168,7 +192,10 @@ class Conversion {
   std::string write_one(const fs::path& path, const ml::Motion& m) const {
     if (loaded_.body != nullptr) return loaded_.body->write(path, {m}, betas_);
     if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
-    write_motion(path, m, o_.scale);
+    if (amass_ && kind_of(path) == ".npz")
+      ml::write_amass(path, on_smpl(m), *amass_);
+    else
+      write_motion(path, m, o_.scale);
     return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
                      m.skeleton.size());
   }
@@ -176,7 +203,8 @@ class Conversion {
   const ConvertOptions& o_;
   const Loaded& loaded_;
   std::vector<ml::Motion> motions_;
-  std::vector<float> betas_;  // of an AMASS file
+  std::vector<float> betas_;             // of an AMASS file, for a body
+  std::optional<ml::AmassBody> amass_;  // the same for another AMASS file
   std::set<std::string>& taken_;
   std::vector<ml::Motion> made_;
   std::string told_, reasons_;

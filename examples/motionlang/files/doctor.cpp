@@ -64,12 +64,15 @@ class Doctor {
     }
   }
 
-  /// None of a file that cannot be read, which is noted.
+  /// None of a file that cannot be read or whose numbers are none, which is noted.
   std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
       MotionReadOptions read = o_.read;
       if (kind_of(file) == ".amc" && fs::exists(asf_beside(file))) read.asf.clear();
       return read_motions(file, read);
+    } catch (const ml::numeric_error& e) {
+      found_.push_back({name, "", {}, {{ml::Fault::not_finite, e.what()}}, {}});
+      return {};
     } catch (const ml::error& e) {
       found_.push_back({name, "", e.what(), {}, {}});
       return {};
@@ -107,7 +110,7 @@ class Doctor {
     std::printf("\n%zu motions, %td without a finding\n", found_.size(), good);
     const auto unreadable =
         std::count_if(found_.begin(), found_.end(), [](const auto& m) { return !m.unreadable.empty(); });
-    if (unreadable > 0) std::printf("%6td  %-14s no reader understands the file\n", unreadable, "unreadable");
+    if (unreadable > 0) std::printf("%6td  %-14s the line of the file says why\n", unreadable, "unreadable");
     const auto count = ml::count_faults(found_);
     for (std::size_t i = 0; i < count.size(); ++i) {
       if (count[i] == 0) continue;

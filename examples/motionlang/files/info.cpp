@@ -1,12 +1,14 @@
-// motionlang info: what is in a file of weights, a motion, or a timeline.
+// motionlang info: what is in a file of weights, a motion, or a timeline; and what the numbers of features mean.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
+#include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "motion_files.hpp"
 #include "../generate/timelines.hpp"
 #include "weights.hpp"
@@ -14,6 +16,12 @@
 namespace program {
 
 namespace {
+
+/// Number, name and parent of each.
+void joints_of(const ml::Skeleton& s) {
+  for (int j = 0; j < s.size(); ++j)
+    std::printf("  %3d %-24s %s\n", j, s.name(j).c_str(), j == 0 ? "" : s.name(s.parent(j)).c_str());
+}
 
 void motion(const std::string& path, const ml::Motion& m) {
   std::printf("%s: %td frames, %g frames per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
@@ -33,10 +41,7 @@ void motion(const std::string& path, const ml::Motion& m) {
         "%.1f cm below the floor\n",
         100 * q.feet.contact, q.feet.speed, q.jitter, 100 * q.below_floor.mean);
   }
-  for (int j = 0; j < m.skeleton.size(); ++j) {
-    std::printf("  %3d %-24s %s\n", j, m.skeleton.name(j).c_str(),
-                j == 0 ? "" : m.skeleton.name(m.skeleton.parent(j)).c_str());
-  }
+  joints_of(m.skeleton);
 }
 
 void joints(const std::string& path) {
@@ -52,6 +57,49 @@ void timelines(const std::string& path) {
       std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
                   i.text.c_str());
   }
+}
+
+/// Whether a file begins with bytes that no text has: what its reader refuses is said as of weights.
+bool is_binary(const std::string& path) {
+  const auto file = ml::MappedFile::open(path);
+  return ml::detail::as_text(file->bytes()).substr(0, 4096).find('\0') != std::string_view::npos;
+}
+
+void features_line(const ml::MotionFeatures& f) {
+  const std::string name(f.name);
+  std::printf("%s: %td numbers in a frame, %g frames per second, skeleton of %d joints\n", name.c_str(), f.width, f.fps,
+              f.skeleton().size());
+}
+
+/// "4-66", or "0" where there is but one.
+std::string from_to(const ml::IndexRange& r) {
+  return r.size() == 1 ? formatted("%td", r.begin) : formatted("%td-%td", r.begin, r.end - 1);
+}
+
+void features(const std::string& name) {
+  if (name == "list") {
+    for (const ml::MotionFeatures& each : ml::all_motion_features) features_line(each);
+    return;
+  }
+  const ml::MotionFeatures& f = ml::motion_features(name);
+  features_line(f);
+  std::printf("numbers, from 0 on; their units; what they mean\n");
+  for (const ml::FeatureRange& r : f.ranges) {
+    const std::string meaning(r.meaning), unit(r.unit), numbers = from_to(r.numbers);
+    const ml::Index joints = r.joints.size();
+    const std::string of = joints == 0 ? "" : (joints == 1 ? "joint " : "each of joints ") + from_to(r.joints) + ": ";
+    std::printf("  %-8s %-12s %s%s\n", numbers.c_str(), unit.c_str(), of.c_str(), meaning.c_str());
+  }
+  std::printf("numbers of the body parts\n");
+  const ml::FeatureLayout layout = f.layout();
+  for (const std::string_view part : ml::body_part_names) {
+    std::string numbers;
+    for (const ml::IndexRange& r : layout.ranges(*ml::parse_body_part(part)))
+      numbers += (numbers.empty() ? "" : ", ") + from_to(r);
+    std::printf("  %-10s %s\n", std::string(part).c_str(), numbers.c_str());
+  }
+  std::printf("joints and their parents\n");
+  joints_of(f.skeleton());
 }
 
 void run(const std::string& path) {
@@ -73,7 +121,7 @@ void run(const std::string& path) {
     if (kind == drawn)
       ml::raise<ml::config_error>(103, path, ": shown are weights, motions and timelines, not '", kind, "'");
   }
-  timelines(path);
+  is_binary(path) ? show_weights(path) : timelines(path);
 }
 
 /// CLI::ExistingPath, or standard input.
@@ -82,14 +130,17 @@ std::string readable(const std::string& path) { return path == standard_input ? 
 }  // namespace
 
 void add_info(CLI::App& app) {
-  const auto path = std::make_shared<std::string>();
+  const auto path = std::make_shared<std::string>(), name = std::make_shared<std::string>();
   CLI::App* c = app.add_subcommand(
       "info", "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), motion (.bvh .amc .glb "
-      ".npz .npy), or a timeline");
-  c->add_option("file", *path, "The file; - for a timeline from standard input")
-      ->required()
-      ->check(readable, "PATH(existing)");
-  c->callback([path] { run(*path); });
+      ".npz .npy), or a timeline; or what the numbers of features mean");
+  c->add_option("file", *path, "The file; - for a timeline from standard input")->check(readable, "PATH(existing)");
+  const CLI::Option* of_features =
+      c->add_option("--features", *name,
+                    "Instead of a file: features as 'convert --features' names them, with the meaning and the unit of "
+                    "each number and the numbers of each body part; list: all names");
+  c->require_option(1);
+  c->callback([path, name, of_features] { of_features->count() > 0 ? features(*name) : run(*path); });
 }
 
 }  // namespace program

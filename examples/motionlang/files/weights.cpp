@@ -39,7 +39,10 @@ bool is_weights(const std::filesystem::path& path) {
   constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
   return std::find(std::begin(kinds), std::end(kinds), kind_of(path)) != std::end(kinds) || ml::may_be_weights(path);
 }
-bool holds_motion(const std::filesystem::path& npz) { return ml::NpzArchive::open(npz).has("poses"); }
+bool holds_motion(const std::filesystem::path& npz) {
+  const auto file = ml::NpzArchive::open(npz);
+  return file.has("poses") || file.has("root_orient");
+}
 bool holds_joints(const std::filesystem::path& npy) {
   const auto shape = npy_shape(npy);
   return shape.size() == 3 && shape.back() == 3;

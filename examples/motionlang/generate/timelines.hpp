@@ -1,6 +1,8 @@
 // Reading what the user wrote: timelines, or plain texts with durations.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <string>
@@ -21,7 +23,13 @@ inline constexpr const char* standard_input = "-";
 inline std::string timeline_source(const std::string& path) { return path == standard_input ? "standard input" : path; }
 
 inline std::string read_timeline_text(const std::string& path) {
-  if (path != standard_input) return ml::read_file(path);
+  constexpr std::uintmax_t longest = 64 << 20;
+  if (path != standard_input) {
+    std::error_code none;
+    if (const auto size = std::filesystem::file_size(path, none); !none && size > longest)
+      ml::raise<ml::io_error>(405, path, ": ", size, " bytes, a timeline has at most ", longest);
+    return ml::read_file(path);
+  }
   return {std::istreambuf_iterator<char>(std::cin), {}};
 }
 

@@ -173,12 +173,12 @@ class Collage {
       begin[crops.back().first];
       if (guidance_ != 1) begin[crops.back().second];
     }
+    batches_.clear(), cond_.clear(), null_.clear();
+    if (!can_divide()) return build_two_calls(crops);
     std::vector<Job> jobs;
     for (const auto& [job, at] : begin) jobs.push_back(job);
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
-    batches_.clear(), cond_.clear(), null_.clear();
-    if (!can_divide()) return build_two_calls(crops);
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, which;  // of the next batch
     Index before = 0;                         // rows of the batches so far

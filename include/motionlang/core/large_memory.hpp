@@ -19,7 +19,8 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-inline constexpr std::size_t small_page = 4096, large_page = std::size_t{2} << 20;
+/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
 
 constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -37,7 +38,9 @@ inline void* take_memory(std::size_t bytes, std::size_t used) {
     std::byte* memory = static_cast<std::byte*>(start) + before;
     if (before > 0) ::munmap(start, before);
     if (after > 0) ::munmap(memory + whole, after);
-    ::madvise(memory, used / detail::large_page * detail::large_page, MADV_HUGEPAGE);  // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    ::madvise(memory, large, MADV_HUGEPAGE);
+    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
     return memory;
   }
 #endif
