@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which joints of a known skeleton are the hips, knees, feet, shoulders and the head. The tables of retargeting say so.
+/// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of retargeting say so.
 #pragma once
 
 #include <optional>  // unknown skeletons
@@ -15,7 +15,7 @@ struct BodyJoints {
     bool known() const { return left >= 0 && right >= 0; }
   };
   int pelvis = -1, head = -1;
-  Pair hip, knee, ankle, toe, shoulder;
+  Pair hip, knee, ankle, toe, shoulder, elbow, wrist;
 };
 
 /// Nothing for a skeleton that no table fits.
@@ -27,8 +27,8 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   };
   auto pair = [&](const std::string& smpl) { return BodyJoints::Pair{joint("left_" + smpl), joint("right_" + smpl)}; };
-  return BodyJoints{joint("pelvis"), joint("head"), pair("hip"),     pair("knee"),
-                    pair("ankle"),   pair("foot"),  pair("shoulder")};
+  return BodyJoints{joint("pelvis"), joint("head"),    pair("hip"),   pair("knee"), pair("ankle"),
+                    pair("foot"),    pair("shoulder"), pair("elbow"), pair("wrist")};
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -145,28 +145,25 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last digit counts as
 /// one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
-  Index held = 0;
   const auto same = [&](Index f) {
     return std::ranges::equal(motion.rotations(f), motion.rotations(0), [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
   };
+  Index held = 0;  // the last frame of the first pose
   while (held + 1 < motion.frames() && same(held + 1)) ++held;
-  if (held > 0) {
-    const Index more = detect_t_pose_lead_in(crop(motion, held, motion.frames()));
-    return more > 0 ? held + more : 0;
-  }
   constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  const auto frames = static_cast<double>(motion.frames());  // a rate may be larger than any Index
+  const Index left = motion.frames() - held;
+  const auto frames = static_cast<double>(left);  // a rate may be larger than any Index
   const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
-  const Index seen = std::min(motion.frames() - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
+  const Index seen = std::min(left - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
   if (seen < 2 || joints < 2) return 0;
   double from_zero = 0;
   for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
   if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
 
-  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame f to f + 1
+  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame held + f to the next
   for (Index f = 0; f < seen; ++f) {
-    const auto a = motion.rotations(f), b = motion.rotations(f + 1);
+    const auto a = motion.rotations(held + f), b = motion.rotations(held + f + 1);
     double& turn = step[static_cast<std::size_t>(f)];
     for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
   }
@@ -178,7 +175,8 @@ inline Index detect_t_pose_lead_in(const Motion& motion) {
   };
   Index blend = 0;
   while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
-  return blend < 2 ? blend : std::min(2 * blend, motion.frames() - 1);
+  if (blend == 0) return 0;
+  return held + (blend < 2 ? blend : std::min(2 * blend, left - 1));
 }
 
 /// The clip without those frames.
