@@ -94,7 +94,7 @@ struct InspectionLimits {
   double standing = 0.3;     // m that feet may be off 0 along an axis that is taken for the true one
   double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
   double wrong_rate = 1.6;   // the stated rate over the one at which bodies fall as they do, or the other way round
-  double least_rise = 0.02, least_flight = 0.06;  // m that the body's centre of mass rises and falls, in a step and in a jump
+  double least_rise = 0.015, least_flight = 0.06;  // m that the body's centre of mass rises and falls, in a step and in a jump
   double parabola = 0.05;    // of that rise: how far off a parabola in the mean
   double off_floor = 0.08;   // m that the lower foot is above where it stands, in a flight
   double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
@@ -197,13 +197,15 @@ class MotionInspector {
     return frames() >= 2;
   }
 
-  void check_frame_rate() {
+  static bool usual_rate(double fps) {
     constexpr std::array<double, 25> usual{10,    12, 12.5, 15, 20, 23.976, 24,  25,     29.97, 30,  40,  48, 50,
                                            59.94, 60, 72,   75, 90, 100,    120, 119.88, 125,   150, 180, 200};
     constexpr std::array<double, 6> fast{240, 250, 300, 480, 500, 1000};
-    auto near = [&](double rate) { return std::abs(motion_.fps / rate - 1) < 5e-4; };
-    if (std::any_of(usual.begin(), usual.end(), near) || std::any_of(fast.begin(), fast.end(), near)) return;
-    add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
+    auto near = [&](double rate) { return std::abs(fps / rate - 1) < 5e-4; };
+    return std::any_of(usual.begin(), usual.end(), near) || std::any_of(fast.begin(), fast.end(), near);
+  }
+  void check_frame_rate() {
+    if (!usual_rate(motion_.fps)) add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
   }
 
   /// The ends of feet without toe joints, which BVH files have as End Site, stand in for them behind the joints.
@@ -352,13 +354,14 @@ class MotionInspector {
   };
   Arcs arcs() {
     constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
+    const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));  // frames, against noise
     std::vector<double> y;
     for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
     const std::vector<double> feet = lowest_feet({0, 1, 0});
     const double stand = quantile(feet, 0.05);
     Arcs out;
-    for (std::size_t a = 0, b = 0; a + 2 < y.size(); a = std::max(a + 1, b - 1)) {
-      for (b = a + 1; b + 1 < y.size() && y[b - 1] - 2 * y[b] + y[b + 1] < 0;) ++b;
+    for (std::size_t a = lag - 1, b = a; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
+      for (b = a + 1; b + lag < y.size() && y[b - lag] - 2 * y[b] + y[b + lag] < 0;) ++b;
       if (b - a < fewest) continue;
       // y = c0 + c1 t + c2 t^2 by least squares, t = 0 in the middle
       const auto n = static_cast<double>(b - a + 1);
@@ -407,7 +410,7 @@ class MotionInspector {
     if (times < limits_.wrong_rate && (!flies || times > 1 / limits_.wrong_rate)) return;
     fps_ = motion_.fps / times;
     const double whole = times > 1 ? std::round(times) : 1 / std::round(1 / times);
-    if (flies && std::abs(times / whole - 1) < 0.1) out_.cure.fps = fps_ = motion_.fps / whole;
+    if (flies && std::abs(times / whole - 1) < 0.08 && usual_rate(motion_.fps / whole)) out_.cure.fps = fps_ = motion_.fps / whole;
     add(Fault::fall, first_, flies ? "in the air the body falls" : "between steps the body sinks", " with ", hundredths(fall),
         " m/s2, not ", flies ? "" : "at most ", gravity, ": recorded at ", out_.cure.fps > 0 ? "" : flies ? "about " : "no more than ",
         out_.cure.fps > 0 ? hundredths(fps_) : std::round(fps_), " frames per second, not ", hundredths(motion_.fps));
