@@ -73,6 +73,19 @@ inline ml::Motion walk(const Walk& options = {}, const ml::Skeleton& skeleton = 
   return motion;
 }
 
+/// The figure of `walk` stands, jumps straight up, is in the air for half a second and stands again.
+inline ml::Motion jump(double fps = 60) {
+  ml::Motion motion = walk({.frames = 1, .fps = fps});
+  const double stand = motion.root[0].y, flight = 0.5;
+  const auto frames = static_cast<int>(1.5 * fps);
+  for (int frame = 1; frame < frames; ++frame) {
+    const double t = frame / fps - 0.5;
+    motion.root.push_back({0, stand + std::max(0.0, 0.5 * 9.81 * t * (flight - t)), 0});
+    for (int j = 0; j < motion.skeleton.size(); ++j) motion.local.push_back(motion.local[static_cast<std::size_t>(j)]);
+  }
+  return motion;
+}
+
 /// Largest distance between the same joint in the same frame; infinity if the motions differ in size.
 inline double largest_distance(const ml::Motion& a, const ml::Motion& b) {
   const auto p = a.positions(), q = b.positions();

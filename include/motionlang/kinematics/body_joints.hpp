@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of retargeting say so.
+/// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of
+/// retargeting say so.
 #pragma once
 
 #include <optional>  // unknown skeletons

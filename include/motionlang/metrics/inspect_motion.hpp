@@ -5,12 +5,12 @@
 ///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
 ///     Motion better = mended(motion, found.cure);
 ///
-/// A wrong scale, up axis or frame rate is put right before the checks that follow it, so that each finding has one cause.
-/// All limits are in SI units and named in InspectionLimits.
+/// A wrong scale, up axis or frame rate is put right before the checks that follow it, so that each finding has one
+/// cause. All limits are in SI units and named in InspectionLimits.
 ///
-/// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls with
-/// 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is no finding: a
-/// person may walk as slowly.
+/// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls
+/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is no finding:
+/// a person may walk as slowly.
 #pragma once
 
 #include <algorithm>  // sort, max
@@ -94,13 +94,13 @@ struct InspectionLimits {
   double standing = 0.3;     // m that feet may be off 0 along an axis that is taken for the true one
   double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
   double wrong_rate = 1.6;   // the stated rate over the one at which bodies fall as they do, or the other way round
-  double least_rise = 0.015, least_flight = 0.06;  // m that the body's centre of mass rises and falls, in a step and in a jump
-  double parabola = 0.05;    // of that rise: how far off a parabola in the mean
+  double least_rise = 0.015, least_flight = 0.06;  // m that the centre of mass rises, in a step and in a jump
+  double parabola = 0.04;    // of that rise: how far off a parabola in the mean
   double off_floor = 0.08;   // m that the lower foot is above where it stands, in a flight
   double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
   double jump = 0.15;        // m between two frames, and
   double jump_speed = 8;     // m/s: a fast punch or kick
-  double jump_seconds = 0.07;  // a jump may be spread over so many
+  double jump_seconds = 0.1;  // a jump may be spread over so many
   double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
   double violent = 1000;     // m/s2 that no joint takes in any surroundings; recordings have up to 700
   double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
@@ -137,6 +137,29 @@ inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoint
   const auto rest = skeleton.rest_positions();
   auto place = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
   return normalized(place(body.head) - 0.5 * (place(body.ankle.left) + place(body.ankle.right)));
+}
+
+/// The second derivative of the parabola through values at whole steps, by least squares, and how far they are off it,
+/// as the root of the mean square. At least three.
+struct ParabolaFit {
+  double bend, off;
+};
+inline ParabolaFit fit_parabola(std::span<const double> values) {
+  const auto n = static_cast<double>(values.size());
+  auto t = [&](std::size_t i) { return static_cast<double>(i) - 0.5 * (n - 1); };  // 0 in the middle
+  double t2 = 0, t4 = 0, sum = 0, sum_t = 0, sum_t2 = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double square = t(i) * t(i);
+    t2 += square, t4 += square * square;
+    sum += values[i], sum_t += t(i) * values[i], sum_t2 += square * values[i];
+  }
+  const double c2 = (sum_t2 - t2 * sum / n) / (t4 - t2 * t2 / n), c1 = sum_t / t2, c0 = (sum - c2 * t2) / n;
+  double off = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double e = values[i] - (c0 + c1 * t(i) + c2 * t(i) * t(i));
+    off += e * e / n;
+  }
+  return {2 * c2, std::sqrt(off)};
 }
 
 /// One clip under inspection: its joints in the world, put right as far as causes are known.
@@ -212,7 +235,8 @@ class MotionInspector {
   void place_joints() {
     const auto& ends = motion_.skeleton.ends;
     auto end = [&](int joint) { return ends.empty() ? Vec{} : ends[static_cast<std::size_t>(joint)]; };
-    const bool toes = body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 && norm(end(body_->ankle.right)) > 0;
+    const bool toes = body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 &&
+                      norm(end(body_->ankle.right)) > 0;
     columns_ = motion_.skeleton.size() + (toes ? 2 : 0);
     positions_.reserve(static_cast<std::size_t>(frames() * columns_));
     JointTransforms<double> t;
@@ -333,15 +357,15 @@ class MotionInspector {
         " are exchanged: where toes and knees say left, names say right (", hundredths(std::min(legs, arms)), " of 1)");
   }
 
-  /// Height of the centre of mass, by the shares of a body's parts and the points where they balance (Winter, Biomechanics
-  /// and Motor Control of Human Movement, table 4.1).
+  /// Height of the centre of mass, by the shares of a body's parts and the points where they balance (Winter,
+  /// Biomechanics and Motor Control of Human Movement, table 4.1).
   double mass_height(Index f) {
     const BodyJoints& b = *body_;
     auto along = [&](int from, int to, double t) { return (1 - t) * at(f, from).y + t * at(f, to).y; };
     auto limbs = [&](int BodyJoints::Pair::*side) {
-      return 0.028 * along(b.shoulder.*side, b.elbow.*side, 0.436) + 0.022 * along(b.elbow.*side, b.wrist.*side, 0.682) +
-             0.1 * along(b.hip.*side, b.knee.*side, 0.433) + 0.0465 * along(b.knee.*side, b.ankle.*side, 0.433) +
-             0.0145 * at(f, b.ankle.*side).y;
+      return 0.028 * along(b.shoulder.*side, b.elbow.*side, 0.436) +
+             0.022 * along(b.elbow.*side, b.wrist.*side, 0.682) + 0.1 * along(b.hip.*side, b.knee.*side, 0.433) +
+             0.0465 * along(b.knee.*side, b.ankle.*side, 0.433) + 0.0145 * at(f, b.ankle.*side).y;
     };
     return 0.081 * at(f, b.head).y + 0.497 * 0.5 * (middle(f, b.hip) + middle(f, b.shoulder)).y +
            limbs(&BodyJoints::Pair::left) + limbs(&BodyJoints::Pair::right);
@@ -349,52 +373,44 @@ class MotionInspector {
 
   /// What the centre of mass falls with between two points where its path bends, m/s2 at the stated rate.
   struct Arcs {
-    std::vector<double> flights;  // in which both feet leave the floor and come back to it, hands above the knees
+    std::vector<double> flights;  // see is_flight
     std::vector<double> all;
   };
   Arcs arcs() {
     constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
-    const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));  // frames, against noise
+    // Bends are seen over so many frames, against noise.
+    const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));
     std::vector<double> y;
     for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
-    const std::vector<double> feet = lowest_feet({0, 1, 0});
+    std::vector<double> feet = lowest_feet({0, 1, 0});
     const double stand = quantile(feet, 0.05);
+    for (double& height : feet) height -= stand;
     Arcs out;
     for (std::size_t a = lag - 1, b = a; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
       for (b = a + 1; b + lag < y.size() && y[b - lag] - 2 * y[b] + y[b + lag] < 0;) ++b;
       if (b - a < fewest) continue;
-      // y = c0 + c1 t + c2 t^2 by least squares, t = 0 in the middle
-      const auto n = static_cast<double>(b - a + 1);
-      auto t = [&](std::size_t i) { return static_cast<double>(i - a) - 0.5 * (n - 1); };
-      double t2 = 0, t4 = 0, sum = 0, sum_t = 0, sum_t2 = 0;
-      for (std::size_t i = a; i <= b; ++i) {
-        const double square = t(i) * t(i);
-        t2 += square, t4 += square * square, sum += y[i], sum_t += t(i) * y[i], sum_t2 += square * y[i];
-      }
-      const double c2 = (sum_t2 - t2 * sum / n) / (t4 - t2 * t2 / n), c1 = sum_t / t2, c0 = (sum - c2 * t2) / n;
-      const double rise = -c2 * (n - 1) * (n - 1) / 4;
-      double off = 0;
-      for (std::size_t i = a; i <= b; ++i) {
-        const double e = y[i] - (c0 + c1 * t(i) + c2 * t(i) * t(i));
-        off += e * e / n;
-      }
-      if (rise < limits_.least_rise || std::sqrt(off) > limits_.parabola * rise) continue;
-      const double fall = -2 * c2 * motion_.fps * motion_.fps;
+      const auto [bend, off] = fit_parabola(std::span(y).subspan(a, b - a + 1));
+      const double rise = -bend / 8 * static_cast<double>((b - a) * (b - a));
+      if (rise < limits_.least_rise || off > limits_.parabola * rise) continue;
+      const double fall = -bend * motion_.fps * motion_.fps;
       out.all.push_back(fall);
-      const std::size_t quarter = (b - a) / 4;
-      const double ends = std::max(feet[a], feet[b]) - stand;
-      double middle_of_flight = std::numeric_limits<double>::max();
-      for (std::size_t i = a + quarter; i <= b - quarter; ++i) middle_of_flight = std::min(middle_of_flight, feet[i] - stand);
-      bool hands_up = true;
-      for (std::size_t i = a; i <= b; ++i) {
-        const Index f = first_ + static_cast<Index>(i);
-        hands_up = hands_up && std::min(at(f, body_->wrist.left).y, at(f, body_->wrist.right).y) > middle(f, body_->knee).y;
-      }
-      if (rise >= limits_.least_flight && ends < 2 * limits_.off_floor && hands_up && middle_of_flight > limits_.off_floor &&
-          middle_of_flight > ends + limits_.low)
-        out.flights.push_back(fall);
+      if (rise < limits_.least_flight || !is_flight(a, std::span(feet).subspan(a, b - a + 1))) continue;
+      out.flights.push_back(fall);
     }
     return out;
+  }
+  /// Whether both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
+  /// `feet` is the height of the lower one above where it stands, from frame `start` after the lead-in on.
+  bool is_flight(std::size_t start, std::span<const double> feet) {
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      const Index f = first_ + static_cast<Index>(start + i);
+      if (std::min(at(f, body_->wrist.left).y, at(f, body_->wrist.right).y) < middle(f, body_->knee).y) return false;
+    }
+    const double ends = std::max(feet.front(), feet.back());
+    const std::size_t quarter = feet.size() / 4;
+    const auto air = feet.subspan(quarter, feet.size() - 2 * quarter);
+    return ends < 2 * limits_.off_floor &&
+           *std::min_element(air.begin(), air.end()) > std::max(limits_.off_floor, ends + limits_.low);
   }
 
   /// How fast a body seems to fall goes with the square of the frame rate.
@@ -410,10 +426,19 @@ class MotionInspector {
     if (times < limits_.wrong_rate && (!flies || times > 1 / limits_.wrong_rate)) return;
     fps_ = motion_.fps / times;
     const double whole = times > 1 ? std::round(times) : 1 / std::round(1 / times);
-    if (flies && std::abs(times / whole - 1) < 0.08 && usual_rate(motion_.fps / whole)) out_.cure.fps = fps_ = motion_.fps / whole;
-    add(Fault::fall, first_, flies ? "in the air the body falls" : "between steps the body sinks", " with ", hundredths(fall),
-        " m/s2, not ", flies ? "" : "at most ", gravity, ": recorded at ", out_.cure.fps > 0 ? "" : flies ? "about " : "no more than ",
-        out_.cure.fps > 0 ? hundredths(fps_) : std::round(fps_), " frames per second, not ", hundredths(motion_.fps));
+    const double factor = std::max(times, 1 / times), whole_factor = std::max(whole, 1 / whole);
+    const bool known = flies && std::abs(times / whole - 1) < 0.08 && whole_factor <= 5 && usual_rate(motion_.fps / whole);
+    if (known) out_.cure.fps = fps_ = motion_.fps / whole;
+    add(Fault::fall, first_, flies ? "in the air the body falls with " : "between steps the body sinks with ",
+        hundredths(fall), " m/s2, not ", flies ? "" : "at most ", gravity, ": ",
+        known   ? ""
+        : flies ? "about "
+                : "at least ",
+        known ? whole_factor : hundredths(factor), " times too ", times > 1 ? "fast, " : "slow, ",
+        known   ? ""
+        : flies ? "about "
+                : "at most ",
+        known ? hundredths(fps_) : std::round(fps_), " frames per second, not ", hundredths(motion_.fps));
   }
 
   void check_jumps() {
@@ -462,21 +487,23 @@ class MotionInspector {
         std::max({norm(at(f + 1, j) - at(f - 1, j)), step(f - 1, j), step(f - 2, j), step(f + 2, j), step(f + 3, j)});
     return off > limits_.isolated * around ? off : 0;
   }
-  /// How far a joint goes from the frame before, if that is part of a jump: of one to a few frames in a row that stand out from
-  /// those around, or of a flicker, in which a known body's joint gets faster or slower as none can.
+  /// How far a joint goes from the frame before, if that is part of a jump: of one to a few frames in a row that stand
+  /// out from those around, or of a flicker, in which a known body's joint gets faster or slower as none can.
   double jump_size(Index f, Index j) {
     const double s = step(f, j);
     if (s * fps_ < limits_.jump_speed) return 0;
-    if (body_ && s >= limits_.spike && std::max(off_middle(f - 1, j), off_middle(f, j)) > limits_.violent / (2 * fps_ * fps_))
-      return s;
+    const double off = std::max(off_middle(f - 1, j), off_middle(f, j));
+    if (body_ && s >= limits_.spike && 2 * off * fps_ * fps_ > limits_.violent) return s;
+    const double most = std::max(1.0, std::round(limits_.jump_seconds * fps_));
+    auto fast = [&](Index frame) { return step(frame, j) * fps_ >= limits_.jump_speed; };
     Index from = f, to = f;  // the fast frames around
-    while (step(from - 1, j) * fps_ >= limits_.jump_speed) --from;
-    while (step(to + 1, j) * fps_ >= limits_.jump_speed) ++to;
-    const auto n = static_cast<double>(to - from + 1);
+    auto n = [&] { return static_cast<double>(to - from + 1); };
+    while (n() <= most && fast(from - 1)) --from;
+    while (n() <= most && fast(to + 1)) ++to;
     const double way = norm(at(to, j) - at(from - 1, j));
-    if (way < limits_.jump || (n > 1 && n > limits_.jump_seconds * fps_)) return 0;
+    if (way < limits_.jump || n() > most) return 0;
     const double around = std::max({step(from - 2, j), step(from - 1, j), step(to + 1, j), step(to + 2, j)});
-    return way / n > limits_.isolated * around ? s : 0;
+    return way / n() > limits_.isolated * around ? s : 0;
   }
 
   std::vector<int> foot_joints() const {
@@ -540,11 +567,12 @@ class MotionInspector {
         " y = 0");
     out_.cure.lift = -sole;
   }
-  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are off at all.
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
+  /// off at all.
   void check_contacts(bool in_place) {
     std::vector<BodyJoints::Pair> joints{body_->ankle};
     if (body_->toe.known()) joints.push_back(body_->toe);
-    std::vector<double> stands;  // the height at which the lower joint of a pair stands: a foot that stays above it hangs
+    std::vector<double> stands;  // at which height the lower of a pair stands: a foot that stays higher hangs
     for (const BodyJoints::Pair& p : joints) {
       std::vector<double> heights;
       for (Index f = first_; f < frames(); ++f) heights.push_back(std::min(at(f, p.left).y, at(f, p.right).y));
@@ -556,8 +584,10 @@ class MotionInspector {
       for (const BodyJoints::Pair& p : joints) feet.push_back(p.*side);
       add_contacts(feet, stands, speeds);
     }
-    if (const double speed = quantile(speeds, 0.5); speed > limits_.slide)
-      add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s", in_place ? "; a clip in place" : "");
+    if (const double speed = quantile(speeds, 0.5); speed > limits_.slide) {
+      add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
+          in_place ? "; a clip in place" : "");
+    }
   }
 
   const Motion& motion_;

@@ -164,6 +164,47 @@ TEST_CASE("an odd frame rate") {
   }
 }
 
+TEST_CASE("a usual but wrong frame rate: jumps tell it, and it is mended") {
+  CHECK(faults(synthetic::jump()).empty());
+  CHECK(faults(synthetic::jump(24)).empty());
+  for (const double times : {0.25, 0.5, 2.0, 4.0}) {
+    auto m = synthetic::jump();
+    m.fps *= times;
+    REQUIRE(faults(m) == only(ml::Fault::fall));
+    const auto seen = ml::inspect_motion(m);
+    CHECK(seen.cure.fps == Approx(60));
+    const auto better = ml::mended(m, seen.cure);
+    CHECK(better.fps == seen.cure.fps);
+    CHECK(better.frames() == m.frames());
+    CHECK(faults(better).empty());
+  }
+  auto m = synthetic::jump();
+  m.fps = 240;
+  CHECK(ml::inspect_motion(m).findings[0].text.ends_with("not 9.81: 4 times too fast, 60 frames per second, not 240"));
+  m.fps = 30;
+  CHECK(ml::inspect_motion(m).findings[0].text.ends_with("not 9.81: 2 times too slow, 60 frames per second, not 30"));
+  m.fps = 144;  // 2.4 times: no whole part of it
+  const auto about = ml::inspect_motion(m);
+  CHECK(about.has(ml::Fault::fall));
+  CHECK(about.cure.fps == 0);
+}
+
+TEST_CASE("a frame rate at which steps would sink faster than anything falls; a slow walk may be one") {
+  auto m = ml::crop(walk(), 0, 1);
+  for (int f = 1; f < 120; ++f) {  // up and down by 5 cm in all, as the hips of who walks 1.8 steps a second
+    m = ml::concatenate(m, ml::crop(m, 0, 1));
+    m.root.back().y += 0.025 * std::sin(2 * std::numbers::pi * 1.8 * f / 30);
+  }
+  CHECK(faults(m).empty());
+  m.fps = 120;
+  REQUIRE(faults(m) == only(ml::Fault::fall));
+  CHECK_MESSAGE(ml::inspect_motion(m).findings[0].text.starts_with("between steps the body sinks with "),
+                ml::inspect_motion(m).findings[0].text);
+  CHECK(ml::inspect_motion(m).cure.fps == 0);
+  m.fps = 15;
+  CHECK(faults(m).empty());
+}
+
 TEST_CASE("a T-pose in front") {
   auto m = walk();
   m.root.insert(m.root.begin(), m.root[0]);
@@ -176,7 +217,7 @@ TEST_CASE("spikes of one frame are found and mended") {
   auto m = walk();
   m.root[30].x += 0.5;
   m.rotations(45)[16] = synthetic::about_z(1.5) * m.rotations(45)[16];  // the left arm
-  REQUIRE(faults(m) == only(ml::Fault::spike));
+  REQUIRE(faults(m) == only(ml::Fault::spike));  // and the way back is no jump
   CHECK(ml::inspect_motion(m).cure.spikes == std::vector<ml::Index>{30, 45});
   CHECK(ml::inspect_motion(m).findings[0].moment == Approx(1));
   auto expected = walk();
@@ -197,6 +238,18 @@ TEST_CASE("a jump to another place is found at its moment") {
   CHECK(ml::inspect_motion(m).findings[0].text.find("1 jump;") == 0);
 }
 
+TEST_CASE("jumps that are spread over frames, and flickers, are found") {
+  auto slow = walk(), flicker = walk();
+  for (ml::Index f = 20; f < slow.frames(); ++f)
+    slow.root[static_cast<std::size_t>(f)].x += 0.35 * static_cast<double>(std::min<ml::Index>(f - 19, 3));
+  REQUIRE(faults(slow) == only(ml::Fault::jump));
+  CHECK(ml::inspect_motion(slow).findings[0].text.find("3 jumps;") == 0);
+  flicker = ml::resample(walk(), 60);
+  for (const ml::Index f : {40, 41, 43, 44, 46, 48})  // a left arm that does not know where it belongs
+    flicker.rotations(f)[16] = synthetic::about_z(f % 2 == 0 ? 1.2 : 2.4) * flicker.rotations(f)[16];
+  CHECK(ml::inspect_motion(flicker).has(ml::Fault::jump));
+}
+
 TEST_CASE("feet that slide: a walk on the spot, a path that is too long") {
   auto treadmill = walk(), stretched = walk();
   for (Vec& r : treadmill.root) r.x = r.z = 0;
@@ -215,6 +268,47 @@ TEST_CASE("feet that carry nothing do not slide: in water, on the belly") {
     crawls.root[static_cast<std::size_t>(f)] = {0, 0.1, 0.05 * static_cast<double>(f)};
   }
   CHECK(!ml::inspect_motion(crawls).has(ml::Fault::sliding_feet));
+}
+
+TEST_CASE("feet that hang do not slide: of who treads water on the spot, and one while the other stands") {
+  auto treads = walk(), swings = walk();
+  for (Vec& r : treads.root) r.x = r.z = 0, r.y -= 0.15;
+  CHECK(faults(treads) == only(ml::Fault::floor));
+  for (ml::Index f = 0; f < swings.frames(); ++f) {
+    std::ranges::copy(walk().rotations(0), swings.rotations(f).begin());
+    const double angle = 0.3 * std::sin(0.4 * static_cast<double>(f));
+    const auto pose = swings.rotations(f);
+    pose[static_cast<std::size_t>(swings.skeleton["left_hip"])] = synthetic::about_x(-0.5 + angle);
+    pose[static_cast<std::size_t>(swings.skeleton["left_knee"])] = synthetic::about_x(1.3);
+    swings.root[static_cast<std::size_t>(f)] = walk().root[0];
+  }
+  CHECK(!ml::inspect_motion(swings).has(ml::Fault::sliding_feet));
+}
+
+TEST_CASE("ends of feet stand in for toes that a skeleton lacks") {
+  const auto whole = walk();
+  ml::Motion m{{}, whole.fps, {}, {}, "on the tips of its toes"};
+  std::vector<std::size_t> kept;
+  std::vector<int> at(24, -1);
+  for (int j = 0; j < 24; ++j) {
+    if (whole.skeleton.name(j).ends_with("foot")) continue;
+    at[static_cast<std::size_t>(j)] = static_cast<int>(kept.size());
+    kept.push_back(static_cast<std::size_t>(j));
+    m.skeleton.names.push_back(whole.skeleton.name(j));
+    const int parent = whole.skeleton.parent(j);
+    m.skeleton.parents.push_back(parent < 0 ? -1 : at[static_cast<std::size_t>(parent)]);
+    m.skeleton.offsets.push_back(whole.skeleton.offset(j));
+  }
+  m.root.assign(60, whole.root[0] + Vec{0, 0.15, 0});
+  for (ml::Index f = 0; f < m.frames(); ++f)
+    for (const std::size_t j : kept) m.local.push_back(whole.rotations(0)[j]);
+  CHECK(faults(m) == only(ml::Fault::floor));
+  m.skeleton.ends.assign(kept.size(), {});
+  for (const char* ankle : {"left_ankle", "right_ankle"})
+    m.skeleton.ends[static_cast<std::size_t>(m.skeleton[ankle])] = {0, -0.2, 0.08};
+  CHECK(faults(m).empty());
+  for (ml::Index f = 0; f < m.frames(); ++f) m.root[static_cast<std::size_t>(f)].z += 0.02 * static_cast<double>(f);
+  CHECK(faults(m) == only(ml::Fault::sliding_feet));
 }
 
 TEST_CASE("feet that are not on the floor") {
