@@ -754,6 +754,24 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below 'empty'"));
 }
 
+TEST_CASE("doctor: a jump tells a wrong frame rate, and the copy has the right one") {
+  const Workplace w;
+  auto jump = synthetic::jump(60);
+  jump.fps = 120;
+  std::filesystem::create_directories(w / "data");
+  ml::write_bvh(w / "data/a.bvh", jump);
+  ml::write_amass(w / "data/b.npz", jump);
+  jump.fps = 30;
+  ml::write_bvh(w / "data/c.bvh", jump);
+  const auto seen = w.run({"doctor", "data", "--clean", "clean"});
+  for (const char* text : {"2 times too fast, 60 frames per second, not 120", "2 times too slow, 60 frames per second, not 30",
+                           "     3  fall           bodies fall faster or slower than they do"})
+    CHECK_MESSAGE(contains(seen.text, text), text, " in ", seen.text);
+  for (const char* copy : {"clean/a.bvh", "clean/b.npz.bvh", "clean/c.bvh"})
+    CHECK(ml::read_bvh_motion(w / copy).fps == doctest::Approx(60).epsilon(1e-4));
+  CHECK(contains(w.run({"doctor", "clean"}).text, "3 motions, 3 without a finding"));
+}
+
 TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC files with a skeleton from elsewhere") {
   const Workplace w;
   for (const char* folder : {"set", "one", "two"}) std::filesystem::create_directories(w / folder);
