@@ -764,7 +764,8 @@ TEST_CASE("doctor: a jump tells a wrong frame rate, and the copy has the right o
   jump.fps = 30;
   ml::write_bvh(w / "data/c.bvh", jump);
   const auto seen = w.run({"doctor", "data", "--clean", "clean"});
-  for (const char* text : {"2 times too fast, 60 frames per second, not 120", "2 times too slow, 60 frames per second, not 30",
+  for (const char* text : {"2 times too fast, 60 frames per second, not 120",
+                           "2 times too slow, 60 frames per second, not 30",
                            "     3  fall           bodies fall faster or slower than they do"})
     CHECK_MESSAGE(contains(seen.text, text), text, " in ", seen.text);
   for (const char* copy : {"clean/a.bvh", "clean/b.npz.bvh", "clean/c.bvh"})

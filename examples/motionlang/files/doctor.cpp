@@ -131,7 +131,8 @@ class Doctor {
 void add_doctor(CLI::App& app) {
   const auto o = std::make_shared<DoctorOptions>();
   CLI::App* c = app.add_subcommand(
-      "doctor", "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, frame rate, jumps, feet, ...");
+      "doctor",
+      "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, frame rate, jumps, feet, ...");
   c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to "
                 "the bottom")
       ->required()

@@ -409,8 +409,8 @@ class MotionInspector {
     const double ends = std::max(feet.front(), feet.back());
     const std::size_t quarter = feet.size() / 4;
     const auto air = feet.subspan(quarter, feet.size() - 2 * quarter);
-    return ends < 2 * limits_.off_floor &&
-           *std::min_element(air.begin(), air.end()) > std::max(limits_.off_floor, ends + limits_.low);
+    const double lowest = *std::min_element(air.begin(), air.end());
+    return ends < 2 * limits_.off_floor && lowest > std::max(limits_.off_floor, ends + limits_.low);
   }
 
   /// How fast a body seems to fall goes with the square of the frame rate.
@@ -427,7 +427,8 @@ class MotionInspector {
     fps_ = motion_.fps / times;
     const double whole = times > 1 ? std::round(times) : 1 / std::round(1 / times);
     const double factor = std::max(times, 1 / times), whole_factor = std::max(whole, 1 / whole);
-    const bool known = flies && std::abs(times / whole - 1) < 0.08 && whole_factor <= 5 && usual_rate(motion_.fps / whole);
+    const bool known =
+        flies && std::abs(times / whole - 1) < 0.08 && whole_factor <= 5 && usual_rate(motion_.fps / whole);
     if (known) out_.cure.fps = fps_ = motion_.fps / whole;
     add(Fault::fall, first_, flies ? "in the air the body falls with " : "between steps the body sinks with ",
         hundredths(fall), " m/s2, not ", flies ? "" : "at most ", gravity, ": ",
