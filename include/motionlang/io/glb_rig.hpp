@@ -61,7 +61,8 @@ class GlbRig {
     if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
     for (const char* grows : {"accessors", "bufferViews", "animations"}) document_.count(grows);  // must be an array
     const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
-    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
+    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text),
+                           document_.count("buffers") > 0 ? document_.buffer(0) : std::span<const std::byte>());
     if (!options.keep_animations) glb.document["animations"].clear();
     std::set<std::string> taken;
     for (Index i = 0; options.keep_animations && i < document_.count("animations"); ++i) {
