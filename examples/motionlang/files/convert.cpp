@@ -112,7 +112,7 @@ class Conversion {
   Conversion(const ConvertOptions& o, const Loaded& loaded, std::set<std::string>& taken)
       : o_(o), loaded_(loaded), taken_(taken) {
     if (kind_of(o.in) != ".npz")
-      motions_ = read_motions(o.in, o.read);
+      motions_ = read_motions(o.in, o.read, &told_);
     else if (loaded.body == nullptr)
       read_amass();
     else
@@ -173,7 +173,7 @@ class Conversion {
       told_ += loaded_.rig(o_.out, made_);
     } else if (loaded_.body != nullptr && holds_several(o_.out)) {
       told_ += loaded_.body->write(o_.out, made_, betas_);
-    } else if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
+    } else if (motions_.size() > 1 && o_.features.empty() && holds_together(o_.out, made_)) {
       write_motions(o_.out, made_);
       told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
     } else if (o_.data_set != nullptr) {
@@ -310,8 +310,8 @@ void run(ConvertOptions o) {
 /// more: what else the input may be.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
-               "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or "
-               "a folder of them (.vrm, mostly avatars, are passed over there)" +
+               "Motion: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf (with its data in it), .vrm or .vrma "
+               "(every animation); or a folder of them (.vrm, mostly avatars, and .gltf are passed over there)" +
                    more)
       ->required()
       ->check(CLI::ExistingPath);
