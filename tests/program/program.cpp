@@ -3,6 +3,7 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
+#include <motionlang/io/annotations.hpp>
 #include <motionlang/io/glb_reader.hpp>
 #include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/motion_npy.hpp>
@@ -580,6 +581,42 @@ TEST_CASE("convert: several motions of a file, of which one that fails stops no 
   CHECK(w.run({"view", "three.glb"}).code == 0);
   const auto page = ml::read_file(w / "three.html");
   for (const char* name : {"\"walk\"", "\"pose\"", "\"short walk\""}) CHECK(contains(page, name));
+}
+
+TEST_CASE("convert: texts of BABEL become annotations, and these files of captions") {
+  const Workplace w;
+  ml::write_file(w / "babel.json", std::string_view(R"({
+    "42": {"babel_sid": 42, "url": "", "feat_p": "X/X/s/f_poses.npz", "dur": 12.0,
+      "seq_ann": {"labels": [{"raw_label": "walk", "proc_label": "walk and wave", "seg_id": "a", "act_cat": null}]},
+      "frame_ann": {"labels": [{"proc_label": "sit down", "start_t": 7, "end_t": 9.5}]}},
+    "43": {"babel_sid": 43, "url": "", "feat_p": "X/X/s/g_poses.npz", "dur": 1.5, "seq_ann": null, "frame_ann": null}})"));
+  const auto out = w.run({"convert", "babel.json", "annotations.json"});
+  CHECK_MESSAGE(out.code == 0, out.text);
+  CHECK_MESSAGE(contains(out.text, "annotations.json: 2 texts of 1 motions"), out.text);
+  const auto made = ml::AnnotationFile::open(w / "annotations.json");
+  CHECK(made.ids() == std::vector<std::string>{"00042"});
+  CHECK(made.load("00042") == ml::AnnotatedMotion{"00042",
+                                                  "X/s/f_poses",
+                                                  12,
+                                                  {{"00042_0", "walk and wave", 0, 12, "a"}, {"00042_1", "sit down", 7, 9.5}}});
+  REQUIRE(w.run({"convert", "annotations.json", "again.json"}).code == 0);
+  CHECK(ml::read_file(w / "again.json") == ml::read_file(w / "annotations.json"));
+  const auto texts = w.run({"convert", "annotations.json", "set"});
+  CHECK_MESSAGE(contains(texts.text, "set/texts: 2 texts of 1 motions"), texts.text);
+  CHECK(ml::read_file(w / "set/texts/00042.txt") == "walk and wave##0.0#0.0\nsit down##7.0#9.5\n");
+  REQUIRE(w.run({"convert", "babel.json", "direct"}).code == 0);
+  CHECK(w.files("direct/texts") == w.files("set/texts"));
+
+  const auto other = w.run({"convert", "babel.json", "out.bvh"}), option = w.run({"convert", "babel.json", "out.json", "--mirror"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "are written to .json or, as files of captions, into a folder, not '.bvh'"), other.text);
+  CHECK(option.code == 2);
+  CHECK_MESSAGE(contains(option.text, "--mirror: is not for texts of motions"), option.text);
+  ml::write_file(w / "sharp.json", std::string_view(R"({"1": {"path": "p", "duration": 1, "annotations": [
+    {"seg_id": "1_0", "text": "one", "start": 0, "end": 1}, {"seg_id": "1_1", "text": "a # b", "start": 0, "end": 1}]}})"));
+  const auto sharp = w.run({"convert", "sharp.json", "none"});
+  CHECK_MESSAGE(contains(sharp.text, "[motionlang.timeline.510] 'a # b' cannot stand in a file of captions"), sharp.text);
+  CHECK(!std::filesystem::exists(w / "none"));
 }
 
 TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are told") {

@@ -20,6 +20,7 @@
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "motion_files.hpp"
+#include "texts.hpp"
 #include "weights.hpp"
 
 namespace program {
@@ -295,6 +296,10 @@ void merge_hands(const ConvertOptions& o) {
 void run(ConvertOptions o) {
   if (!o.hands.empty()) return merge_hands(o);
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
+  if (is_texts(o.in)) {
+    std::printf("%s", convert_texts(o.in, o.out).c_str());
+    return;
+  }
   const bool folder = fs::is_directory(o.in);
   if (folder ? o.as.empty() : !fs::path(o.out).has_extension()) o.data_set = find_data_set_form(o.features);
   if (folder && o.as.empty() && o.data_set == nullptr)
@@ -362,12 +367,15 @@ void add_convert(CLI::App& app) {
   const auto o = std::make_shared<ConvertOptions>();
   CLI::App* c = app.add_subcommand(
       "convert",
-      "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
-  add_input(*c, *o, "; or weights, or a body (--hands)");
+      "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors; or texts "
+      "of motions");
+  add_input(*c, *o,
+            "; or weights, or a body (--hands); or texts: .json of BABEL, or annotations as TMR and STMC have them");
   c->add_option("output", o->out,
                 "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints, Z up as STMC saves them), .html (page), .svg or .png (film "
                 "strip), with --body .obj (one for each frame); of weights .safetensors, of a body (--hands) .npz; of "
-                "a folder a folder (--as)")
+                "a folder a folder (--as); of texts .json (annotations as TMR and STMC have them), or a folder for "
+                "texts/ as HumanML3D has it")
       ->check(not_empty())
       ->required();
   c->add_option("--as", o->as,
@@ -430,6 +438,7 @@ void add_convert(CLI::App& app) {
     const bool weights = kind_of(o->out) == ".safetensors";
     for (const CLI::Option* option : c->get_options()) {  // not by excludes, which --help would say at every option
       if (!option->nonpositional() || option->count() == 0) continue;
+      if (is_texts(o->in) && !weights) throw CLI::ValidationError(option->get_name(), "is not for texts of motions, as in " + o->in);
       if (!o->hands.empty() && option != hands) throw CLI::ExcludesError(hands->get_name(), option->get_name());
       if ((option == tensors || option == store) != weights && option != hands)
         throw CLI::ValidationError(option->get_name(), ml::concat_text(weights ? "is not" : "is", " for weights, written as "
