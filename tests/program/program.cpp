@@ -589,16 +589,15 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
     "42": {"babel_sid": 42, "url": "", "feat_p": "X/X/s/f_poses.npz", "dur": 12.0,
       "seq_ann": {"labels": [{"raw_label": "walk", "proc_label": "walk and wave", "seg_id": "a", "act_cat": null}]},
       "frame_ann": {"labels": [{"proc_label": "sit down", "start_t": 7, "end_t": 9.5}]}},
-    "43": {"babel_sid": 43, "url": "", "feat_p": "X/X/s/g_poses.npz", "dur": 1.5, "seq_ann": null, "frame_ann": null}})"));
+    "43": {"babel_sid": 43, "url": "", "feat_p": "X/X/s/g_poses.npz", "dur": 1.5, "seq_ann": null}})"));
   const auto out = w.run({"convert", "babel.json", "annotations.json"});
   CHECK_MESSAGE(out.code == 0, out.text);
   CHECK_MESSAGE(contains(out.text, "annotations.json: 2 texts of 1 motions"), out.text);
   const auto made = ml::AnnotationFile::open(w / "annotations.json");
   CHECK(made.ids() == std::vector<std::string>{"00042"});
-  CHECK(made.load("00042") == ml::AnnotatedMotion{"00042",
-                                                  "X/s/f_poses",
-                                                  12,
-                                                  {{"00042_0", "walk and wave", 0, 12, "a"}, {"00042_1", "sit down", 7, 9.5}}});
+  CHECK(made.load("00042") ==
+        ml::AnnotatedMotion{
+            "00042", "X/s/f_poses", 12, {{"00042_0", "walk and wave", 0, 12, "a"}, {"00042_1", "sit down", 7, 9.5}}});
   REQUIRE(w.run({"convert", "annotations.json", "again.json"}).code == 0);
   CHECK(ml::read_file(w / "again.json") == ml::read_file(w / "annotations.json"));
   const auto texts = w.run({"convert", "annotations.json", "set"});
@@ -607,25 +606,31 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
   REQUIRE(w.run({"convert", "babel.json", "direct"}).code == 0);
   CHECK(w.files("direct/texts") == w.files("set/texts"));
 
-  const auto other = w.run({"convert", "babel.json", "out.bvh"}), option = w.run({"convert", "babel.json", "out.json", "--mirror"});
+  const auto other = w.run({"convert", "babel.json", "out.bvh"}),
+             option = w.run({"convert", "babel.json", "out.json", "--mirror"});
   CHECK(other.code == 1);
-  CHECK_MESSAGE(contains(other.text, "are written to .json or, as files of captions, into a folder, not '.bvh'"), other.text);
+  CHECK_MESSAGE(contains(other.text, "are written to .json or, as files of captions, into a folder, not '.bvh'"),
+                other.text);
   CHECK(option.code == 2);
   CHECK_MESSAGE(contains(option.text, "--mirror: is not for texts of motions"), option.text);
   ml::write_file(w / "sharp.json", std::string_view(R"({"1": {"path": "p", "duration": 1, "annotations": [
-    {"seg_id": "1_0", "text": "one", "start": 0, "end": 1}, {"seg_id": "1_1", "text": "a # b", "start": 0, "end": 1}]}})"));
+    {"seg_id": "1_0", "text": "one", "start": 0, "end": 1},
+    {"seg_id": "1_1", "text": "a # b", "start": 0, "end": 1}]}})"));
   const auto sharp = w.run({"convert", "sharp.json", "none"});
-  CHECK_MESSAGE(contains(sharp.text, "[motionlang.timeline.510] 'a # b' cannot stand in a file of captions"), sharp.text);
+  CHECK_MESSAGE(contains(sharp.text, "[motionlang.timeline.510] 'a # b' cannot stand in a file of captions"),
+                sharp.text);
   CHECK(!std::filesystem::exists(w / "none"));
 }
 
 TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are told") {
   const Workplace w;
   ml::write_file(w / "pair.bvh",
-                 std::string_view("HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT arm { OFFSET 0 100 0 CHANNELS 1 "
-                                  "Yposition } JOINT leg { OFFSET 0 -100 0 } } ROOT b { OFFSET 0 0 0 CHANNELS 1 Yposition JOINT c { "
-                                  "OFFSET 100 0 0 } } MOTION Frames: 2 Frame Time: 0.05\n0 100 5\n100 150 5\n"));
-  const std::string told = "pair.bvh: left out is how 'arm' moves away from the joint before: bones keep their mean length";
+                 std::string_view(
+                     "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT arm { OFFSET 0 100 0 CHANNELS 1 "
+                     "Yposition } JOINT leg { OFFSET 0 -100 0 } } ROOT b { OFFSET 0 0 0 CHANNELS 1 Yposition JOINT c { "
+                     "OFFSET 100 0 0 } } MOTION Frames: 2 Frame Time: 0.05\n0 100 5\n100 150 5\n"));
+  const std::string told =
+      "pair.bvh: left out is how 'arm' moves away from the joint before: bones keep their mean length";
   const auto out = w.run({"convert", "pair.bvh", "one.bvh"});
   REQUIRE_MESSAGE(out.code == 0, out.text);
   CHECK_MESSAGE(contains(out.text, told), out.text);
@@ -847,9 +852,10 @@ TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC
   const std::string amc = ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 0 0 0 0\nthigh 10\n2\nroot 0 1 0 0 0 0\nthigh 20\n";
   ml::write_file(w / "one/13_30.amc", amc);
   ml::write_file(w / "body.asf", asf);
-  const std::string missing = "there is no skeleton one/13.asf, nor just one other .asf file beside it: convert, strip, view and "
-                              "doctor take it by --asf FILE";
-  CHECK(contains(w.run({"doctor", "one"}).text, "13_30.amc: unreadable: [motionlang.io.401] one/13_30.amc: " + missing));
+  const std::string missing =
+      "there is no skeleton one/13.asf, nor just one other .asf file beside it: convert, strip, view and "
+      "doctor take it by --asf FILE";
+  CHECK(contains(w.run({"doctor", "one"}).text, "unreadable: [motionlang.io.401] one/13_30.amc: " + missing));
   const auto alone = w.run({"convert", "one/13_30.amc", "leg.bvh"});
   CHECK(alone.code == 1);
   CHECK_MESSAGE(contains(alone.text, missing), alone.text);

@@ -140,9 +140,11 @@ std::vector<ml::Motion> every_root(const std::filesystem::path& path, double sca
     motions.push_back(ml::to_motion(file, {.scale = scale, .root = root}));
     motions.back().name = motions.back().skeleton.name(0);
     if (told == nullptr) continue;
-    if (const auto joints = ml::stretched_joints(file, root); !joints.empty())
-      *told += ml::concat_text(path.string(), ": left out is how ", listed(joints), " move", joints.size() == 1 ? "s" : "",
-                               " away from the joint before: bones keep their mean length\n");
+    const auto joints = ml::stretched_joints(file, root);
+    if (joints.empty()) continue;
+    const char* move = joints.size() == 1 ? " moves" : " move";
+    *told += ml::concat_text(path.string(), ": left out is how ", listed(joints), move,
+                             " away from the joint before: bones keep their mean length\n");
   }
   return motions;
 }
@@ -150,14 +152,17 @@ std::vector<ml::Motion> every_root(const std::filesystem::path& path, double sca
 ml::Motion read_amc(const std::filesystem::path& path, const MotionReadOptions& options) {
   const auto asf = options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf))
-    ml::raise<ml::io_error>(401, path.string(), ": there is no skeleton ", asf.string(), ", nor just one other .asf file beside "
-                            "it: convert, strip, view and doctor take it by --asf FILE");
-  return ml::read_amc(path, ml::read_asf(asf), options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{});
+    ml::raise<ml::io_error>(401, path.string(), ": there is no skeleton ", asf.string(),
+                            ", nor just one other .asf file beside it: convert, strip, view and doctor take it by "
+                            "--asf FILE");
+  return ml::read_amc(path, ml::read_asf(asf),
+                      options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{});
 }
 
 }  // namespace
 
-std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options, std::string* told) {
+std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options,
+                                     std::string* told) {
   const std::string kind = kind_of(path);
   std::vector<ml::Motion> motions;
   if (kind == ".bvh")
@@ -173,8 +178,9 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else if (is_gltf(path))
     motions = every_animation(path, options.fps);
   else
-    ml::raise<ml::config_error>(
-        103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy, .glb, .gltf, .vrm and .vrma, not '", kind, "'");
+    ml::raise<ml::config_error>(103, path.string(),
+                                ": motions are read from .bvh, .amc, .npz, .npy, .glb, .gltf, .vrm and .vrma, not '",
+                                kind, "'");
   std::set<std::string> taken;
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
@@ -182,7 +188,6 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   }
   return motions;
 }
-
 
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre) {
   const std::string kind = kind_of(path);

@@ -38,8 +38,8 @@ std::string kind_of(const std::filesystem::path& path);
 
 /// Whether a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
 bool is_gltf(const std::filesystem::path& path);
-/// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions knows .vrm and
-/// .gltf as well.)
+/// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions knows .vrm
+/// and .gltf as well.)
 bool is_motion_file(const std::filesystem::path& path);
 
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
@@ -59,11 +59,11 @@ std::string unique(const std::string& name, std::set<std::string>& taken);
 /// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in the folder.
 std::filesystem::path asf_beside(const std::filesystem::path& amc);
 
-/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf, .vrm, .vrma (every
-/// animation). Each has a name, and no two the same.
+/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf, .vrm, .vrma
+/// (every animation). Each has a name, and no two the same.
 /// told    gets lines about what a file has and the motions do not: bones that stretch
-/// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file whose
-///         skeleton is not found, and what the reader throws
+/// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file
+///         whose skeleton is not found, and what the reader throws
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {},
                                      std::string* told = nullptr);
 

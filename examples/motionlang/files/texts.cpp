@@ -54,8 +54,9 @@ bool is_texts(const std::filesystem::path& path) { return kind_of(path) == ".jso
 std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out) {
   const bool folder = !out.has_extension();
   if (!folder && !is_texts(out))
-    ml::raise<ml::config_error>(103, out.string(), ": texts of motions are written to .json or, as files of captions, into a "
-                                "folder, not '", kind_of(out), "'");
+    ml::raise<ml::config_error>(
+        103, out.string(), ": texts of motions are written to .json or, as files of captions, into a folder, not '",
+        kind_of(out), "'");
   const auto motions = read_annotated(in);
   if (folder)
     write_texts(out, motions);

@@ -40,8 +40,8 @@ void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence&
 
 }  // namespace detail
 
-/// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. "" where the
-/// archive holds no sequence, as the shape.npz files beside them.
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
+/// where the archive holds no sequence, as the shape.npz files beside them.
 inline std::string_view amass_poses(const NpzArchive& npz) {
   return npz.has("poses") ? "poses" : npz.has("root_orient") ? "root_orient" : "";
 }

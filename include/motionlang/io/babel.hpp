@@ -8,8 +8,8 @@
 ///       for (const auto& a : sequence.frame_annotations) use(babel_segments(a.labels, 30, frames, spelling));
 ///     }
 ///
-/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.1 and
-///         5.4, teach.md 4, sinc.md 5, tmr.md 8.1
+/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.1
+///         and 5.4, teach.md 4, sinc.md 5, tmr.md 8.1
 #pragma once
 
 #include <algorithm>      // stable_sort
@@ -177,9 +177,9 @@ inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labe
   return out;
 }
 
-/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of stretches, in the
-/// order of the file. The id has five digits or more, the path is that of AMASS: without the first of the two folders and
-/// without extension. Labels without a word are left out, no others.
+/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of stretches, in
+/// the order of the file. The id has five digits or more, the path is that of AMASS: without the first of the two
+/// folders and without extension. Labels without a word are left out, no others.
 /// Throws  io_error 403 for a sequence without feat_p or dur
 inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const SpellingTable& spelling = {}) {
   const std::string& id = sequence.id;

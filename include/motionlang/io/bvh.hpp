@@ -223,8 +223,8 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
 inline int bvh_roots(const Bvh& file) {
   return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent));
 }
-/// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion leaves
-/// this out. Throws config_error 101 (number of the root).
+/// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
+/// leaves this out. Throws config_error 101 (number of the root).
 inline std::vector<std::string> stretched_joints(const Bvh& file, int root = 0) {
   const detail::BvhTable table(file);
   auto joints = detail::bvh_joints(file, root);

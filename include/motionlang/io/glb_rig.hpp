@@ -2,9 +2,9 @@
 /// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
 ///
 /// The binary data of the file are kept byte for byte and new ones are put behind them; of the document only the arrays
-/// of animations, accessors and buffer views grow, and the length of the buffer. (Data of the first buffer that stand in
-/// the document in base64 become binary data.) The joint that is the pelvis moves; what stands above it (armature, root)
-/// stays as it is at rest.
+/// of animations, accessors and buffer views grow, and the length of the buffer. (Data of the first buffer that stand
+/// in the document in base64 become binary data.) The joint that is the pelvis moves; what stands above it (armature,
+/// root) stays as it is at rest.
 #pragma once
 
 #include <set>  // names of animations

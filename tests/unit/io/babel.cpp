@@ -63,7 +63,8 @@ TEST_CASE("BABEL: all texts of a sequence as an annotated motion, which is writt
   CHECK(again.load("00009") == extra);
   CHECK(ml::annotated_motion(file().load("8")).annotations.empty());
   CHECK_ERROR(ml::annotated_motion(file(with(train, R"("dur": 2.5)", R"("dur": 0)")).load("9")), "BABEL: 9: no dur");
-  CHECK_ERROR(ml::annotated_motion(file(with(train, R"("p", "dur": 2.5)", R"("", "dur": 2.5)")).load("9")), "BABEL: 9: no feat_p");
+  CHECK_ERROR(ml::annotated_motion(file(with(train, R"("p", "dur": 2.5)", R"("", "dur": 2.5)")).load("9")),
+              "BABEL: 9: no feat_p");
 }
 
 TEST_CASE("BABEL: entries as they stand") {

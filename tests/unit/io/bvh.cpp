@@ -143,9 +143,9 @@ TEST_CASE("BVH: a root that only carries a moving one is joined with it") {
 
 TEST_CASE("BVH: joints below the root that move away from the joint before are named") {
   const std::string text =
-      "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT still { OFFSET 0 1 0 CHANNELS 1 Yposition JOINT arm { "
-      "OFFSET 0 1 0 CHANNELS 1 Yposition } } JOINT leg { OFFSET 0 1 0 CHANNELS 1 Xrotation } } MOTION Frames: 2 Frame "
-      "Time: 0.05\n0 3 1 0\n5 3 1.5 90\n";
+      "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT still { OFFSET 0 1 0 CHANNELS 1 Yposition JOINT arm "
+      "{ OFFSET 0 1 0 CHANNELS 1 Yposition } } JOINT leg { OFFSET 0 1 0 CHANNELS 1 Xrotation } } MOTION Frames: 2 "
+      "Frame Time: 0.05\n0 3 1 0\n5 3 1.5 90\n";
   const ml::Bvh file = ml::parse_bvh(text);
   CHECK(ml::stretched_joints(file) == std::vector<std::string>{"arm"});
   CHECK(ml::to_motion(file, {.scale = 1}).skeleton.offset(2).y == 1.25);

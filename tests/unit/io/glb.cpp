@@ -378,7 +378,8 @@ TEST_CASE("sparse accessors: some values are replaced, those that are not in the
   replace_rotation(b, 1, false);
   const ml::Motion motion = b.file().motion(0, 1);
   CHECK(ml::distance(motion.rotations(0)[1], ml::Quaternion<double>::identity()) < 1e-9);
-  CHECK(ml::distance(motion.rotations(1)[1], ml::Quaternion<double>{0, 0, 0, 1} * ml::Quaternion<double>{0.8, -0.6, 0, 0}) < 1e-9);
+  CHECK(ml::distance(motion.rotations(1)[1],
+                     ml::Quaternion<double>{0, 0, 0, 1} * ml::Quaternion<double>{0.8, -0.6, 0, 0}) < 1e-9);
 
   auto refused = [](auto change, const char* text) {
     Builder damaged = two_joints();
@@ -396,13 +397,15 @@ TEST_CASE("sparse accessors: some values are replaced, those that are not in the
   refused([](json& s) { s.erase("values"); }, "107");
   Builder beyond = two_joints();
   replace_rotation(beyond, 2, true);
-  CHECK_THROWS_WITH_AS(beyond.file(), doctest::Contains("index 0 is 2, expected one from 0 on and below 2"), ml::io_error);
+  CHECK_THROWS_WITH_AS(beyond.file(), doctest::Contains("index 0 is 2, expected one from 0 on and below 2"),
+                       ml::io_error);
   Builder twice = two_joints();
   replace_rotation(twice, 1, true);
   json& sparse = twice.document["accessors"].back()["sparse"];
   sparse["count"] = 2, sparse["indices"] = {{"bufferView", 2}, {"componentType", 5121}};  // 1, 0
   twice.document["bufferViews"][3] = twice.document["bufferViews"][1];
-  CHECK_THROWS_WITH_AS(twice.file(), doctest::Contains("index 1 is 0, expected one from 2 on and below 2"), ml::io_error);
+  CHECK_THROWS_WITH_AS(twice.file(), doctest::Contains("index 1 is 0, expected one from 2 on and below 2"),
+                       ml::io_error);
 }
 
 TEST_CASE("data in base64, in a GLB file and in the document alone, which is a .gltf file") {
@@ -412,7 +415,8 @@ TEST_CASE("data in base64, in a GLB file and in the document alone, which is a .
     return "data:application/octet-stream;base64," + ml::detail::to_base64(bytes);
   };
   b.document["buffers"] = json::array({{{"byteLength", b.binary.size()}, {"uri", uri(b.binary)}}});
-  for (const auto& bytes : {ml::detail::glb_file(b.document.dump(), {}), ml::detail::glb_file(b.document.dump(), {9, std::byte{7}})})
+  for (const auto& bytes :
+       {ml::detail::glb_file(b.document.dump(), {}), ml::detail::glb_file(b.document.dump(), {9, std::byte{7}})})
     CHECK(synthetic::largest_distance(ml::GlbFile(bytes, "embedded.glb").motion(0), want) == 0);
   const std::string text = "\n " + b.document.dump(1);
   const auto bytes = std::as_bytes(std::span(text));
@@ -455,7 +459,8 @@ TEST_CASE("hostile documents") {
   refused([](json& d) { d["accessors"][1]["type"] = "VEC3"; }, "403");
   refused([](json& d) { d["accessors"][1]["sparse"] = json::object(); }, "no member 'indices'");
   refused([](json& d) { d["accessors"][0].erase("bufferView"); }, "not after");  // all times are 0
-  refused([](json& d) { d["accessors"][1].erase("bufferView"), d["accessors"][1]["count"] = 1'000'000'000'000; }, "405");
+  refused([](json& d) { d["accessors"][1].erase("bufferView"), d["accessors"][1]["count"] = 1'000'000'000'000; },
+          "405");
   refused([](json& d) { d["bufferViews"][1]["byteLength"] = 1u << 30; }, "402");
   refused([](json& d) { d["bufferViews"][1]["byteOffset"] = 18446744073709551600ull; }, "402");
   refused([](json& d) { d["bufferViews"][1]["byteStride"] = 4; }, "403");

@@ -101,7 +101,9 @@ TEST_CASE("animations that are dropped take their data with them, if these are t
   const auto& view = old["bufferViews"][old["bufferViews"].size() - 2];
   const auto kept = binary_of(bytes).first(view["byteOffset"].get<std::size_t>());  // mesh and skin
   CHECK(std::equal(kept.begin(), kept.end(), binary_of(only).begin()));
-  const auto number = [](const std::vector<std::byte>& file, const char* array) { return document_of(file)[array].size(); };
+  const auto number = [](const std::vector<std::byte>& file, const char* array) {
+    return document_of(file)[array].size();
+  };
   CHECK(number(only, "accessors") == number(all, "accessors") - 2);
   CHECK(number(only, "bufferViews") == number(all, "bufferViews") - 2);
 

@@ -22,7 +22,8 @@ void for_each_object(const nlohmann::ordered_json& document, const F& f) {
 }
 
 /// All numbers in the members of that name, wherever they stand: indices of accessors or of views.
-inline std::set<double> numbers_under(const nlohmann::ordered_json& document, std::initializer_list<const char*> names) {
+inline std::set<double> numbers_under(const nlohmann::ordered_json& document,
+                                      std::initializer_list<const char*> names) {
   std::set<double> out;
   const auto add = [&](const nlohmann::ordered_json& value) {
     if (value.is_number()) out.insert(value.get<double>());
@@ -32,17 +33,19 @@ inline std::set<double> numbers_under(const nlohmann::ordered_json& document, st
       if (!object.contains(name)) continue;
       const nlohmann::ordered_json& member = object[name];
       add(member);
-      for_each_object(member, [&](const nlohmann::ordered_json& inner) { std::for_each(inner.begin(), inner.end(), add); });
+      for_each_object(member,
+                      [&](const nlohmann::ordered_json& inner) { std::for_each(inner.begin(), inner.end(), add); });
     }
   });
   return out;
 }
 
-/// Takes the animations away, and of their accessors, views and bytes those that nothing else uses and that are the last:
-/// what stays keeps its number and its place, which extensions may refer to. Blender writes animations last.
+/// Takes the animations away, and of their accessors, views and bytes those that nothing else uses and that are the
+/// last: what stays keeps its number and its place, which extensions may refer to. Blender writes animations last.
 inline void drop_animations(GlbBuilder& glb) {
   nlohmann::ordered_json& d = glb.document;
-  const auto drop_last = [](nlohmann::ordered_json& array, const std::set<double>& dropped, const std::set<double>& used) {
+  const auto drop_last = [](nlohmann::ordered_json& array, const std::set<double>& dropped,
+                            const std::set<double>& used) {
     auto last = [&] { return static_cast<double>(array.size()) - 1; };
     while (!array.empty() && dropped.contains(last()) && !used.contains(last())) array.erase(array.size() - 1);
   };
@@ -58,7 +61,8 @@ inline void drop_animations(GlbBuilder& glb) {
     const auto number = [&](const char* name) {
       return object.contains(name) && object[name].is_number() ? object[name].get<double>() : 0;
     };
-    if (object.contains("buffer") && number("buffer") == 0) end = std::max(end, number("byteOffset") + number("byteLength"));
+    if (object.contains("buffer") && number("buffer") == 0)
+      end = std::max(end, number("byteOffset") + number("byteLength"));
   });
   if (end < 0x1p53) glb.cut(static_cast<std::size_t>(end));
 }

@@ -90,8 +90,8 @@ class GltfDocument {
   /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
   /// Those that the file does not have are 0, and a sparse accessor replaces some.
   /// Source  glTF 2.0, 3.6.2
-  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not have
-  ///         them and is too small for so many
+  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
+  ///         have them and is too small for so many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
     const std::size_t kinds = components_of(a["type"].as<std::string>());
