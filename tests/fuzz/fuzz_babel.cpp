@@ -1,5 +1,5 @@
 // BABEL: any text is read or refused with an error of the library; the stretches of what was read lie inside of the
-// motion, in order, with texts.
+// motion, in order, with texts. All texts of a sequence survive as annotations.
 #include <cstdint>
 
 #include <motionlang/io/babel.hpp>
@@ -32,6 +32,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const ml::BabelSequence sequence = file.load(id);
         for (const auto& a : sequence.sequence_annotations) check_segments(a);
         for (const auto& a : sequence.frame_annotations) check_segments(a);
+        const ml::AnnotatedMotion motion = ml::annotated_motion(sequence);
+        const auto written = ml::AnnotationFile::from_text(ml::annotations_json(std::span(&motion, 1)));
+        check(written.load(motion.id) == motion, "the annotations that were written");
       } catch (const ml::error&) {}
     }
   } catch (const ml::error&) {}

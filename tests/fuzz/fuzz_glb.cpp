@@ -31,9 +31,12 @@ void check_rig(std::span<const std::byte> bytes) {
   const ml::GlbRig rig(bytes, "fuzz.glb");
   ml::Motion still{rig.skeleton(), 20, {rig.skeleton().offset(0)}, {}, "still"};
   still.local.assign(rig.skeleton().names.size(), ml::Quaternion<double>::identity());
-  const auto made = rig.with(std::span(&still, 1));
-  const ml::GlbFile again(made, "again.glb");
-  check(again.motion(std::ssize(again.animation_names()) - 1, 20).frames() == 1, "the animation that was added");
+  for (const bool keep : {true, false}) {
+    const auto made = rig.with(std::span(&still, 1), {.keep_animations = keep});
+    const ml::GlbFile again(made, "again.glb");
+    check(keep || again.animation_names().size() == 1, "the other animations are gone");
+    check(again.motion(std::ssize(again.animation_names()) - 1, 20).frames() == 1, "the animation that was added");
+  }
 }
 
 }  // namespace

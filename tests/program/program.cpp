@@ -3,6 +3,7 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
+#include <motionlang/io/annotations.hpp>
 #include <motionlang/io/glb_reader.hpp>
 #include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/motion_npy.hpp>
@@ -582,6 +583,75 @@ TEST_CASE("convert: several motions of a file, of which one that fails stops no 
   for (const char* name : {"\"walk\"", "\"pose\"", "\"short walk\""}) CHECK(contains(page, name));
 }
 
+TEST_CASE("convert: texts of BABEL become annotations, and these files of captions") {
+  const Workplace w;
+  ml::write_file(w / "babel.json", std::string_view(R"({
+    "42": {"babel_sid": 42, "url": "", "feat_p": "X/X/s/f_poses.npz", "dur": 12.0,
+      "seq_ann": {"labels": [{"raw_label": "walk", "proc_label": "walk and wave", "seg_id": "a", "act_cat": null}]},
+      "frame_ann": {"labels": [{"proc_label": "sit down", "start_t": 7, "end_t": 9.5}]}},
+    "43": {"babel_sid": 43, "url": "", "feat_p": "X/X/s/g_poses.npz", "dur": 1.5, "seq_ann": null}})"));
+  const auto out = w.run({"convert", "babel.json", "annotations.json"});
+  CHECK_MESSAGE(out.code == 0, out.text);
+  CHECK_MESSAGE(contains(out.text, "annotations.json: 2 texts of 1 motions"), out.text);
+  const auto made = ml::AnnotationFile::open(w / "annotations.json");
+  CHECK(made.ids() == std::vector<std::string>{"00042"});
+  CHECK(made.load("00042") ==
+        ml::AnnotatedMotion{
+            "00042", "X/s/f_poses", 12, {{"00042_0", "walk and wave", 0, 12, "a"}, {"00042_1", "sit down", 7, 9.5}}});
+  REQUIRE(w.run({"convert", "annotations.json", "again.json"}).code == 0);
+  CHECK(ml::read_file(w / "again.json") == ml::read_file(w / "annotations.json"));
+  const auto texts = w.run({"convert", "annotations.json", "set"});
+  CHECK_MESSAGE(contains(texts.text, "set/texts: 2 texts of 1 motions"), texts.text);
+  CHECK(ml::read_file(w / "set/texts/00042.txt") == "walk and wave##0.0#0.0\nsit down##7.0#9.5\n");
+  REQUIRE(w.run({"convert", "babel.json", "direct"}).code == 0);
+  CHECK(w.files("direct/texts") == w.files("set/texts"));
+
+  const auto other = w.run({"convert", "babel.json", "out.bvh"}),
+             option = w.run({"convert", "babel.json", "out.json", "--mirror"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "are written to .json or, as files of captions, into a folder, not '.bvh'"),
+                other.text);
+  CHECK(option.code == 2);
+  CHECK_MESSAGE(contains(option.text, "--mirror: is not for texts of motions"), option.text);
+  ml::write_file(w / "sharp.json", std::string_view(R"({"1": {"path": "p", "duration": 1, "annotations": [
+    {"seg_id": "1_0", "text": "one", "start": 0, "end": 1},
+    {"seg_id": "1_1", "text": "a # b", "start": 0, "end": 1}]}})"));
+  const auto sharp = w.run({"convert", "sharp.json", "none"});
+  CHECK_MESSAGE(contains(sharp.text, "[motionlang.timeline.510] 'a # b' cannot stand in a file of captions"),
+                sharp.text);
+  CHECK(!std::filesystem::exists(w / "none"));
+}
+
+TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are told") {
+  const Workplace w;
+  ml::write_file(w / "pair.bvh",
+                 std::string_view(
+                     "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT arm { OFFSET 0 100 0 CHANNELS 1 "
+                     "Yposition } JOINT leg { OFFSET 0 -100 0 } } ROOT b { OFFSET 0 0 0 CHANNELS 1 Yposition JOINT c { "
+                     "OFFSET 100 0 0 } } MOTION Frames: 2 Frame Time: 0.05\n0 100 5\n100 150 5\n"));
+  const std::string told =
+      "pair.bvh: left out is how 'arm' moves away from the joint before: bones keep their mean length";
+  const auto out = w.run({"convert", "pair.bvh", "one.bvh"});
+  REQUIRE_MESSAGE(out.code == 0, out.text);
+  CHECK_MESSAGE(contains(out.text, told), out.text);
+  CHECK(ml::read_bvh_motion(w / "one_a.bvh").root_at(1).x == doctest::Approx(1));
+  const auto second = ml::read_bvh_motion(w / "one_b.bvh");
+  CHECK(second.skeleton.names == std::vector<std::string>{"b", "c"});
+  CHECK(second.root_at(1).y == doctest::Approx(0.05));
+  CHECK(!contains(w.run({"convert", "one_a.bvh", "again.bvh"}).text, "left out"));
+  CHECK(w.run({"convert", "pair.bvh", "figure.glb"}).code == 0);  // a GLB file has one skeleton
+  CHECK(ml::GlbFile::open(w / "figure_b.glb").skeleton().names == second.skeleton.names);
+  CHECK(w.run({"view", "pair.bvh"}).code == 0);
+  const auto page = ml::read_file(w / "pair.html");
+  for (const char* name : {"\"a\"", "\"b\""}) CHECK_MESSAGE(contains(page, name), name);
+  const auto seen = w.run({"info", "pair.bvh"});
+  CHECK_MESSAGE((contains(seen.text, told) && contains(seen.text, "2 roots\n  0 a, ")), seen.text);
+  std::filesystem::create_directories(w / "data");
+  std::filesystem::rename(w / "pair.bvh", w / "data/pair.bvh");
+  const auto checked = w.run({"doctor", "data", "--all"});
+  for (const char* name : {"pair.bvh a: ", "pair.bvh b: "}) CHECK_MESSAGE(contains(checked.text, name), checked.text);
+}
+
 TEST_CASE("convert: options that would be left out are refused; it is said how joints follow") {
   const Workplace w;
   ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
@@ -665,6 +735,14 @@ TEST_CASE("convert and generate put motions on a character") {
   CHECK(ml::GlbFile::open(w / "alone.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
   CHECK(contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text, "is written to .glb, not '.npz'"));
   CHECK(!std::filesystem::exists(w / "walk.npz"));
+
+  // The same as .gltf, whose data are in it: as the character, and as the motion.
+  ml::write_file(w / "rig.gltf", rigs::gltf_of(ml::MappedFile::open(w / "rig.glb")->bytes()));
+  REQUIRE(w.run({"convert", "walk.bvh", "same.glb", "--rig", "rig.gltf"}).code == 0);
+  CHECK(w.files(".").at("same.glb") == w.files(".").at("walk.glb"));
+  REQUIRE(w.run({"convert", "rig.gltf", "idle.bvh"}).code == 0);
+  REQUIRE(w.run({"convert", "rig.glb", "idle2.bvh"}).code == 0);
+  CHECK(ml::read_file(w / "idle.bvh") == ml::read_file(w / "idle2.bvh"));
 
   const auto made = w.generate("out", {"--rig", "rig.glb"});
   REQUIRE_MESSAGE(made.code == 0, made.text);
@@ -793,7 +871,14 @@ TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC
   const std::string amc = ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 0 0 0 0\nthigh 10\n2\nroot 0 1 0 0 0 0\nthigh 20\n";
   ml::write_file(w / "one/13_30.amc", amc);
   ml::write_file(w / "body.asf", asf);
-  CHECK(contains(w.run({"doctor", "one"}).text, "13_30.amc: unreadable: [motionlang.io.401] cannot open one/13.asf"));
+  const std::string missing =
+      "there is no skeleton one/13.asf, nor just one other .asf file beside it: convert, strip, view and "
+      "doctor take it by --asf FILE";
+  CHECK(contains(w.run({"doctor", "one"}).text, "unreadable: [motionlang.io.401] one/13_30.amc: " + missing));
+  const auto alone = w.run({"convert", "one/13_30.amc", "leg.bvh"});
+  CHECK(alone.code == 1);
+  CHECK_MESSAGE(contains(alone.text, missing), alone.text);
+  CHECK(w.run({"convert", "one/13_30.amc", "leg.bvh", "--asf", "body.asf"}).code == 0);
   const auto given = w.run({"doctor", "one", "--asf", "body.asf", "--all"});
   CHECK_MESSAGE((contains(given.text, "1 motions, ") && !contains(given.text, "unreadable")), given.text);
   ml::write_file(w / "two/13_30.amc", amc);

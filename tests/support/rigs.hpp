@@ -115,4 +115,14 @@ inline std::vector<std::byte> glb_of(const ml::Skeleton& skeleton) {
   return glb.finish();
 }
 
+/// The same file as .gltf: the document alone, with the data in base64.
+inline std::string gltf_of(std::span<const std::byte> glb) {
+  const auto chunks = ml::detail::parse_glb_chunks(glb, "GLB");
+  auto document = nlohmann::ordered_json::parse(chunks.text);
+  auto& buffer = document["buffers"][0];
+  buffer["uri"] = "data:application/gltf-buffer;base64," +
+                  ml::detail::to_base64(chunks.binary.first(buffer["byteLength"].get<std::size_t>()));
+  return document.dump();
+}
+
 }  // namespace rigs

@@ -20,6 +20,7 @@
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "motion_files.hpp"
+#include "texts.hpp"
 #include "weights.hpp"
 
 namespace program {
@@ -53,14 +54,15 @@ Denoiser denoiser_of(const ConvertOptions& o) {
 
 /// What the options name, read once for all files; null without the option.
 struct Loaded {
-  explicit Loaded(const ConvertOptions& o) : rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {}
+  explicit Loaded(const ConvertOptions& o)
+      : rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {}
   RigWriter rig;
   std::unique_ptr<const ShownBody> body;
   Denoiser denoised;
 };
 
-/// Features that are not on the clip's own joints and AMASS are on SMPL's joints, feet are fixed there, and the user's body has
-/// these or its own.
+/// Features that are not on the clip's own joints and AMASS are on SMPL's joints, feet are fixed there, and the user's
+/// body has these or its own.
 bool wants_smpl(const ConvertOptions& o, const Loaded& loaded, const ml::Motion& m) {
   if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
   if (loaded.body != nullptr && o.body.file != "free") return false;
@@ -99,7 +101,8 @@ ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, m
   return m;
 }
 
-/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". taken: such files without extension.
+/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". taken: such files without
+/// extension.
 fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& taken) {
   const std::string extension = out.extension().string();
   return unique(out.replace_extension().string() + "_" + file_name(name), taken) + extension;
@@ -112,7 +115,7 @@ class Conversion {
   Conversion(const ConvertOptions& o, const Loaded& loaded, std::set<std::string>& taken)
       : o_(o), loaded_(loaded), taken_(taken) {
     if (kind_of(o.in) != ".npz")
-      motions_ = read_motions(o.in, o.read);
+      motions_ = read_motions(o.in, o.read, &told_);
     else if (loaded.body == nullptr)
       read_amass();
     else
@@ -138,12 +141,14 @@ class Conversion {
     const auto is_set = [](double x) { return x != 0; };
     bool hands = false;
     for (ml::Index f = 0; f < sequence.frames; ++f) {
-      const auto row = std::span(sequence.poses).subspan(static_cast<std::size_t>(f * sequence.columns), static_cast<std::size_t>(sequence.columns));
+      const auto columns = static_cast<std::size_t>(sequence.columns);
+      const auto row = std::span(sequence.poses).subspan(static_cast<std::size_t>(f) * columns, columns);
       hands = hands || std::ranges::any_of(row.subspan(66), is_set);
     }
     const bool shape = std::ranges::any_of(sequence.betas, is_set) && kind_of(o_.out) != ".npz";
     if (hands || shape)
-      told_ += o_.in + ": left out " + (hands && shape ? "are hands, face and betas" : hands ? "are hands and face" : "are betas") +
+      told_ += o_.in + ": left out are " +
+               (hands && shape ? "hands, face and betas" : hands ? "hands and face" : "betas") +
                "; --body shows them\n";
     amass_ = {std::move(sequence.gender), std::move(sequence.betas)};
   }
@@ -173,7 +178,7 @@ class Conversion {
       told_ += loaded_.rig(o_.out, made_);
     } else if (loaded_.body != nullptr && holds_several(o_.out)) {
       told_ += loaded_.body->write(o_.out, made_, betas_);
-    } else if (motions_.size() > 1 && o_.features.empty() && holds_several(o_.out)) {
+    } else if (motions_.size() > 1 && o_.features.empty() && holds_together(o_.out, made_)) {
       write_motions(o_.out, made_);
       told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
     } else if (o_.data_set != nullptr) {
@@ -196,8 +201,8 @@ class Conversion {
       ml::write_amass(path, on_smpl(m), *amass_);
     else
       write_motion(path, m, o_.scale);
-    return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
-                     m.skeleton.size());
+    return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps,
+                     m.seconds(), m.skeleton.size());
   }
 
   const ConvertOptions& o_;
@@ -211,8 +216,8 @@ class Conversion {
   std::size_t failures_ = 0;
 };
 
-/// Every motion file of a folder and of those below it, to the same place below another folder, or into a data set. One that fails is
-/// named and stops no other.
+/// Every motion file of a folder and of those below it, to the same place below another folder, or into a data set. One
+/// that fails is named and stops no other.
 class FolderConversion {
  public:
   explicit FolderConversion(const ConvertOptions& o) : o_(o), loaded_(o) {}
@@ -237,8 +242,8 @@ class FolderConversion {
   }
 
  private:
-  /// What is written must not stand among what is read: it could be in the place of a file that is still to be read, and a second run
-  /// would read it as well.
+  /// What is written must not stand among what is read: it could be in the place of a file that is still to be read,
+  /// and a second run would read it as well.
   void refuse_to_overwrite() const {
     const std::string kind = o_.data_set != nullptr ? ".npy" : o_.as;
     const bool is_read = is_motion_file("a" + kind);
@@ -295,10 +300,15 @@ void merge_hands(const ConvertOptions& o) {
 void run(ConvertOptions o) {
   if (!o.hands.empty()) return merge_hands(o);
   if (kind_of(o.out) == ".safetensors") return convert_weights(o.in, o.out, o.tensors, ml::parse_dtype(o.store));
+  if (is_texts(o.in)) {
+    std::printf("%s", convert_texts(o.in, o.out).c_str());
+    return;
+  }
   const bool folder = fs::is_directory(o.in);
   if (folder ? o.as.empty() : !fs::path(o.out).has_extension()) o.data_set = find_data_set_form(o.features);
   if (folder && o.as.empty() && o.data_set == nullptr)
-    throw CLI::ValidationError("input", o.in + " is a folder: say with --as what its files become (.bvh, .glb, .npz, ...)");
+    throw CLI::ValidationError("input",
+                               o.in + " is a folder: say with --as what its files become (.bvh, .glb, .npz, ...)");
   if (!folder && !o.as.empty()) throw CLI::ValidationError("--as", "is for folders; " + o.in + " is a file");
   if (o.as == ".obj" && o.body.file.empty())
     throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
@@ -310,13 +320,15 @@ void run(ConvertOptions o) {
 /// more: what else the input may be.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
-               "Motion: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm or .vrma (every animation); or "
-               "a folder of them (.vrm, mostly avatars, are passed over there)" +
+               "Motion: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf (with its data "
+               "in it), .vrm or .vrma (every animation); or a folder of them (.vrm, mostly avatars, and .gltf are "
+               "passed over there)" +
                    more)
       ->required()
       ->check(CLI::ExistingPath);
   o.read.add_to(c);
-  c.add_option("--asf", o.read.asf, "Skeleton of an AMC file; the one of its subject beside it, or the only one there, unless given")
+  c.add_option("--asf", o.read.asf,
+               "Skeleton of an AMC file; the one of its subject beside it, or the only one there, unless given")
       ->check(CLI::ExistingFile);
 }
 
@@ -336,7 +348,8 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   const auto o = std::make_shared<ConvertOptions>();
   CLI::App* c = app.add_subcommand(name, about);
   add_input(*c, *o);
-  c->add_option("output,-o,--output", o->out, "The result; of a folder the folder of the results; beside the motion unless given");
+  c->add_option("output,-o,--output", o->out,
+                "The result; of a folder the folder of the results; beside the motion unless given");
   c->callback([o, extension] {
     if (fs::is_directory(o->in)) {
       if (o->as.empty()) o->as = extension;
@@ -360,14 +373,16 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
 
 void add_convert(CLI::App& app) {
   const auto o = std::make_shared<ConvertOptions>();
-  CLI::App* c = app.add_subcommand(
-      "convert",
-      "Reads a motion and writes it in another format, edited if you like; or weights of any kind as .safetensors");
-  add_input(*c, *o, "; or weights, or a body (--hands)");
+  CLI::App* c = app.add_subcommand("convert",
+                                   "Reads a motion and writes it in another format, edited if you like; or weights of "
+                                   "any kind as .safetensors; or texts of motions");
+  add_input(*c, *o,
+            "; or weights, or a body (--hands); or texts: .json of BABEL, or annotations as TMR and STMC have them");
   c->add_option("output", o->out,
-                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints, Z up as STMC saves them), .html (page), .svg or .png (film "
-                "strip), with --body .obj (one for each frame); of weights .safetensors, of a body (--hands) .npz; of "
-                "a folder a folder (--as)")
+                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints, Z up as STMC saves them), .html "
+                "(page), .svg or .png (film strip), with --body .obj (one for each frame); of weights .safetensors, of "
+                "a body (--hands) .npz; of a folder a folder (--as); of texts .json (annotations as TMR and STMC have "
+                "them), or a folder for texts/ as HumanML3D has it")
       ->check(not_empty())
       ->required();
   c->add_option("--as", o->as,
@@ -389,15 +404,17 @@ void add_convert(CLI::App& app) {
       ->check(positive())
       ->capture_default_str();
   CLI::Option* rig =
-      c->add_option("--rig", o->rig.file, "Character (.glb or .vrm with a skin): the result is this file with the motion added")
+      c->add_option("--rig", o->rig.file,
+                    "Character (.glb or .vrm with a skin): the result is this file with the motion added")
           ->check(CLI::ExistingFile);
   CLI::Option* body = add_body(*c, *o)->excludes(rig);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
       ->needs(rig);
   c->add_option("--features", o->features,
-                "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, with the "
-                "exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; at the rate of the system unless "
-                "--fps is given. Of guoh3d and kit the result may be a folder: a clip is added to this data set")
+                "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp "
+                "(TEMOS, with the exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; "
+                "at the rate of the system unless --fps is given. Of guoh3d and kit the result may be a folder: a clip "
+                "is added to this data set")
       ->excludes(rig)
       ->excludes(body);
   CLI::Option* denoise =
@@ -430,10 +447,13 @@ void add_convert(CLI::App& app) {
     const bool weights = kind_of(o->out) == ".safetensors";
     for (const CLI::Option* option : c->get_options()) {  // not by excludes, which --help would say at every option
       if (!option->nonpositional() || option->count() == 0) continue;
+      if (is_texts(o->in) && !weights)
+        throw CLI::ValidationError(option->get_name(), "is not for texts of motions, as in " + o->in);
       if (!o->hands.empty() && option != hands) throw CLI::ExcludesError(hands->get_name(), option->get_name());
       if ((option == tensors || option == store) != weights && option != hands)
-        throw CLI::ValidationError(option->get_name(), ml::concat_text(weights ? "is not" : "is", " for weights, written as "
-                                                                       ".safetensors; the result is ", o->out));
+        throw CLI::ValidationError(
+            option->get_name(), ml::concat_text(weights ? "is not" : "is",
+                                                " for weights, written as .safetensors; the result is ", o->out));
     }
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
     run(*o);

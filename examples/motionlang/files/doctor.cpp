@@ -51,8 +51,9 @@ class Doctor {
  private:
   void look_at(const fs::path& file) {
     const std::string name = file.lexically_relative(folder_).string();
-    const bool several = is_gltf(file);
-    for (const ml::Motion& m : readable_motions(file, name)) {
+    const auto motions = readable_motions(file, name);
+    const bool several = is_gltf(file) || motions.size() > 1;
+    for (const ml::Motion& m : motions) {
       ml::Inspection seen = ml::inspect_motion(m);
       char about[96];
       std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %d joints", m.seconds(), m.fps,

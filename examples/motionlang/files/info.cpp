@@ -109,9 +109,11 @@ void run(const std::string& path) {
   const bool motion_file = kind == ".npz" && holds_motion(path);
   if (!motion_file && !is_gltf(path) && is_weights(path)) return show_weights(path);
   if (kind == ".bvh" || motion_file || is_gltf(path) || kind == ".amc") {
-    const auto motions = read_motions(path);
+    std::string told;
+    const auto motions = read_motions(path, {}, &told);
+    std::printf("%s", told.c_str());
     if (motions.size() > 1) {
-      std::printf("%zu animations\n", motions.size());
+      std::printf("%zu %s\n", motions.size(), is_gltf(path) ? "animations" : "roots");
       for (std::size_t i = 0; i < motions.size(); ++i)
         std::printf("  %zu %s, %.2f s\n", i, motions[i].name.c_str(), motions[i].seconds());
     }

@@ -52,7 +52,7 @@ void make_output_folder(const std::string& option, const std::filesystem::path& 
 
 bool is_gltf(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
-  return kind == ".glb" || kind == ".vrm" || kind == ".vrma";
+  return kind == ".glb" || kind == ".gltf" || kind == ".vrm" || kind == ".vrma";
 }
 
 bool is_motion_file(const std::filesystem::path& path) {
@@ -123,17 +123,52 @@ std::vector<ml::Motion> every_animation(const std::filesystem::path& path, doubl
   return motions;
 }
 
+/// "arm", "hand" and 3 more
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  const std::size_t shown = names.size() > 4 ? 3 : names.size();
+  for (std::size_t i = 0; i < shown; ++i)
+    out += ml::concat_text(i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", "'", names[i], "'");
+  return shown < names.size() ? ml::concat_text(out, " and ", names.size() - shown, " more") : out;
+}
+
+/// One motion of each ROOT, with its name.
+std::vector<ml::Motion> every_root(const std::filesystem::path& path, double scale, std::string* told) {
+  const ml::Bvh file = ml::read_bvh(path);
+  std::vector<ml::Motion> motions;
+  for (int root = 0; root < ml::bvh_roots(file); ++root) {
+    motions.push_back(ml::to_motion(file, {.scale = scale, .root = root}));
+    motions.back().name = motions.back().skeleton.name(0);
+    if (told == nullptr) continue;
+    const auto joints = ml::stretched_joints(file, root);
+    if (joints.empty()) continue;
+    const char* move = joints.size() == 1 ? " moves" : " move";
+    *told += ml::concat_text(path.string(), ": left out is how ", listed(joints), move,
+                             " away from the joint before: bones keep their mean length\n");
+  }
+  return motions;
+}
+
+ml::Motion read_amc(const std::filesystem::path& path, const MotionReadOptions& options) {
+  const auto asf = options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf);
+  if (options.asf.empty() && !std::filesystem::exists(asf))
+    ml::raise<ml::io_error>(401, path.string(), ": there is no skeleton ", asf.string(),
+                            ", nor just one other .asf file beside it: convert, strip, view and doctor take it by "
+                            "--asf FILE");
+  return ml::read_amc(path, ml::read_asf(asf),
+                      options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{});
+}
+
 }  // namespace
 
-std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options) {
+std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options,
+                                     std::string* told) {
   const std::string kind = kind_of(path);
   std::vector<ml::Motion> motions;
   if (kind == ".bvh")
-    motions.push_back(ml::read_bvh_motion(path, {.scale = options.scale}));
+    motions = every_root(path, options.scale, told);
   else if (kind == ".amc")
-    motions.push_back(
-        ml::read_amc(path, ml::read_asf(options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf)),
-                     options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{}));
+    motions.push_back(read_amc(path, options));
   else if (kind == ".npz")
     motions.push_back(ml::read_amass(path).motion);
   else if (kind == ".npy")
@@ -143,10 +178,13 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else if (is_gltf(path))
     motions = every_animation(path, options.fps);
   else
-    ml::raise<ml::config_error>(103, path.string(), ": motions are read from .bvh, .amc, .npz, .npy, .glb, .vrm and .vrma, not '",
+    ml::raise<ml::config_error>(103, path.string(),
+                                ": motions are read from .bvh, .amc, .npz, .npy, .glb, .gltf, .vrm and .vrma, not '",
                                 kind, "'");
+  std::set<std::string> taken;
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
+    m.name = unique(m.name, taken);
   }
   return motions;
 }
@@ -173,6 +211,11 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
 }
 
 bool holds_several(const std::filesystem::path& path) { return kind_of(path) == ".glb" || kind_of(path) == ".html"; }
+
+bool holds_together(const std::filesystem::path& path, std::span<const ml::Motion> motions) {
+  const auto alike = [&](const ml::Motion& m) { return m.skeleton == motions.front().skeleton; };
+  return holds_several(path) && (kind_of(path) != ".glb" || std::ranges::all_of(motions, alike));
+}
 
 void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions) {
   if (kind_of(path) == ".glb") return ml::write_glb(path, motions);

@@ -36,10 +36,10 @@ struct MotionReadOptions {
 /// Extension of a file, in lower case: ".bvh".
 std::string kind_of(const std::filesystem::path& path);
 
-/// Whether a file holds glTF, with any number of animations: .glb, .vrm, .vrma.
+/// Whether a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
 bool is_gltf(const std::filesystem::path& path);
 /// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions knows .vrm
-/// as well.)
+/// and .gltf as well.)
 bool is_motion_file(const std::filesystem::path& path);
 
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
@@ -59,9 +59,13 @@ std::string unique(const std::string& name, std::set<std::string>& taken);
 /// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in the folder.
 std::filesystem::path asf_beside(const std::filesystem::path& amc);
 
-/// The motions of a file: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrm, .vrma (every animation). Each has a name.
-/// Throws config_error 103 for another extension and for a GLB file without animation, and what the reader throws.
-std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
+/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf, .vrm, .vrma
+/// (every animation). Each has a name, and no two the same.
+/// told    gets lines about what a file has and the motions do not: bones that stretch
+/// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file
+///         whose skeleton is not found, and what the reader throws
+std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {},
+                                     std::string* told = nullptr);
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
@@ -69,7 +73,9 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
 
 /// Whether one file of this kind holds several motions: .glb, .html.
 bool holds_several(const std::filesystem::path& path);
-/// Such a file; in GLB all motions are on one skeleton.
+/// Whether one file of this kind holds these motions: those in GLB are on one skeleton.
+bool holds_together(const std::filesystem::path& path, std::span<const ml::Motion> motions);
+/// Such a file.
 void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions);
 
 /// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy file: at `fps`

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include <motionlang/io/amass_sequence.hpp>
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 
@@ -40,8 +41,7 @@ bool is_weights(const std::filesystem::path& path) {
   return std::find(std::begin(kinds), std::end(kinds), kind_of(path)) != std::end(kinds) || ml::may_be_weights(path);
 }
 bool holds_motion(const std::filesystem::path& npz) {
-  const auto file = ml::NpzArchive::open(npz);
-  return file.has("poses") || file.has("root_orient");
+  return !ml::amass_poses(ml::NpzArchive::open(npz)).empty();
 }
 bool holds_joints(const std::filesystem::path& npy) {
   const auto shape = npy_shape(npy);

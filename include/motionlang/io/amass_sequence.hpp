@@ -5,7 +5,8 @@
 /// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
 #pragma once
 
-#include <algorithm>  // copy_n
+#include <algorithm>    // copy_n
+#include <string_view>  // names of arrays
 
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/io/npz.hpp>
@@ -39,6 +40,12 @@ void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence&
 
 }  // namespace detail
 
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
+/// where the archive holds no sequence, as the shape.npz files beside them.
+inline std::string_view amass_poses(const NpzArchive& npz) {
+  return npz.has("poses") ? "poses" : npz.has("root_orient") ? "root_orient" : "";
+}
+
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
 /// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced.
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
@@ -53,11 +60,11 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
     return array;
   };
   AmassSequence out;
-  if (npz.has("poses") || !npz.has("root_orient")) {
+  if (amass_poses(npz) == "root_orient") {
+    detail::join_pose_parts(npz, matrix, out);
+  } else {
     const NpyArray poses = matrix("poses");
     out.frames = poses.shape[0], out.columns = poses.shape[1], out.poses = poses.to<double>();
-  } else {
-    detail::join_pose_parts(npz, matrix, out);
   }
   const NpyArray trans = matrix("trans");
   if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {

@@ -30,6 +30,7 @@ struct Annotation {
   std::string seg_id;  // "<id>_<number>"
   std::string text;
   double start = 0, end = 0;  // seconds
+  std::string babel_id{};     // of a label of BABEL: its seg_id there
   bool operator==(const Annotation&) const = default;
 };
 
@@ -64,8 +65,8 @@ class AnnotationFile {
     const JsonView list = view["annotations"];
     for (Index i = 0; i < list.size(); ++i) {
       const JsonView a = list[i];
-      motion.annotations.push_back(
-          {a["seg_id"].as<std::string>(), a["text"].as<std::string>(), a["start"].as<double>(), a["end"].as<double>()});
+      motion.annotations.push_back({a["seg_id"].as<std::string>(), a["text"].as<std::string>(), a["start"].as<double>(),
+                                    a["end"].as<double>(), a.value_or("babel_id", "")});
       detail::require_times(a.path(), motion.annotations.back().start, motion.annotations.back().end);
     }
     return motion;
@@ -129,6 +130,7 @@ inline std::string annotations_json(std::span<const AnnotatedMotion> motions) {
     for (const Annotation& a : m.annotations) {
       detail::require_times(place, a.start, a.end);
       list.push_back({{"seg_id", checked(a.seg_id)}, {"text", checked(a.text)}, {"start", a.start}, {"end", a.end}});
+      if (!a.babel_id.empty()) list.back()["babel_id"] = checked(a.babel_id);
     }
     const nlohmann::ordered_json entry{
         {"path", checked(m.path)}, {"duration", m.duration}, {"annotations", std::move(list)}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; and the stretches as TEACH and
-/// SINC take them.
+/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; the stretches as TEACH and
+/// SINC take them; and all texts as an entry of the annotation JSON of TMR and STMC.
 ///
 ///     const auto file = BabelFile::open("train.json");
 ///     for (const std::string& id : file.ids()) {
@@ -8,8 +8,8 @@
 ///       for (const auto& a : sequence.frame_annotations) use(babel_segments(a.labels, 30, frames, spelling));
 ///     }
 ///
-/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.4,
-///         teach.md 4, sinc.md 5
+/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.1
+///         and 5.4, teach.md 4, sinc.md 5, tmr.md 8.1
 #pragma once
 
 #include <algorithm>      // stable_sort
@@ -19,6 +19,7 @@
 #include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/io/annotations.hpp>
 #include <motionlang/io/detail/annotated_times.hpp>
 #include <motionlang/io/json_members.hpp>
 
@@ -173,6 +174,31 @@ inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labe
   std::stable_sort(out.begin(), out.end(), [](const BabelSegment& a, const BabelSegment& b) {
     return std::pair(a.start, a.end) < std::pair(b.start, b.end);
   });
+  return out;
+}
+
+/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of stretches, in
+/// the order of the file. The id has five digits or more, the path is that of AMASS: without the first of the two
+/// folders and without extension. Labels without a word are left out, no others.
+/// Throws  io_error 403 for a sequence without feat_p or dur
+inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const SpellingTable& spelling = {}) {
+  const std::string& id = sequence.id;
+  if (sequence.feat_p.empty() || sequence.dur == 0)
+    raise<io_error>(403, "BABEL: ", id, ": ", sequence.feat_p.empty() ? "no feat_p" : "no dur");
+  const bool number = id.find_first_not_of("0123456789") == id.npos;
+  AnnotatedMotion out{number && id.size() < 5 ? std::string(5 - id.size(), '0') + id : id,
+                      sequence.feat_p.substr(sequence.feat_p.find('/') + 1), sequence.dur, {}};
+  if (out.path.ends_with(".npz")) out.path.resize(out.path.size() - 4);
+  for (const auto* annotations : {&sequence.sequence_annotations, &sequence.frame_annotations}) {
+    for (const BabelAnnotation& a : *annotations) {
+      for (const BabelLabel& label : a.labels) {
+        std::string text = clean_babel_label(label.proc_label, spelling);
+        if (text.empty()) continue;
+        std::string seg_id = concat_text(out.id, "_", out.annotations.size());
+        out.annotations.push_back({std::move(seg_id), std::move(text), label.start, label.end, label.seg_id});
+      }
+    }
+  }
   return out;
 }
 

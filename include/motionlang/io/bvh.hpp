@@ -6,7 +6,7 @@
 /// channel replaces that coordinate of the OFFSET.
 #pragma once
 
-#include <algorithm>      // any_of, count_if
+#include <algorithm>      // any_of, count, count_if
 #include <numbers>        // pi
 #include <unordered_map>  // names
 #include <unordered_set>  // names
@@ -32,7 +32,6 @@ struct BvhWriteOptions {
 };
 
 namespace detail {
-
 
 /// Frame times are printed with few digits: 0.0166667 s means 60 frames per second.
 inline double frames_per_second(double frame_time) {
@@ -219,6 +218,22 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   }
   motion.validate();
   return motion;
+}
+/// How many ROOTs the file has: each is a motion of its own.
+inline int bvh_roots(const Bvh& file) {
+  return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent));
+}
+/// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
+/// leaves this out. Throws config_error 101 (number of the root).
+inline std::vector<std::string> stretched_joints(const Bvh& file, int root = 0) {
+  const detail::BvhTable table(file);
+  auto joints = detail::bvh_joints(file, root);
+  detail::take_carriers(joints, table);
+  std::vector<std::string> names;
+  for (const detail::BvhJoint& j : std::span(joints).subspan(1)) {
+    if (detail::moves(j, table)) names.push_back(j.node->name);
+  }
+  return names;
 }
 /// Throws io_error 401 and as parse_bvh, to_motion.
 inline Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {}) {

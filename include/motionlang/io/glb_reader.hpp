@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out. The bones of a VRM avatar
-/// (.vrm, .vrma) have the names of VRM's humanoid.
+/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes, materials
+/// and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint

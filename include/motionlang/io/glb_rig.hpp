@@ -2,12 +2,14 @@
 /// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
 ///
 /// The binary data of the file are kept byte for byte and new ones are put behind them; of the document only the arrays
-/// of animations, accessors and buffer views grow, and the length of the buffer. The joint that is the pelvis moves;
-/// what stands above it (armature, root) stays as it is at rest.
+/// of animations, accessors and buffer views grow, and the length of the buffer. (Data of the first buffer that stand
+/// in the document in base64 become binary data.) The joint that is the pelvis moves; what stands above it (armature,
+/// root) stays as it is at rest.
 #pragma once
 
 #include <set>  // names of animations
 
+#include <motionlang/io/detail/drop_animations.hpp>
 #include <motionlang/io/glb_reader.hpp>
 #include <motionlang/io/glb_writer.hpp>
 #include <motionlang/kinematics/retarget.hpp>
@@ -15,7 +17,7 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct GlbRigOptions {
-  bool keep_animations = true;  // of the character's file; without them their data stay in the file, unused
+  bool keep_animations = true;  // of the character's file; without them their data go, as far as they are the last
 };
 
 class GlbRig {
@@ -61,8 +63,10 @@ class GlbRig {
     if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
     for (const char* grows : {"accessors", "bufferViews", "animations"}) document_.count(grows);  // must be an array
     const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
-    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
-    if (!options.keep_animations) glb.document["animations"].clear();
+    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text),
+                           document_.count("buffers") > 0 ? document_.buffer(0) : std::span<const std::byte>());
+    if (document_.count("buffers") > 0) glb.document["buffers"][0].erase("uri");
+    if (!options.keep_animations) detail::drop_animations(glb);
     std::set<std::string> taken;
     for (Index i = 0; options.keep_animations && i < document_.count("animations"); ++i) {
       taken.insert(document_.element("animations", i).value_or("name", ""));

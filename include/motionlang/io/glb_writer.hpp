@@ -80,6 +80,9 @@ class GlbBuilder {
     return add(std::span<const float>(flat), "VEC3", target, with_range);
   }
 
+  /// Takes the binary data from byte `size` on away.
+  void cut(std::size_t size) { binary_.resize(std::min(size, binary_.size())); }
+
   std::vector<std::byte> finish() {
     if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
     document["buffers"][0]["byteLength"] = binary_.size();

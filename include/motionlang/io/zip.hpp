@@ -54,7 +54,8 @@ class ZipArchive {
   /// The bytes of a stored member where they lie, without a copy and without a checksum. Throws io_error 404 if it is
   /// deflated.
   std::span<const std::byte> stored(const ZipEntry& entry) const {
-    if (entry.deflated) raise<io_error>(404, name_, ": member '", entry.name, "' at byte ", entry.offset, " is compressed");
+    if (entry.deflated)
+      raise<io_error>(404, name_, ": member '", entry.name, "' at byte ", entry.offset, " is compressed");
     return bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
   }
   /// The same after a look at the checksum. Throws io_error 403, 404.
@@ -73,7 +74,8 @@ class ZipArchive {
                                       ? detail::inflate(raw, size, where, size).data
                                       : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
-      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);
+      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(),
+                      " bytes, the directory says ", entry.size);
     }
     check_crc(entry, data);
     return data;
@@ -82,7 +84,8 @@ class ZipArchive {
  private:
   void check_crc(const ZipEntry& entry, std::span<const std::byte> data) const {
     if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
-      raise<io_error>(403, name_, "/", entry.name, " at byte ", entry.offset, ": checksum ", crc, ", the directory says ", entry.crc);
+      raise<io_error>(403, name_, "/", entry.name, " at byte ", entry.offset, ": checksum ", crc,
+                      ", the directory says ", entry.crc);
     }
   }
   template <class T>
@@ -93,11 +96,13 @@ class ZipArchive {
   /// Finds the end record from the back; with ZIP64 the larger record that stands before it.
   void read_directory() {
     constexpr std::uint64_t end_size = 22, longest_comment = 65535, locator_size = 20;
-    if (bytes_.size() < end_size) raise<io_error>(403, name_, ": ", bytes_.size(), " bytes are too short for a zip archive");
+    if (bytes_.size() < end_size)
+      raise<io_error>(403, name_, ": ", bytes_.size(), " bytes are too short for a zip archive");
     std::uint64_t end = bytes_.size() - end_size;
     const std::uint64_t first = end > longest_comment ? end - longest_comment : 0;
     while (at<std::uint32_t>(end, "end record") != 0x06054B50u) {
-      if (end == first) raise<io_error>(403, name_, ": no end record of a zip archive from byte ", first, " on: not a zip, or cut off");
+      if (end == first)
+        raise<io_error>(403, name_, ": no end record of a zip archive from byte ", first, " on: not a zip, or cut off");
       --end;
     }
     std::uint64_t count = at<std::uint16_t>(end + 10, "end record"), size = at<std::uint32_t>(end + 12, "end record");
@@ -116,10 +121,13 @@ class ZipArchive {
     }
     const auto directory = detail::slice(bytes_, start, size, name_, "zip directory");
     constexpr std::uint64_t most_members = 100'000;
-    if (count > most_members) raise<io_error>(405, name_, ": ", count, " members, says the end record at byte ", end, "; at most ", most_members);
+    if (count > most_members)
+      raise<io_error>(405, name_, ": ", count, " members, says the end record at byte ", end, "; at most ",
+                      most_members);
     std::uint64_t position = start;
     for (std::uint64_t i = 0; i < count; ++i) position = read_entry(position);
-    if (position > start + directory.size()) raise<io_error>(403, name_, ": zip directory runs past its end at byte ", start + directory.size());
+    if (position > start + directory.size())
+      raise<io_error>(403, name_, ": zip directory runs past its end at byte ", start + directory.size());
   }
 
   /// Reads the directory entry at `position` and gives the position of the next.
@@ -147,7 +155,8 @@ class ZipArchive {
     if (method != 0 && method != 8) refuse(404, "has method ", method);
     if (!e.deflated && e.packed != e.size) refuse(403, "is stored and has ", e.packed, " and ", e.size, " bytes");
     constexpr std::uint64_t highest_ratio = 1032;  // of deflate: 258 bytes from two bits
-    if (e.deflated && e.size / highest_ratio > e.packed) refuse(405, "of ", e.size, " bytes cannot come from ", e.packed);
+    if (e.deflated && e.size / highest_ratio > e.packed)
+      refuse(405, "of ", e.size, " bytes cannot come from ", e.packed);
     if (leads_out(e.name)) refuse(403, "leads out of the archive");
     if (at<std::uint32_t>(header, "zip member") != 0x04034B50u) {
       raise<io_error>(403, name_, ": no member '", e.name, "' at byte ", header);
@@ -193,8 +202,8 @@ class ZipArchive {
     std::sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->offset < b->offset; });
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (sorted[i - 1]->offset + sorted[i - 1]->packed > sorted[i]->offset) {
-        raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name, "' overlap at byte ",
-                        sorted[i]->offset);
+        raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name,
+                        "' overlap at byte ", sorted[i]->offset);
       }
     }
   }

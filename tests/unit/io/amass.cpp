@@ -134,6 +134,7 @@ TEST_CASE("sequences for a body model: every number of the file, in its own worl
   CHECK(sequence.fps == 59);
 
   ml::write_npz(folder / "shape.npz", std::span(arrays).subspan(2, 2));  // lies beside the sequences
+  CHECK(ml::amass_poses(ml::NpzArchive::open(folder / "shape.npz")).empty());
   CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "shape.npz"),
                        doctest::Contains("shape.npz: no array 'poses' in the archive"), ml::io_error);
   arrays[0].array = matrix(2, 157);
@@ -151,6 +152,7 @@ TEST_CASE("poses in parts are those of one array") {
                                      {"trans", matrix(2, 3)},
                                      {"mocap_frame_rate", ml::NpyArray::scalar(120.0)}};
   ml::write_npz(folder / "a.npz", arrays);
+  CHECK(ml::amass_poses(ml::NpzArchive::open(folder / "a.npz")) == "root_orient");
   const ml::AmassSequence s = ml::read_amass_sequence(folder / "a.npz");
   REQUIRE((s.frames == 2 && s.columns == 156 && s.poses.size() == 2 * 156));
   CHECK((s.poses[156] == 1 && s.poses[156 + 3] == 2 && s.poses[156 + 65] == 2 && s.poses[156 + 66] == 3 && s.poses.back() == 3));

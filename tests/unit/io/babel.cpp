@@ -43,6 +43,30 @@ std::string with(std::string text, std::string_view what, std::string_view inste
 
 }  // namespace
 
+TEST_CASE("BABEL: all texts of a sequence as an annotated motion, which is written and read back") {
+  const ml::AnnotatedMotion m = ml::annotated_motion(file().load("4242"), {{"donw", "down"}});
+  CHECK(m == ml::AnnotatedMotion{"04242",
+                                 "CMU/141/141_05_poses",
+                                 3.83,
+                                 {{"04242_0", "walk, wave", 0, 3.83, "s0"},
+                                  {"04242_1", "sit down", 2, 3.834, "s1"},
+                                  {"04242_2", "t-pose", 0, 1, "s2"},
+                                  {"04242_3", "transition", 0.9, 1.4, "s3"},
+                                  {"04242_4", "look", 1.01, 1.03, "s5"},
+                                  {"04242_5", "walk", 1.3, 2.5, "s6"}}});
+  const ml::AnnotatedMotion extra = ml::annotated_motion(file().load("9"));
+  CHECK(extra == ml::AnnotatedMotion{"00009", "p", 2.5, {{"00009_0", "p", 0, 2.5, "s"}}});
+  const std::vector both{m, extra};
+  const auto again = ml::AnnotationFile::from_text(ml::annotations_json(both), "again.json");
+  CHECK(again.ids() == Ids{"04242", "00009"});
+  CHECK(again.load("04242") == m);
+  CHECK(again.load("00009") == extra);
+  CHECK(ml::annotated_motion(file().load("8")).annotations.empty());
+  CHECK_ERROR(ml::annotated_motion(file(with(train, R"("dur": 2.5)", R"("dur": 0)")).load("9")), "BABEL: 9: no dur");
+  CHECK_ERROR(ml::annotated_motion(file(with(train, R"("p", "dur": 2.5)", R"("", "dur": 2.5)")).load("9")),
+              "BABEL: 9: no feat_p");
+}
+
 TEST_CASE("BABEL: entries as they stand") {
   CHECK(file().ids() == Ids{"4242", "7", "8", "9"});
   const ml::BabelSequence s = file().load("4242");

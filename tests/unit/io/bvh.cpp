@@ -141,6 +141,18 @@ TEST_CASE("BVH: a root that only carries a moving one is joined with it") {
   check_equal(p[3], {13, 1, -2});
 }
 
+TEST_CASE("BVH: joints below the root that move away from the joint before are named") {
+  const std::string text =
+      "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT still { OFFSET 0 1 0 CHANNELS 1 Yposition JOINT arm "
+      "{ OFFSET 0 1 0 CHANNELS 1 Yposition } } JOINT leg { OFFSET 0 1 0 CHANNELS 1 Xrotation } } MOTION Frames: 2 "
+      "Frame Time: 0.05\n0 3 1 0\n5 3 1.5 90\n";
+  const ml::Bvh file = ml::parse_bvh(text);
+  CHECK(ml::stretched_joints(file) == std::vector<std::string>{"arm"});
+  CHECK(ml::to_motion(file, {.scale = 1}).skeleton.offset(2).y == 1.25);
+  CHECK(ml::stretched_joints(ml::parse_bvh(with(text, "3 1.5", "3 1"))).empty());
+  CHECK_THROWS_WITH_AS(ml::stretched_joints(file, 1), Contains("root 1 was asked for"), ml::config_error);
+}
+
 TEST_CASE("BVH: of several roots one is chosen") {
   const std::string text =
       "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition End Site { OFFSET 0 1 0 } } ROOT b { OFFSET 0 0 0 CHANNELS "
@@ -152,6 +164,7 @@ TEST_CASE("BVH: of several roots one is chosen") {
   CHECK(second.skeleton.names == std::vector<std::string>{"b", "b1"});
   check_equal(second.root_at(0), {0, 4, 0});
   CHECK_THROWS_WITH_AS(ml::to_motion(file, {.root = 2}), Contains("the file has 2"), ml::config_error);
+  CHECK(ml::bvh_roots(file) == 2);
   CHECK(ml::parse_bvh(ml::format_bvh(file)).values == file.values);
 }
 

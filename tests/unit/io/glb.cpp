@@ -1,6 +1,7 @@
 // GLB: what is written obeys glTF and comes back; rigs of other programs; files that must be refused.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -59,7 +60,11 @@ struct Builder {
     a["channels"].push_back({{"sampler", a["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
     a["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", mode}});
   }
-  std::vector<std::byte> bytes() const { return ml::detail::glb_file(document.dump(), binary); }
+  std::vector<std::byte> bytes() const {
+    json d = document;
+    if (!d["buffers"][0].contains("byteLength")) d["buffers"][0]["byteLength"] = binary.size();
+    return ml::detail::glb_file(d.dump(), binary);
+  }
   ml::GlbFile file() const { return ml::GlbFile(bytes(), "test.glb"); }
 };
 
@@ -331,6 +336,100 @@ TEST_CASE("other versions of glTF and packed data are refused by name") {
   CHECK(b.file().motion(0).frames() > 1);
   b.document["bufferViews"][1]["extensions"]["EXT_meshopt_compression"] = json::object();
   CHECK_THROWS_WITH_AS(b.file().motion(0), doctest::Contains("packed by EXT_meshopt_compression"), ml::io_error);
+  b = two_joints();
+  b.node({{"mesh", 0}, {"skin", 0}});
+  const json packed{{"attributes", json::object()}, {"extensions", {{"KHR_draco_mesh_compression", json::object()}}}};
+  b.document["meshes"] = json::array({{{"primitives", json::array({packed})}}});
+  CHECK_THROWS_WITH_AS(b.file(), doctest::Contains("packed by KHR_draco_mesh_compression"), ml::io_error);
+}
+
+namespace {
+
+/// Gives the rotations of two_joints() one more accessor: that of `base` where it has them, else zeros, with element
+/// `place` replaced by half a turn about z.
+void replace_rotation(Builder& b, int place, bool has_base) {
+  const std::array<std::uint16_t, 2> index{static_cast<std::uint16_t>(place), 0};
+  b.document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", b.binary.size()}, {"byteLength", 2}});
+  ml::detail::append_bytes(b.binary, std::as_bytes(std::span(index)));
+  const int values = b.floats({0, 0, 1, 0}, "VEC4");
+  json& accessors = b.document["accessors"];
+  json sparse = accessors[1];
+  if (!has_base) sparse.erase("bufferView");
+  sparse["sparse"] = {{"count", 1},
+                      {"indices", {{"bufferView", 2}, {"componentType", 5123}}},
+                      {"values", {{"bufferView", accessors[static_cast<std::size_t>(values)]["bufferView"]}}}};
+  accessors.push_back(std::move(sparse));
+  b.document["animations"][0]["samplers"][0]["output"] = accessors.size() - 1;
+}
+
+}  // namespace
+
+TEST_CASE("sparse accessors: some values are replaced, those that are not in the file are 0") {
+  auto angle = [](const Builder& b, ml::Index frame) {
+    return ml::to_axis_angle(b.file().motion(0, 1).rotations(frame)[1]).v.z;
+  };
+  Builder b = two_joints();
+  replace_rotation(b, 0, true);
+  CHECK(angle(b, 0) == doctest::Approx(std::numbers::pi));
+  CHECK(angle(b, 1) == doctest::Approx(std::numbers::pi / 2));
+
+  b = two_joints();
+  b.document["nodes"][1]["rotation"] = {0.6, 0, 0, 0.8};  // at rest; for a quaternion of zeros
+  replace_rotation(b, 1, false);
+  const ml::Motion motion = b.file().motion(0, 1);
+  CHECK(ml::distance(motion.rotations(0)[1], ml::Quaternion<double>::identity()) < 1e-9);
+  CHECK(ml::distance(motion.rotations(1)[1],
+                     ml::Quaternion<double>{0, 0, 0, 1} * ml::Quaternion<double>{0.8, -0.6, 0, 0}) < 1e-9);
+
+  auto refused = [](auto change, const char* text) {
+    Builder damaged = two_joints();
+    replace_rotation(damaged, 1, true);
+    change(damaged.document["accessors"].back()["sparse"]);
+    INFO(damaged.document.dump());
+    CHECK_THROWS_WITH_AS(damaged.file(), doctest::Contains(text), ml::error);
+  };
+  refused([](json& s) { s["indices"]["byteOffset"] = 1; }, "1 elements do not fit into 2 bytes");
+  refused([](json& s) { s["indices"]["componentType"] = 5126; }, "componentType 5126");
+  refused([](json& s) { s["indices"]["componentType"] = 5125; }, "402");
+  refused([](json& s) { s["count"] = 2; }, "402");
+  refused([](json& s) { s["count"] = 1'000'000'000'000; }, "402");
+  refused([](json& s) { s["values"]["bufferView"] = 99; }, "107");
+  refused([](json& s) { s.erase("values"); }, "107");
+  Builder beyond = two_joints();
+  replace_rotation(beyond, 2, true);
+  CHECK_THROWS_WITH_AS(beyond.file(), doctest::Contains("index 0 is 2, expected one from 0 on and below 2"),
+                       ml::io_error);
+  Builder twice = two_joints();
+  replace_rotation(twice, 1, true);
+  json& sparse = twice.document["accessors"].back()["sparse"];
+  sparse["count"] = 2, sparse["indices"] = {{"bufferView", 2}, {"componentType", 5121}};  // 1, 0
+  twice.document["bufferViews"][3] = twice.document["bufferViews"][1];
+  CHECK_THROWS_WITH_AS(twice.file(), doctest::Contains("index 1 is 0, expected one from 2 on and below 2"),
+                       ml::io_error);
+}
+
+TEST_CASE("data in base64, in a GLB file and in the document alone, which is a .gltf file") {
+  Builder b = two_joints();
+  const ml::Motion want = b.file().motion(0);
+  const auto uri = [](std::span<const std::byte> bytes) {
+    return "data:application/octet-stream;base64," + ml::detail::to_base64(bytes);
+  };
+  b.document["buffers"] = json::array({{{"byteLength", b.binary.size()}, {"uri", uri(b.binary)}}});
+  for (const auto& bytes :
+       {ml::detail::glb_file(b.document.dump(), {}), ml::detail::glb_file(b.document.dump(), {9, std::byte{7}})})
+    CHECK(synthetic::largest_distance(ml::GlbFile(bytes, "embedded.glb").motion(0), want) == 0);
+  const std::string text = "\n " + b.document.dump(1);
+  const auto bytes = std::as_bytes(std::span(text));
+  CHECK(synthetic::largest_distance(ml::GlbFile(bytes, "embedded.gltf").motion(0), want) == 0);
+
+  Builder two = two_joints();  // times in the chunk, rotations in a second buffer
+  const auto rotations = std::span(two.binary).subspan(8);
+  two.document["bufferViews"][1] = {{"buffer", 1}, {"byteLength", 32}};
+  two.document["buffers"].push_back({{"byteLength", 32}, {"uri", uri(rotations)}});
+  two.binary.resize(8);
+  CHECK(synthetic::largest_distance(two.file().motion(0), want) == 0);
+
+  for (std::size_t n = 0; n < bytes.size(); ++n) CHECK_THROWS_AS(ml::GlbFile(bytes.first(n), "cut"), ml::error);
 }
 
 TEST_CASE("hostile documents") {
@@ -358,13 +457,22 @@ TEST_CASE("hostile documents") {
   refused([](json& d) { d["accessors"][1]["byteOffset"] = 18446744073709551615ull; }, "402");
   refused([](json& d) { d["accessors"][1]["componentType"] = 1; }, "403");
   refused([](json& d) { d["accessors"][1]["type"] = "VEC3"; }, "403");
-  refused([](json& d) { d["accessors"][1]["sparse"] = json::object(); }, "404");
-  refused([](json& d) { d["accessors"][1].erase("bufferView"); }, "404");
+  refused([](json& d) { d["accessors"][1]["sparse"] = json::object(); }, "no member 'indices'");
+  refused([](json& d) { d["accessors"][0].erase("bufferView"); }, "not after");  // all times are 0
+  refused([](json& d) { d["accessors"][1].erase("bufferView"), d["accessors"][1]["count"] = 1'000'000'000'000; },
+          "405");
   refused([](json& d) { d["bufferViews"][1]["byteLength"] = 1u << 30; }, "402");
   refused([](json& d) { d["bufferViews"][1]["byteOffset"] = 18446744073709551600ull; }, "402");
   refused([](json& d) { d["bufferViews"][1]["byteStride"] = 4; }, "403");
-  refused([](json& d) { d["bufferViews"][1]["buffer"] = 1; }, "404");
+  refused([](json& d) { d["bufferViews"][1]["buffer"] = 1; }, "no element 1 among 1");
+  refused([](json& d) { d["bufferViews"][1]["buffer"] = 1, d["buffers"].push_back({{"byteLength", 40}}); },
+          "buffers[1]: the buffer is not in this file");
   refused([](json& d) { d["buffers"][0]["uri"] = "http://example.org/"; }, "404");
+  refused([](json& d) { d["buffers"][0]["uri"] = "data:application/octet-stream,AAAA"; }, "404");
+  refused([](json& d) { d["buffers"][0]["uri"] = "data:;base64,AA*A"; }, "buffers[0]: character 2 is not of base64");
+  refused([](json& d) { d["buffers"][0]["uri"] = "data:;base64,AAAA", d["buffers"][0]["byteLength"] = 40; },
+          "needs 40 bytes at byte 0, the file has 3");
+  refused([](json& d) { d["buffers"][0]["byteLength"] = 39; }, "buffer view needs 32 bytes at byte 8, the file has 39");
   refused([](json& d) { d["animations"][0]["channels"].push_back(d["animations"][0]["channels"][0]); },
           "second channel");
   refused([](json& d) { d["animations"][0]["channels"][0]["target"]["node"] = 5; }, "403");

@@ -83,6 +83,50 @@ TEST_CASE("all that was in the file stays") {
   CHECK(ml::GlbFile(no_walk, "third").animation_names() == std::vector<std::string>{"walk", "walk_2", "walk_3"});
 }
 
+TEST_CASE("animations that are dropped take their data with them, if these are the last and nothing else uses them") {
+  const auto bytes = rigs::glb_of(mixamo());  // the animation is the last that is written
+  const ordered_json old = document_of(bytes);
+  const auto walk = synthetic::walk({.frames = 5});
+  const auto made = [&](const ordered_json& document, bool keep) {
+    const auto chunk = ml::detail::parse_glb_chunks(bytes, "rig").binary;
+    const auto file = ml::detail::glb_file(document.dump(), {chunk.begin(), chunk.end()});
+    auto out = rig_of(file).with(std::span(&walk, 1), {.keep_animations = keep});
+    CHECK(ml::GlbFile(out, "made").motion("walk", walk.fps).frames() == walk.frames());
+    return out;
+  };
+  const auto all = made(old, true), only = made(old, false);
+  const auto idle = (2 + 8) * sizeof(float);  // two times and rotations
+  const auto binary_of = [](const auto& file) { return ml::detail::parse_glb_chunks(file, "made").binary; };
+  CHECK(binary_of(only).size() == binary_of(all).size() - idle);
+  const auto& view = old["bufferViews"][old["bufferViews"].size() - 2];
+  const auto kept = binary_of(bytes).first(view["byteOffset"].get<std::size_t>());  // mesh and skin
+  CHECK(std::equal(kept.begin(), kept.end(), binary_of(only).begin()));
+  const auto number = [](const std::vector<std::byte>& file, const char* array) {
+    return document_of(file)[array].size();
+  };
+  CHECK(number(only, "accessors") == number(all, "accessors") - 2);
+  CHECK(number(only, "bufferViews") == number(all, "bufferViews") - 2);
+
+  ordered_json shared = old;  // the rotations are an attribute as well
+  shared["meshes"][0]["primitives"][0]["attributes"]["_TURN"] = old["accessors"].size() - 1;
+  CHECK(binary_of(made(shared, false)).size() == binary_of(all).size());
+  CHECK(number(made(shared, false), "accessors") == number(all, "accessors"));
+  ordered_json behind = old;  // something stands behind them
+  behind["images"].push_back({{"bufferView", old["bufferViews"].size()}, {"mimeType", "image/png"}});
+  behind["bufferViews"].push_back(old["bufferViews"].back());
+  CHECK(number(made(behind, false), "accessors") == number(all, "accessors") - 2);
+  CHECK(number(made(behind, false), "bufferViews") == number(all, "bufferViews") + 1);
+  CHECK(binary_of(made(behind, false)).size() == binary_of(all).size());
+}
+
+TEST_CASE("a character whose data stand in the document in base64 becomes a file with binary data") {
+  const auto bytes = rigs::glb_of(mixamo());
+  const std::string text = rigs::gltf_of(bytes);
+  const auto walk = synthetic::walk({.frames = 5});
+  const auto embedded = ml::GlbRig(std::as_bytes(std::span(text)), "rig.gltf").with(std::span(&walk, 1));
+  CHECK(embedded == rig_of(bytes).with(std::span(&walk, 1)));
+}
+
 TEST_CASE("the bones of a VRM avatar are those that the file names, not its nodes") {
   const auto skeleton = rigs::skeleton_of(ml::skeleton_table("VRM"));
   auto odd = skeleton;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The two chunks of a GLB file: a JSON document and binary data. Source: glTF 2.0, section 4.
+/// The two chunks of a GLB file: a JSON document and binary data. A .gltf file is the document alone. Source: glTF 2.0,
+/// section 4.
 #pragma once
 
 #include <motionlang/io/detail/bytes.hpp>
@@ -19,6 +20,8 @@ struct GlbChunks {
 
 /// Throws  io_error 402 if the file ends too early, 403 if it is malformed, 404 for another version
 inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_view file) {
+  const std::string_view all = as_text(bytes);
+  if (all.substr(0, all.find_first_not_of(" \t\r\n") + 1).ends_with('{')) return {all, parse_json(all, file), {}};
   const auto number = [&](std::uint64_t at) { return load<std::uint32_t>(bytes, at, file, "GLB header"); };
   if (number(0) != glb_magic) raise<io_error>(403, file, ": not a GLB file (byte 0)");
   if (number(4) != 2) raise<io_error>(404, file, ": glTF version ", number(4), " at byte 4");

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// Accessors and nodes of a glTF document whose data are in the binary chunk of a GLB file. Every number of the file is
-/// checked before it is used.
+/// Accessors and nodes of a glTF document whose data are in the file: in the binary chunk of GLB, or in base64. Every
+/// number of the file is checked before it is used.
 #pragma once
 
-#include <algorithm>  // max
-#include <map>        // accessors by number, bones
-#include <memory>     // shared accessors
-#include <numeric>    // accumulate
-#include <set>        // names of bones
+#include <algorithm>         // max
+#include <initializer_list>  // extensions
+#include <map>               // accessors by number, bones
+#include <memory>            // shared accessors
+#include <numeric>           // accumulate
+#include <set>               // names of bones
 
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/io/detail/glb_container.hpp>
@@ -30,6 +31,15 @@ struct GltfNode {
   GltfTransform rest;
 };
 
+/// Throws io_error 404 if the data of an object of the file are packed by one of these extensions.
+inline void refuse_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
+  for (const char* packed : extensions) {
+    if (object.contains("extensions") && object["extensions"].contains(packed))
+      raise<io_error>(404, object.path(), ": packed by ", packed,
+                      ": unpack the file first, for instance with gltf-transform");
+  }
+}
+
 /// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and materials.
 class GltfDocument {
  public:
@@ -38,6 +48,7 @@ class GltfDocument {
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     const std::string version = root()["asset"]["version"].as<std::string>();
     if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", known is 2");
+    decode_buffers();
     read_nodes();
     name_humanoid();
   }
@@ -46,12 +57,17 @@ class GltfDocument {
   /// Bytes of the file.
   std::size_t size() const { return size_; }
   JsonView root() const { return JsonView(chunks_.document, file_); }
-  /// The binary data that the file's own buffer has, without what fills the chunk up. Throws io_error 402, 404.
-  std::span<const std::byte> buffer() const {
-    if (count("buffers") == 0) return {};
-    const JsonView b = element("buffers", 0);
-    if (b.contains("uri")) raise<io_error>(404, b.path(), ": the buffer is not in this file");
-    return slice(chunks_.binary, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
+  /// The data of a buffer: the binary chunk without what fills it up, or what stands in the document in base64.
+  /// Throws io_error 402; 404 if they are not in this file.
+  std::span<const std::byte> buffer(Index i) const {
+    const JsonView b = element("buffers", i);
+    const bool decoded = b.contains("uri");
+    if (decoded ? !is_data(b["uri"].as<std::string>()) : i != 0) {
+      raise<io_error>(404, b.path(), ": the buffer is not in this file: make one .glb file of all, for instance with "
+                      "gltf-transform");
+    }
+    const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
+    return slice(data, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
   }
   /// The elements of a top-level array; none if it is missing.
   Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
@@ -72,37 +88,42 @@ class GltfDocument {
   }
 
   /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
-  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for sparse accessors and data in other files
+  /// Those that the file does not have are 0, and a sparse accessor replaces some.
+  /// Source  glTF 2.0, 3.6.2
+  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
+  ///         have them and is too small for so many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
-    if (a.contains("sparse") || !a.contains("bufferView")) raise<io_error>(404, a.path(), ": sparse accessor");
     const std::size_t kinds = components_of(a["type"].as<std::string>());
     if (kinds != components) raise<io_error>(403, a.path(), ": ", kinds, " components, expected ", components);
     const int type = a["componentType"].as<int>();
     const std::size_t size = size_of(type, a);
-    const JsonView view = element("bufferViews", a["bufferView"].as<Index>());
-    const auto data = view_bytes(view);
-
-    const auto count = a["count"].as<std::uint64_t>(), start = a.value_or("byteOffset", std::uint64_t{0});
-    const std::uint64_t item = size * components, stride = view.value_or("byteStride", item);
-    if (stride < item) raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", item, " bytes");
-    const bool fits = count == 0 || (start <= data.size() && item <= data.size() - start &&
-                                     (count - 1) <= (data.size() - start - item) / stride);
-    if (!fits) raise<io_error>(402, a.path(), ": ", count, " elements do not fit into ", data.size(), " bytes");
-
+    const auto count = a["count"].as<std::uint64_t>();
     const bool normalised = a.value_or("normalized", false);
+
     std::vector<double> out;
-    out.reserve(count * components);
-    for (std::uint64_t i = 0; i < count; ++i) {
+    auto read = [&](const Elements& from, std::uint64_t i, std::uint64_t to) {
       for (std::size_t c = 0; c < components; ++c) {
-        out.push_back(number(data.data() + start + i * stride + c * size, type, normalised));
-        if (!std::isfinite(out.back())) raise<io_error>(403, a.path(), ": element ", i, " is not finite");
+        double& value = out[to * components + c];
+        value = number(from.at(i) + c * size, type, normalised);
+        if (!std::isfinite(value)) raise<io_error>(403, a.path(), ": element ", to, " is not finite");
       }
+    };
+    if (a.contains("bufferView")) {
+      const Elements stored = elements(a, count, size * components);
+      out.resize(count * components);
+      for (std::uint64_t i = 0; i < count; ++i) read(stored, i, i);
+    } else {
+      if (count > (size_ / 4 + most_made_up) / components)
+        raise<io_error>(405, a.path(), ": ", count, " elements that are not in the file, which has ", size_, " bytes");
+      out.resize(count * components);
     }
+    if (a.contains("sparse")) replace_some(a["sparse"], count, size * components, read);
     return out;
   }
-
  private:
+  static constexpr std::size_t most_made_up = 1 << 20;  // values that a small file may leave out
+
   static std::size_t components_of(std::string_view type) {
     return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
   }
@@ -146,17 +167,57 @@ class GltfDocument {
     }
   }
 
-  std::span<const std::byte> view_bytes(const JsonView& view) const {
-    for (const char* packed : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (view.contains("extensions") && view["extensions"].contains(packed))
-        raise<io_error>(404, view.path(), ": packed by ", packed, ": unpack the file first, for instance with gltf-transform");
+  static constexpr std::string_view base64_mark = ";base64,";
+  static bool is_data(std::string_view uri) {
+    return uri.starts_with("data:") && uri.find(base64_mark) != uri.npos;
+  }
+  void decode_buffers() {
+    for (Index i = 0; i < count("buffers"); ++i) {
+      const JsonView b = element("buffers", i);
+      const std::string uri = b.value_or("uri", "");
+      decoded_.emplace_back();
+      const std::size_t begin = uri.find(base64_mark) + base64_mark.size();
+      if (is_data(uri)) decoded_.back() = from_base64(std::string_view(uri).substr(begin), b.path());
     }
-    const auto buffer = view["buffer"].as<Index>();
-    if (buffer != 0 || element("buffers", 0).contains("uri")) {
-      raise<io_error>(404, view.path(), ": buffer ", buffer, " is not the one in this file");
+  }
+
+  /// Elements of an accessor, or of a part of a sparse one, in a buffer.
+  struct Elements {
+    const std::byte* first;
+    std::uint64_t stride;  // bytes
+    const std::byte* at(std::uint64_t i) const { return first + i * stride; }
+  };
+  /// `count` elements of `item` bytes each, where the object's bufferView and byteOffset say.
+  Elements elements(const JsonView& object, std::uint64_t count, std::uint64_t item) const {
+    const JsonView view = element("bufferViews", object["bufferView"].as<Index>());
+    refuse_packed(view, {"EXT_meshopt_compression", "KHR_meshopt_compression"});
+    const auto data = slice(buffer(view["buffer"].as<Index>()), view.value_or("byteOffset", std::uint64_t{0}),
+                            view["byteLength"].as<std::uint64_t>(), view.path(), "buffer view");
+    const auto start = object.value_or("byteOffset", std::uint64_t{0}), stride = view.value_or("byteStride", item);
+    if (stride < item) raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", item, " bytes");
+    const bool fits = count == 0 || (start <= data.size() && item <= data.size() - start &&
+                                     (count - 1) <= (data.size() - start - item) / stride);
+    if (!fits) raise<io_error>(402, object.path(), ": ", count, " elements do not fit into ", data.size(), " bytes");
+    return {count == 0 ? data.data() : data.data() + start, stride};
+  }
+  /// Calls read(values, i, place) for every element of a sparse accessor; their places among `count` elements ascend.
+  template <class F>
+  void replace_some(const JsonView& sparse, std::uint64_t count, std::uint64_t item, F read) const {
+    const JsonView indices = sparse["indices"];
+    const int type = indices["componentType"].as<int>();
+    if (type != 5121 && type != 5123 && type != 5125) raise<io_error>(403, indices.path(), ": componentType ", type);
+    const auto some = sparse["count"].as<std::uint64_t>();
+    const Elements places = elements(indices, some, size_of(type, indices));
+    const Elements values = elements(sparse["values"], some, item);
+    std::uint64_t next = 0;  // the first place that may follow
+    for (std::uint64_t i = 0; i < some; ++i) {
+      const auto place = static_cast<std::uint64_t>(number(places.at(i), type, false));
+      if (place < next || place >= count)
+        raise<io_error>(403, indices.path(), ": index ", i, " is ", place, ", expected one from ", next,
+                        " on and below ", count);
+      read(values, i, place);
+      next = place + 1;
     }
-    return slice(chunks_.binary, view.value_or("byteOffset", std::uint64_t{0}), view["byteLength"].as<std::uint64_t>(),
-                 view.path(), "buffer view");
   }
 
   Vec3<double> vector(const JsonView& node, const std::string& key, const Vec3<double>& otherwise) const {
@@ -241,6 +302,7 @@ class GltfDocument {
   std::string file_;
   std::size_t size_;
   GlbChunks chunks_;
+  std::vector<std::vector<std::byte>> decoded_;  // of the buffers in base64
   std::vector<GltfNode> nodes_;
   std::vector<int> order_;
 };

@@ -77,6 +77,7 @@ class GltfSkeleton {
       if (!node.contains("mesh") || !node.contains("skin") || node["skin"].as<Index>() != skin) continue;
       const JsonView primitives = document.element("meshes", node["mesh"].as<Index>())["primitives"];
       for (Index p = 0; p < primitives.size(); ++p) {
+        refuse_packed(primitives[p], {"KHR_draco_mesh_compression"});
         const JsonView attributes = primitives[p]["attributes"];
         if (!attributes.contains("JOINTS_0") || !attributes.contains("WEIGHTS_0")) continue;
         const auto index_values = accessors.values(attributes["JOINTS_0"].as<Index>(), 4);

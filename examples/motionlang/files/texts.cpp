@@ -1,0 +1,70 @@
+// Texts of motions from one file into another.
+#include "texts.hpp"
+
+#include <map>
+
+#include <motionlang/io/babel.hpp>
+#include <motionlang/io/humanml3d_texts.hpp>
+
+#include "../formatted.hpp"
+#include "motion_files.hpp"
+
+namespace program {
+
+namespace {
+
+/// Of BABEL's files those with texts, of which the file of the test has none.
+std::vector<ml::AnnotatedMotion> read_annotated(const std::filesystem::path& path) {
+  std::vector<ml::AnnotatedMotion> motions;
+  const auto members = ml::JsonMembers::open(path);
+  const bool babel = !members.keys().empty() && members.load(members.keys().front()).contains("babel_sid");
+  if (babel) {
+    const auto file = ml::BabelFile::open(path);
+    for (const std::string& id : file.ids()) motions.push_back(ml::annotated_motion(file.load(id)));
+    std::erase_if(motions, [](const ml::AnnotatedMotion& m) { return m.annotations.empty(); });
+  } else {
+    const auto file = ml::AnnotationFile::open(path);
+    for (const std::string& id : file.ids()) motions.push_back(file.load(id));
+  }
+  if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no texts");
+  return motions;
+}
+
+/// Words have no tags, which only T2M's evaluator asks for. Times of a text for the whole motion are 0 and 0.
+std::vector<ml::MotionCaption> captions_of(const ml::AnnotatedMotion& m) {
+  std::vector<ml::MotionCaption> captions;
+  for (const ml::Annotation& a : m.annotations) {
+    const bool whole = a.start == 0 && a.end >= m.duration;
+    captions.push_back({std::string(ml::detail::trim(a.text)), {}, whole ? 0 : a.start, whole ? 0 : a.end});
+  }
+  return captions;
+}
+
+void write_texts(const std::filesystem::path& folder, const std::vector<ml::AnnotatedMotion>& motions) {
+  std::map<std::string, std::string> files;  // all of them before the first is written: one may be refused
+  for (const ml::AnnotatedMotion& m : motions) files[file_name(m.id) + ".txt"] = ml::format_captions(captions_of(m));
+  make_output_folder("output", folder / "texts");
+  for (const auto& [name, text] : files) ml::write_file(folder / "texts" / name, text);
+}
+
+}  // namespace
+
+bool is_texts(const std::filesystem::path& path) { return kind_of(path) == ".json"; }
+
+std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out) {
+  const bool folder = !out.has_extension();
+  if (!folder && !is_texts(out))
+    ml::raise<ml::config_error>(
+        103, out.string(), ": texts of motions are written to .json or, as files of captions, into a folder, not '",
+        kind_of(out), "'");
+  const auto motions = read_annotated(in);
+  if (folder)
+    write_texts(out, motions);
+  else
+    ml::write_annotations(out, motions);
+  std::size_t texts = 0;
+  for (const ml::AnnotatedMotion& m : motions) texts += m.annotations.size();
+  return formatted("%s: %zu texts of %zu motions\n", (folder ? out / "texts" : out).c_str(), texts, motions.size());
+}
+
+}  // namespace program
