@@ -1,14 +1,25 @@
-// This program started again: for memory and for times from the start, which one program can show only once.
+// Memory of this program, and the program started again: memory and times from the start can be shown only once in its life.
 #pragma once
 
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 namespace bench {
+
+/// The most memory that this program had at once since it began, in MB (1e6 bytes), as Linux counts it.
+inline double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) return 1.024e-3 * std::atof(line.c_str() + 6);
+  }
+  return 0;
+}
 
 /// Runs this program with these arguments and waits. Whether it succeeded.
 inline bool run_again(std::vector<std::string> arguments) {

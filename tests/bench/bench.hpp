@@ -3,13 +3,13 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
 
 #include <motionlang/core/precision.hpp>
 
+#include "again.hpp"
 #include "peak.hpp"
 
 namespace bench {
@@ -79,15 +79,6 @@ inline void report_value(const std::string& work, const std::string& config, dou
   std::printf("%s,%s,motionlang,%d,%.4f,%.4f,%.4f,0,0,0\n", work.c_str(), config.c_str(), ml::thread_count(), value,
               value, value);
   std::fflush(stdout);
-}
-
-/// The most memory that this program had at once since it began, in MB (1e6 bytes), as Linux counts it.
-inline double peak_memory() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmHWM:")) return 1.024e-3 * std::atof(line.c_str() + 6);
-  }
-  return 0;
 }
 
 /// Multiplications and additions of encoder layers on sequences of `tokens`, in 1e9.

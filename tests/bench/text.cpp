@@ -1,11 +1,10 @@
-// Text networks at their published sizes, with random weights: DistilBERT on 32 tokens, CLIP's ViT-B/32 tower on 77, MPNet on 32, and the
-// memory that they, the tower of ViT-L/14 and MiniLM take, from files of 32 and of 16 bits.
+// Text networks at their published sizes, with random weights: DistilBERT on 32 tokens, CLIP's ViT-B/32 tower on 77, MPNet on 32. The
+// memory that they take is a test, tests/systems/text_memory.cpp.
 //
-// usage: bench_text [THREADS] [--bf16] [distilbert clip_text mpnet memory ...]
+// usage: bench_text [THREADS] [--bf16] [distilbert clip_text mpnet ...]
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/text_network_file.hpp>
 
-#include "again.hpp"
 #include "bench.hpp"
 
 namespace ml = motionlang;
@@ -54,66 +53,11 @@ void speed(const std::string& work, const std::string& config, const Network& ne
   bench::report(work, config, gflop, [&] { network(batch); });
 }
 
-/// f(name, config, length of a text, width, loader of a file) for each network.
-template <class F>
-void each_network(F f) {
-  const auto bert = [](const auto& file) {
-    return ml::load_text_network<ml::DistilBert<B>>(ml::distilbert_base, file);
-  };
-  const auto mpnet = [](const auto& file) { return ml::load_text_network<ml::Mpnet<B>>(ml::mpnet_base, file); };
-  const auto clip = [](const auto& file) { return ml::load_clip_text<B>(ml::clip_vit_b32, file); };
-  const auto large = [](const auto& file) { return ml::load_clip_text<B>(ml::clip_vit_l14, file); };
-  const auto minilm = [](const auto& file) { return ml::load_text_network<ml::Bert<B>>(ml::minilm_l6, file); };
-  f("DistilBERT", ml::distilbert_base, Index{32}, Index{768}, bert);
-  f("CLIP ViT-B/32", ml::clip_vit_b32, Index{77}, Index{512}, clip);
-  f("CLIP ViT-L/14", ml::clip_vit_l14, Index{77}, Index{768}, large);
-  f("MPNet", ml::mpnet_base, Index{32}, Index{768}, mpnet);
-  f("MiniLM", ml::minilm_l6, Index{32}, Index{384}, minilm);
-}
-
-/// One program writes a file of random weights; another one loads it, encodes a text and looks at what that takes.
-void write_weights(const std::string& wanted, const std::string& path, const std::string& type) {
-  each_network([&](const char* name, const auto& config, Index, Index, auto load) {
-    if (name != wanted) return;
-    using Network = std::invoke_result_t<decltype(load), const ml::SafetensorsFile&>;
-    ml::TensorStore store;
-    store.add_module(random_network<Network>(config), "", ml::parse_dtype(type).value());
-    ml::write_safetensors(path, store.views());
-  });
-}
-bool memory(const std::string& wanted, const std::string& path) {
-  bool good = false;
-  each_network([&](const char* name, const auto&, Index length, Index width, auto load) {
-    if (name != wanted) return;
-    const auto network = load(ml::SafetensorsFile::open(path));
-    const auto states = network(batch_of({length})).tokens.rows;
-    const double weights = 4e-6 * static_cast<double>(ml::parameter_count(network)), resident = bench::peak_memory();
-    good = states.shape() == ml::Shape{length, width} && resident <= 1.15 * weights;
-    std::printf("%s: %lld parameters, states %s, %.1f MB of weights, %.1f MB resident, ratio %.3f: %s\n", name,
-                static_cast<long long>(ml::parameter_count(network)), to_string(states.shape()).c_str(), weights,
-                resident, resident / weights, good ? "good" : "BAD");
-  });
-  return good;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   const bench::Arguments asked_for(argc, argv);
   const auto asked = [&](const char* work) { return asked_for.asked(work); };
-  if (argc == 6 && std::string(argv[2]) == "write") return write_weights(argv[3], argv[4], argv[5]), 0;
-  if (argc == 5 && std::string(argv[2]) == "read") return memory(argv[3], argv[4]) ? 0 : 1;
-  bool good = true;
-  if (asked("memory")) {
-    const auto threads = std::to_string(ml::thread_count());
-    each_network([&](const char* name, const auto&...) {
-      for (const char* type : {"F32", "F16"}) {
-        const bench::TemporaryFile file;
-        good = bench::run_again({threads, "write", name, file.path.string(), type}) && good;
-        good = bench::run_again({threads, "read", name, file.path.string()}) && good;
-      }
-    });
-  }
   const auto equal = [](Index count, Index length) {
     return std::vector<Index>(static_cast<std::size_t>(count), length);
   };
@@ -134,5 +78,4 @@ int main(int argc, char** argv) {
     const auto network = ready_network<ml::Mpnet<B>>(ml::mpnet_base);
     for (Index b : {1, 32}) speed("mpnet", "B=" + std::to_string(b) + " T=32", network, equal(b, 32), {768, 3072, 12});
   }
-  return good ? 0 : 1;
 }

@@ -1,6 +1,7 @@
-// Files of tokenizers, config.json of text networks, and the texts that they meet: what stands before the first NUL is a file
-// (vocab.txt, merges.txt, JSON, gzip), what follows is a text. Any file is read or refused with an error of the library; any text gets
-// ids of the vocabulary.
+// Files of tokenizers, config.json of text networks, and the texts that they meet. The first byte says what an input is, so
+// that each run does one thing: '{' JSON, '#' or '"' merges.txt, '[' or '<' vocab.txt, 0x1F gzip; a text may follow a file,
+// behind a NUL. Anything else is a text behind one byte that chooses what takes it. Any file is read or refused with an error
+// of the library; any text gets ids of the vocabulary.
 #include <cstdint>
 
 #include <motionlang/io/text_network_file.hpp>
@@ -28,39 +29,59 @@ void check_unicode(std::string_view text) {
   ml::html_unescape(text);
 }
 
-}  // namespace
+void check_json(std::string_view file, std::string_view text) {
+  const auto document = ml::parse_json(file);
+  const ml::JsonView view(document);
+  if (!view.contains("model")) {
+    refusing([&] { ml::tokenizer_config_from_json(view); });
+    refusing([&] { ml::detail::pieces_by_id(view); });
+    for (const char* type : {"distilbert", "bert", "mpnet"}) refusing([&] { ml::bert_config(view, type); });
+    refusing([&] { ml::clip_text_config(view); });
+    return;
+  }
+  const auto tokenizer = ml::tokenizer_from_json(view, {.stored = true});
+  if (tokenizer.bert() != nullptr) check_text(*tokenizer.bert(), text);
+  if (tokenizer.clip() != nullptr) check_text(*tokenizer.clip(), text);
+  check(std::ssize(tokenizer.encode(text)) >= 2, "a frame");
+}
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view all(reinterpret_cast<const char*>(data), size);
-  const std::size_t end = std::min(all.find('\0'), size);
-  const std::string_view file = all.substr(0, end), text = all.substr(std::min(end + 1, size));
-
+void check_any_text(unsigned way, std::string_view text) {
   static const ml::BytePairMerges few{{"w", "a"}, {"wa", "l"}, {"a", "a"}, {"aa", "a"}, {"k", "s</w>"}};
   static const ml::ClipTokenizer clip(few);
   static const ml::ClipTokenizer clip_hf(few, {.cleaning = ml::ClipCleaning::hugging_face});
-  static const ml::BertTokenizer bert({"[UNK]", "[CLS]", "[SEP]", "[MASK]", "a", "##a", "walk", "##s", "\u1102", "."});
-  check_unicode(text);
-  check_text(clip, text);
-  check_text(clip_hf, text);
-  check_text(bert, text);
-  if (ml::is_gzip(std::as_bytes(std::span(all)))) {
-    refusing([&] { ml::gunzip(std::as_bytes(std::span(all))); });
-  } else if (file.starts_with('{')) {
-    refusing([&] {
-      const auto document = ml::parse_json(file);
-      const ml::JsonView view(document);
-      refusing([&] { ml::tokenizer_config_from_json(view); });
-      refusing([&] { ml::detail::pieces_by_id(view); });
-      for (const char* type : {"distilbert", "bert", "mpnet"}) refusing([&] { ml::bert_config(view, type); });
-      refusing([&] { ml::clip_text_config(view); });
-      const auto tokenizer = ml::tokenizer_from_json(view, {.stored = true});
-      if (tokenizer.bert() != nullptr) check_text(*tokenizer.bert(), text);
-      if (tokenizer.clip() != nullptr) check_text(*tokenizer.clip(), text);
-      refusing([&] { check(std::ssize(tokenizer.encode(text)) >= 2, "a frame"); });
-    });
-  } else {
-    refusing([&] { check_text(ml::BertTokenizer(ml::parse_vocabulary(file)), text); });
-    refusing([&] { check_text(ml::ClipTokenizer(ml::parse_merges(file)), text); });
+  static const ml::BertTokenizer bert({"[UNK]", "[CLS]", "[SEP]", "[MASK]", "a", "##a", "walk", "##s", "\u1102", "."},
+                                      {.longest_word = 32});
+  if (way == 0) check_unicode(text);
+  if (way == 1) check_text(clip, text);
+  if (way == 2) check_text(clip_hf, text);
+  if (way == 3) check_text(bert, text);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view all(reinterpret_cast<const char*>(data), size);
+  const std::size_t end = std::min(all.find('\0'), size);
+  constexpr std::size_t longest = 72;  // bytes of a text; words are remembered up to 64
+  const std::string_view file = all.substr(0, end), text = all.substr(std::min(end + 1, size)).substr(0, longest);
+  switch (data[0]) {
+    case '{':
+      refusing([&] { check_json(file, text); });
+      break;
+    case '#':
+    case '"':
+      refusing([&] { check_text(ml::ClipTokenizer(ml::parse_merges(file)), text); });
+      break;
+    case '[':
+    case '<':
+      refusing([&] { check_text(ml::BertTokenizer(ml::parse_vocabulary(file)), text); });
+      break;
+    case 0x1F:
+      refusing([&] { ml::gunzip(std::as_bytes(std::span(all))); });
+      break;
+    default:
+      check_any_text(data[0] % 4, all.substr(1).substr(0, longest));
   }
   return 0;
 }

@@ -30,7 +30,7 @@ TEST_CASE("info: tensors, values and skipped classes of files in every format") 
   };
   check_contains(info(sample("checkpoint.ckpt")),
                  {"2 tensors, 7 numbers, 0.0 MB, torch zip", "settings/rate            0.5",
-                  "epoch                    3", "skipped: nobody.Config", "F32   (2, 3)"});
+                  "epoch                    3", "skipped: nobody.Config at 'config'", "F32   (2, 3)"});
   check_contains(info(sample("spec_legacy.pt")), {"torch legacy", "F16   (2)"});
   check_contains(info(sample("script.pt")), {"TorchScript", "layers.0.weight"});
   check_contains(info(sample("spec_joblib.pkl")), {"joblib", "0/poses", "0/g                      male"});

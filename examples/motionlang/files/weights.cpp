@@ -27,6 +27,10 @@ std::string summary(const ml::WeightFile& file) {
   return ml::concat_text(file.tensors().size(), " tensors, ", numbers, " numbers, ", megabytes, ", ", file.format());
 }
 
+void show_skipped(const ml::WeightFile& file) {
+  for (const ml::SkippedValue& v : file.skipped()) std::printf("  skipped: %s\n", printable(to_string(v)).c_str());
+}
+
 }  // namespace
 
 std::string printable(std::string text) {
@@ -62,7 +66,7 @@ void show_weights(const std::filesystem::path& path) {
   }
   for (const auto& t : file.tensors())
     std::printf("  %-60s %-5s %s\n", printable(t.name).c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
-  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", printable(name).c_str());
+  show_skipped(file);
 }
 
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
@@ -87,7 +91,7 @@ void convert_weights(const std::filesystem::path& in, const std::filesystem::pat
   tensors.insert(tensors.end(), rounded.begin(), rounded.end());
   ml::write_safetensors(out, tensors, metadata);
   std::printf("%s: %s\n", out.c_str(), summary(ml::open_weights(out)).c_str());
-  for (const std::string& name : file.skipped()) std::printf("  skipped: %s\n", printable(name).c_str());
+  show_skipped(file);
 }
 
 }  // namespace program

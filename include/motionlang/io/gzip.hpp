@@ -14,7 +14,7 @@ inline bool is_gzip(std::span<const std::byte> bytes) {
 /// The unpacked contents. Allocates no more than deflate can pack into the bytes that are there.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an unknown method,
 ///         405 if it unpacks to more than it declares or declares more than it can hold
-inline std::string gunzip(std::span<const std::byte> bytes, std::string_view name = "gzip") {
+inline std::vector<std::byte> gunzip_bytes(std::span<const std::byte> bytes, std::string_view name = "gzip") {
   constexpr std::uint8_t has_checksum = 2, has_extra = 4, has_name = 8, has_comment = 16, reserved = 0xE0;
   if (!is_gzip(bytes)) raise<io_error>(403, name, ": does not begin as a gzip file");
   if (const auto method = detail::load<std::uint8_t>(bytes, 2, name, "the method"); method != 8)
@@ -37,12 +37,16 @@ inline std::string gunzip(std::span<const std::byte> bytes, std::string_view nam
   constexpr std::uint64_t largest_ratio = 1032;
   if (size > largest_ratio * stream.size())
     raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
-  const detail::Inflated out = detail::inflate(stream, size, name);
+  detail::Inflated out = detail::inflate(stream, size, name, size);
   if (out.consumed != stream.size())
     raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
   if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
   if (detail::crc32(out.data) != crc) raise<io_error>(403, name, ": wrong checksum");
-  return std::string(detail::as_text(out.data));
+  return std::move(out.data);
+}
+/// The same as a text.
+inline std::string gunzip(std::span<const std::byte> bytes, std::string_view name = "gzip") {
+  return std::string(detail::as_text(gunzip_bytes(bytes, name)));
 }
 
 /// A text file, packed with gzip or not. Throws io_error 401 and as gunzip.

@@ -28,15 +28,6 @@ inline std::string png_chunk(std::string_view type, std::string_view data) {
   return concat_text(big_endian(static_cast<std::uint32_t>(data.size())), body,
                      big_endian(crc32(std::as_bytes(std::span(body)))));
 }
-/// Of zlib streams: two sums modulo 65521.
-inline std::uint32_t adler32(std::span<const std::byte> bytes) {
-  std::uint32_t a = 1, b = 0;
-  for (const std::byte v : bytes) {
-    a = (a + std::to_integer<std::uint32_t>(v)) % 65521;
-    b = (b + a) % 65521;
-  }
-  return b << 16 | a;
-}
 
 }  // namespace detail
 

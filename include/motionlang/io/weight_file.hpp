@@ -9,11 +9,12 @@
 /// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in order in the
 /// file are views of it, without a copy.
 ///
-/// Memory   besides the mapped file at most twice its size and 64 MiB
+/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that was written with
+///          compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30 MiB, into which the copies
+///          of arrays in another order have to fit, too; what gives more is refused with io_error 405, and what is packed with
+///          bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
 /// Source   spec weights.md
 #pragma once
-
-#include <set>  // skipped classes
 
 #include <motionlang/io/file_value.hpp>
 #include <motionlang/io/gzip.hpp>
@@ -33,6 +34,16 @@ struct WeightOptions {
   bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
 };
 
+/// Something that was passed over: the keys from the root of the file to it, and its class or element type.
+struct SkippedValue {
+  std::string path, type;
+  bool operator==(const SkippedValue&) const = default;
+};
+/// "nobody.Config at 'hyper_parameters/config'".
+inline std::string to_string(const SkippedValue& v) {
+  return v.path.empty() ? v.type : concat_text(v.type, " at '", v.path, "'");
+}
+
 class WeightFile;
 WeightFile open_weights(const FilePath& path, const WeightOptions& options = {});
 
@@ -51,8 +62,8 @@ class WeightFile : public TensorSet {
   const std::vector<FileValue>& values() const { return values_; }
   /// Null if there is none at these keys.
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
-  /// Classes and element types of what was passed over.
-  const std::set<std::string>& skipped() const { return skipped_; }
+  /// The first 1,000 values that were passed over, in the order of the file.
+  const std::vector<SkippedValue>& skipped() const { return skipped_; }
 
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
   /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it tries to
@@ -82,7 +93,7 @@ class WeightFile : public TensorSet {
 
   std::string format_;
   std::vector<FileValue> values_;
-  std::set<std::string> skipped_;
+  std::vector<SkippedValue> skipped_;
 };
 
 namespace detail {
@@ -117,7 +128,7 @@ class WeightReader {
   void read_npy(std::span<const std::byte> bytes) { add_npy(bytes, out_.name()); }
 
  private:
-  static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000;
+  static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000, most_skipped = 1'000;
   static constexpr std::uint64_t most_visits = 2'000'000;
 
   // What to look for.
@@ -269,7 +280,9 @@ class WeightReader {
   void skip(const std::string& name, const char* what) {
     if (options_.strict && selected())
       raise<io_error>(404, out_.name(), ": ", what, name, " at '", joined(0, '/'), "'");
-    if (out_.skipped_.insert(name).second) memory_.spend(2 * sizeof(std::string) + 4 * sizeof(void*) + name.size());
+    if (out_.skipped_.size() >= most_skipped) return;
+    memory_.spend(3 * sizeof(SkippedValue) + name.size());
+    out_.skipped_.push_back({joined(0, '/'), name});
   }
 
   std::string joined(std::size_t first, char separator) const {
@@ -404,17 +417,34 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
   const auto first = std::to_integer<unsigned>(bytes[0]), second = std::to_integer<unsigned>(bytes[1]);
   return first == 0x78 && (first * 256 + second) % 31 == 0;
 }
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`.
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it allocates.
 inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
-  Inflated unpacked = inflate(bytes.subspan(2), limit, name);
-  std::uint32_t a = 1, b = 0;  // Adler-32
-  for (const std::byte byte : unpacked.data) {
-    a = (a + std::to_integer<std::uint32_t>(byte)) % 65521;
-    b = (b + a) % 65521;
-  }
-  const auto sum = __builtin_bswap32(load<std::uint32_t>(bytes, 2 + unpacked.consumed, name, "a checksum"));
-  if (sum != (b << 16 | a)) raise<io_error>(403, name, ": checksum ", b << 16 | a, ", the file says ", sum);
+  ByteCount size;
+  inflate_to(size, bytes.subspan(2), limit, name);
+  Inflated unpacked = inflate(bytes.subspan(2), limit, name, size.bytes);
+  const auto said = __builtin_bswap32(load<std::uint32_t>(bytes, 2 + unpacked.consumed, name, "a checksum"));
+  if (const std::uint32_t sum = adler32(unpacked.data); sum != said)
+    raise<io_error>(403, name, ": checksum ", sum, ", the file says ", said);
   return std::move(unpacked.data);
+}
+
+/// Throws as gunzip, and io_error 405 if the file declares more than `limit` bytes.
+inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
+  const auto size = load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
+  if (size > limit) raise<io_error>(405, name, ": declares ", size, " bytes, may give ", limit);
+  return gunzip_bytes(bytes, name);
+}
+
+/// What packed the bytes, if it is something that is not unpacked here; else empty.
+inline std::string_view unread_packing(std::string_view text) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, std::string_view> marks[] = {
+      {"BZh"sv, "bzip2"}, {"\xFD" "7zXZ\0"sv, "xz"}, {"\x5D\0\0"sv, "lzma"}, {"\x04\x22\x4D\x18"sv, "lz4"},
+      {"\x28\xB5\x2F\xFD"sv, "zstd"}};
+  for (const auto& [mark, name] : marks) {
+    if (text.starts_with(mark)) return name;
+  }
+  return "";
 }
 
 /// Whether bytes begin with the length of a header that they can hold, and with its brace.
@@ -475,10 +505,11 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     out.format_ = file.format();
     reader.read(file);
     if (out.tensors_.empty() && !out.skipped_.empty())
-      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ", *out.skipped_.begin(),
-                      " (of a whole module or model, save its state_dict())");
+      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ",
+                      to_string(out.skipped_.front()), " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
-    if (file.bytes_behind() > 0) out.skipped_.insert(concat_text(file.bytes_behind(), " bytes behind the end of data.pkl"));
+    if (file.bytes_behind() > 0)
+      out.skipped_.push_back({"", concat_text(file.bytes_behind(), " bytes behind the end of data.pkl")});
   };
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
@@ -501,17 +532,19 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     reader.read_npy(bytes);
   } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
     raise<io_error>(404, name, ": a tar archive, as PyTorch wrote them before 0.1.10");
-  } else if (detail::is_zlib(bytes)) {
-    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
+  } else if (const auto packed = detail::unread_packing(text); !packed.empty()) {
+    raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
+  } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
+    // What any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and 64 MiB.
+    constexpr std::uint64_t values = std::uint64_t{24} << 20;
+    memory->allow(bytes.size() + (std::uint64_t{18} << 20));
+    const std::vector<std::byte>& unpacked = memory->keep(
+        is_gzip(bytes) ? detail::from_gzip(bytes, memory->left(), name) : detail::from_zlib(bytes, memory->left(), name));
     memory->spend(unpacked.size());
-    read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
-  } else if (is_gzip(bytes)) {
-    const auto declared =
-        detail::load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
-    memory->spend(2 * std::uint64_t{declared});
-    const std::string& unpacked = memory->keep(gunzip(bytes, name));
-    read_torch(TorchFile::from_pickle(
-        Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
+    const std::uint64_t most = values + std::min<std::uint64_t>(bytes.size(), memory->left());
+    Pickle pickle(unpacked, name, {.max_memory = most, .inline_bytes = joblib_array_bytes});
+    memory->spend(std::max(values, most - pickle.memory_left()) - values);
+    read_torch(TorchFile::from_pickle(std::move(pickle), memory));
   } else if (detail::begins_pickle(text)) {
     Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
     const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);  // of 8 bytes, or more
@@ -538,7 +571,7 @@ inline void WeightFile::add(const WeightFile& file, const std::string& prefix,
     tensors_.push_back(std::move(t));
   }
   for (const FileValue& v : file.values()) values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
-  skipped_.insert(file.skipped().begin(), file.skipped().end());
+  for (const SkippedValue& v : file.skipped()) skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
 }
 
 /// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
@@ -558,7 +591,7 @@ inline WeightFile WeightFile::from_shards(const FilePath& index, const WeightOpt
     const WeightFile shard = from_bytes(bytes->bytes(), (folder / name).string(), bytes, options);
     owners->push_back(shard.owner());
     for (const std::string& tensor : tensors) out.tensors_.push_back(shard.tensor(tensor));
-    out.skipped_.insert(shard.skipped().begin(), shard.skipped().end());
+    out.skipped_.insert(out.skipped_.end(), shard.skipped().begin(), shard.skipped().end());
   }
   out.sort_tensors();
   return out;

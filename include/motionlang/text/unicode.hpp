@@ -113,6 +113,7 @@ inline void append_decomposed(std::u32string& out, char32_t c) {
 
 /// The composition of two code points, 0 if there is none.
 inline char32_t composed(char32_t first, char32_t second) {
+  if (second < 0x300) return 0;  // marks begin there
   if (first - jamo_l < 19 && second - jamo_v < jamo_v_count)
     return hangul + ((first - jamo_l) * jamo_v_count + (second - jamo_v)) * jamo_t_count;
   if (first - hangul < hangul_count && (first - hangul) % jamo_t_count == 0 && second - jamo_t - 1 < jamo_t_count - 1)

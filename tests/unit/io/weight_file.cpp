@@ -6,6 +6,7 @@
 #include <motionlang/io/weight_file.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/joblib_dump.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -28,6 +29,7 @@ T value(const ml::WeightFile& file, const std::string& path) {
   REQUIRE_MESSAGE(v != nullptr, path);
   return std::get<T>(v->value);
 }
+using Skipped = std::vector<ml::SkippedValue>;
 const std::vector<float> six{0, 1, 2, 3, 4, 5}, transposed{0, 3, 1, 4, 2, 5};
 
 }  // namespace
@@ -52,7 +54,7 @@ TEST_CASE("PyTorch: both forms, views, halves, whole numbers") {
 TEST_CASE("tensors of more axes than ours have") {
   const auto torch = open("many_axes.pt");
   CHECK(torch.names() == std::vector<std::string>{"w", "wt"});  // 65 axes are more than PyTorch has
-  CHECK(torch.skipped().size() == 1);
+  CHECK(torch.skipped() == Skipped{{"too_many", "torch._utils._rebuild_tensor_v2"}});
   CHECK(torch.tensor("w").shape == ml::FileShape{1, 2, 1, 1, 3, 1, 1, 1, 1});
   CHECK(floats(torch, "w") == six);
   CHECK(torch.tensor("wt").shape.rank() == 32);
@@ -110,7 +112,7 @@ TEST_CASE("PyTorch: big-endian, packed, older and newer ways to rebuild tensors"
   CHECK(floats(file, "state") == six);
   CHECK((file.tensor("complex").dtype == DType::C64 && file.tensor("complex").shape == Shape{3}));
   CHECK(file.find("quantized") == nullptr);
-  CHECK(file.skipped() == std::set<std::string>{"torch._utils._rebuild_tensor_v2"});
+  CHECK(file.skipped() == Skipped{{"quantized", "torch._utils._rebuild_tensor_v2"}});
   CHECK_ERROR(open("v3.pt", {.path = {}, .strict = true}), "a storage of class torch.QInt8Storage");
   CHECK(floats(open("views_legacy.pt"), "part") == std::vector<float>{2, 3, 4});
   CHECK(floats(open("nested_storage.pkl"), "w") == six);
@@ -122,7 +124,8 @@ TEST_CASE("checkpoints: the tensors are found, other entries are told, classes t
   CHECK(value<std::int64_t>(file, "epoch") == 3);
   CHECK(value<double>(file, "settings/rate") == 0.5);
   CHECK(value<double>(file, "optimizer_states/0/lr") == 0.1);
-  CHECK(file.skipped() == std::set<std::string>{"nobody.Config"});
+  CHECK(file.skipped() == Skipped{{"config", "nobody.Config"}});
+  CHECK(to_string(file.skipped().front()) == "nobody.Config at 'config'");
   CHECK(open("checkpoint.ckpt", {.path = "optimizer_states/0"}).names() == std::vector<std::string>{"state.0.exp_avg"});
   CHECK(open("checkpoint.ckpt", {.path = ""}).names() ==
         std::vector<std::string>{"optimizer_states.0.state.0.exp_avg", "state_dict.a", "state_dict.b"});
@@ -131,11 +134,22 @@ TEST_CASE("checkpoints: the tensors are found, other entries are told, classes t
   CHECK_ERROR(open("checkpoint.ckpt", {.path = "", .strict = true}), "an object of class nobody.Config at 'config'");
 }
 
+TEST_CASE("each of several values of one class is skipped by its own keys, the first thousand are told") {
+  std::string pickle = "\x80\x02(dS'layers'\n(l";
+  for (int i = 0; i < 1001; ++i) pickle += "cnobody\nLayer\n)\x81" "a";
+  pickle += "sS'x'\n(lI1\naI2\nas.";
+  const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span(pickle)), "x.pkl");
+  CHECK(file.names() == std::vector<std::string>{"x"});
+  REQUIRE(file.skipped().size() == 1000);
+  CHECK(to_string(file.skipped().front()) == "nobody.Layer at 'layers/0'");
+  CHECK(to_string(file.skipped().back()) == "nobody.Layer at 'layers/999'");
+}
+
 TEST_CASE("a sparse matrix of another kind is skipped") {
   const std::string_view bytes = "\x80\x02(dS'm'\ncscipy.sparse._lil\nlil_matrix\n)\x81sS'x'\n(lI1\naI2\nas.";
   const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span(bytes)), "x.pkl");
   CHECK(file.names() == std::vector<std::string>{"x"});
-  CHECK(file.skipped() == std::set<std::string>{"scipy.sparse._lil.lil_matrix"});
+  CHECK(file.skipped() == Skipped{{"m", "scipy.sparse._lil.lil_matrix"}});
 }
 
 TEST_CASE("Lightning with omegaconf, pathlib, functools, a NumPy scalar and a class as a key") {
@@ -154,6 +168,59 @@ TEST_CASE("TorchScript: paths of attributes are the names") {
   CHECK(floats(file, "layers.1.weight") == transposed);
   CHECK(value<std::int64_t>(file, "width") == 3);
   CHECK(file.value("training") == nullptr);
+}
+
+namespace {
+
+std::string as_gzip(const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  const std::uint32_t end[] = {ml::detail::crc32(bytes), static_cast<std::uint32_t>(text.size())};
+  return std::string("\x1F\x8B\x08\0\0\0\0\0\0\xFF", 10) + ml::detail::deflate(bytes) +
+         std::string(reinterpret_cast<const char*>(end), sizeof end);
+}
+
+}  // namespace
+
+TEST_CASE("joblib dumps, packed as a whole, as joblib 1.2 writes them") {
+  for (const char* name : {"joblib_zlib3.pkl", "joblib_gzip3.pkl"}) {
+    CAPTURE(name);
+    const auto file = open(name);
+    CHECK(file.format() == "joblib");
+    CHECK(file.names() == std::vector<std::string>{"0/poses", "0/trans"});
+    CHECK(floats(file, "0/poses") == std::vector<float>{0, 0.25F, 0.5F, 0.75F, 1, 1.25F, 1.5F, 1.75F, 2, 2.25F, 2.5F, 2.75F});
+    CHECK(ml::values_of<double>(file.tensor("0/trans")) == std::vector<double>{0, 1, 2, 3, 4, 5});
+    CHECK(value<std::string>(file, "0/g") == "male");
+  }
+  CHECK_ERROR(open("joblib_bz2.pkl"), "packed with bzip2, which is not read: unpack it first");
+  CHECK_ERROR(open("joblib_xz.pkl"), "packed with xz");
+  CHECK_ERROR(open("joblib_lzma.pkl"), "packed with lzma");
+}
+
+TEST_CASE("packed dumps give at most twice the size of the file and 30 MiB") {
+  const auto opened = [](const std::string& packed) {
+    return ml::WeightFile::from_bytes(std::as_bytes(std::span(packed)), "x.pkl");
+  };
+  const auto limit = [](const std::string& packed) { return 2 * packed.size() + (30 << 20); };
+  constexpr std::uint32_t size = 24 << 20;
+  const std::string dump = joblib_dump(size, 7);
+  for (const std::string& packed : {as_zlib(dump), as_gzip(dump)}) {
+    const auto file = opened(packed);
+    const auto bytes = file.tensor("array").bytes;
+    CHECK(bytes.size() == size);
+    CHECK(std::count(bytes.begin(), bytes.end(), std::byte{7}) == size);
+  }
+  const std::string small = as_zlib(joblib_dump(1000, 7));
+  const auto unpacked = ml::detail::from_zlib(std::as_bytes(std::span(small)), 2000, "x.pkl");
+  CHECK(unpacked.capacity() == unpacked.size());
+
+  const std::string too_much = as_zlib(joblib_dump(32 << 20, 7));
+  const std::string gives = ml::concat_text("deflated data gives more than ", limit(too_much), " bytes");
+  CHECK_ERROR(opened(too_much), gives.c_str());
+  std::string declared = as_gzip(joblib_dump(1000, 7));
+  const auto said = static_cast<std::uint32_t>(limit(declared) + 1);
+  std::memcpy(declared.data() + declared.size() - sizeof said, &said, sizeof said);
+  const std::string declares = ml::concat_text("declares ", said, " bytes, may give ", said - 1);
+  CHECK_ERROR(opened(declared), declares.c_str());
 }
 
 TEST_CASE("joblib dumps, packed or not; pickles of SMPL") {
@@ -264,7 +331,7 @@ std::vector<std::byte> changed_archive(std::string_view more, const std::string&
 TEST_CASE("PyTorch: what follows the pickle is told, two roots are refused") {
   const auto file = ml::WeightFile::from_bytes(changed_archive("more"), "x.pt");
   CHECK(floats(file, "h") == std::vector<float>{1, -2.5F});
-  CHECK(file.skipped().contains("4 bytes behind the end of data.pkl"));
+  CHECK(file.skipped() == Skipped{{"", "4 bytes behind the end of data.pkl"}});
   CHECK(ml::WeightFile::from_bytes(changed_archive(""), "x.pt").skipped().empty());
   CHECK_ERROR(ml::WeightFile::from_bytes(changed_archive("", "other/data.pkl", "\x80\x02}."), "x.pt"), "'other/data.pkl' at byte");
 }
@@ -283,7 +350,7 @@ TEST_CASE("PyTorch: tensors that are negated on reading, whole modules") {
     return zip.finish();
   };
   CHECK(floats(ml::WeightFile::from_bytes(archive("}"), "x.pt"), "w") == six);
-  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt"), "skipped: torch._utils._rebuild_tensor_v2");
+  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt"), "skipped: torch._utils._rebuild_tensor_v2 at 'w' (");
   CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt", {}, {.path = {}, .strict = true}), "a tensor that is negated");
 
   const std::string_view module = "\x80\x02" "ctorch.nn.modules.linear\nLinear\n)\x81}b.";

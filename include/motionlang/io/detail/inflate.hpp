@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksum of zip and gzip.
+/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and zlib.
 /// Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its headers to read .npz, .pt
 /// and .gz; tests/unit/io compares with data that zlib packed.
 #pragma once
@@ -27,6 +27,16 @@ inline std::uint32_t crc32(std::span<const std::byte> bytes) {
   std::uint32_t c = 0xFFFFFFFFu;
   for (const std::byte b : bytes) c = table[(c ^ std::to_integer<std::uint32_t>(b)) & 255u] ^ c >> 8;
   return ~c;
+}
+
+/// Of zlib streams: two sums modulo 65521.
+inline std::uint32_t adler32(std::span<const std::byte> bytes) {
+  std::uint32_t a = 1, b = 0;
+  for (const std::byte v : bytes) {
+    a = (a + std::to_integer<std::uint32_t>(v)) % 65521;
+    b = (b + a) % 65521;
+  }
+  return b << 16 | a;
 }
 
 /// The bits of a deflate stream, least significant first.
@@ -189,9 +199,23 @@ struct Inflated {
   std::size_t consumed = 0;
 };
 
-/// Unpacks one deflate stream of at most `limit` bytes of output, for `expected` of which room is made before.
+/// In place of unpacked bytes: how many they are.
+struct ByteCount {
+  std::size_t bytes = 0;
+  std::size_t size() const { return bytes; }
+  void push_back(std::byte) { ++bytes; }
+};
+inline void append_bytes(ByteCount& out, std::span<const std::byte> bytes) { out.bytes += bytes.size(); }
+/// Appends `length` bytes, each the one that stands `distance` before it.
+inline void repeat(ByteCount& out, std::size_t, std::size_t length) { out.bytes += length; }
+inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_t length) {
+  for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
+}
+
+/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
-inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
+template <class Out>
+std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file) {
   // RFC 1951, 3.2.5: symbols 257 ... 285 and 0 ... 29
   static constexpr std::array<std::uint16_t, 29> length_base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                              15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -202,8 +226,6 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       1,   2,   3,   4,   5,   7,    9,    13,   17,   25,   33,   49,   65,    97,    129,
       193, 257, 385, 513, 769, 1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
   BitReader in(stream, file);
-  std::vector<std::byte> out;
-  out.reserve(expected);
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };
@@ -233,10 +255,18 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       const std::size_t distance = distance_base[d] + in.take(static_cast<int>(d < 2 ? 0 : d / 2 - 1));
       if (distance > out.size()) in.malformed("a distance before the start");
       room_for(length);
-      for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
+      repeat(out, distance, length);
     }
   }
-  return {std::move(out), in.position()};
+  return in.position();
+}
+
+/// The same into memory; room for `expected` bytes is made before.
+inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
+  Inflated out;
+  out.data.reserve(expected);
+  out.consumed = inflate_to(out.data, stream, limit, file);
+  return out;
 }
 
 }  // namespace detail

@@ -468,6 +468,9 @@ class PickleMachine {
   }
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
+    const std::vector<PickleRef>& parts = nodes_[id].items;
+    if (!parts.empty() && nodes_[parts[0]].text == "module")  // PyTorch's older form refers to the source code of classes
+      fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     push_new(PickleKind::persistent).arguments = id;
     persistent_.push_back(stack_.back());
   }
@@ -581,8 +584,6 @@ class PickleMachine {
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
     const PickleKind kind = nodes_[callee].kind;
-    if (kind == PickleKind::persistent)  // PyTorch's older form refers to the source code of classes
-      fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (kind != PickleKind::name && kind != PickleKind::object) fail(403, "a call of ", name_of(kind));
     if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
     call(callee, arguments);
