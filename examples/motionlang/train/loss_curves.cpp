@@ -54,7 +54,7 @@ std::string panel_svg(const CurvePanel& panel, double y0) {
   shown.add(scaled(values.low)), shown.add(scaled(values.high));
   std::string out = ml::concat_text("<rect x='", left, "' y='", y0 + top, "' width='", width - left - right,
                                     "' height='", height - top - bottom, "' fill='none' stroke='#ddd'/>");
-  out += label(left, y0 + 22, panel.title);
+  out += label(left, y0 + 22, panel.title + (logarithmic ? " (logarithmic)" : ""));
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const Curve& c = panel.curves[i];
     std::string points;
