@@ -262,36 +262,42 @@ TEST_CASE("generate --fact: how far latents are from their mean; refused where t
   official::write_temos_run(w / "temos", official::small_temos());
   official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
   official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
-  for (const std::string model : {"temos", "sinc", "teach"}) official::write_text(w / (model + "/vocab.txt"), official::bert_vocabulary);
+  for (const std::string model : {"temos", "sinc", "teach"})
+    official::write_text(w / (model + "/vocab.txt"), official::bert_vocabulary);
   official::write_temos_statistics(w / "temos", 64);
   for (const std::string model : {"sinc", "teach"}) official::write_temos_statistics(w / model, 135);
   for (const std::string model : {"actor", "temos", "sinc", "teach"}) {
     CAPTURE(model);
     const auto made = [&](std::vector<std::string> more, const std::string& name = "walk") {
-      more.insert(more.begin(), {"generate", "--model", model, model == "actor" ? "--action" : "--text", "walk", "--seconds", "1"});
+      more.insert(more.begin(),
+                  {"generate", "--model", model, model == "actor" ? "--action" : "--text", "walk", "--seconds", "1"});
       w.did(more);
       const std::string bvh = ml::read_file(w / ("out/" + name + ".bvh"));
       fs::remove_all(w / "out");
       return bvh;
     };
-    const std::string plain = made({"--seed", "1"}), half = made({"--seed", "1", "--fact", "0.5"}), mean = made({"--seed", "1", "--fact", "0"});
+    const std::string plain = made({"--seed", "1"}), half = made({"--seed", "1", "--fact", "0.5"}),
+                      mean = made({"--seed", "1", "--fact", "0"});
     CHECK(made({"--seed", "1", "--fact", "1"}) == plain);
     CHECK(made({"--seed", "2"}) != plain);
     CHECK(made({"--seed", "2", "--fact", "0"}) == mean);
     CHECK(half != plain);
     CHECK(half != mean);
     if (model == "teach") continue;
-    const std::string other = model == "actor" ? "run" : "a walk", line = model == "actor" ? "walk_to_run" : "walk_to_a_walk";
+    const std::string other = model == "actor" ? "run" : "a walk",
+                      line = model == "actor" ? "walk_to_run" : "walk_to_a_walk";
     CHECK(made({"--seed", "1", "--fact", "0.5", "--towards", other}, line + "_1") == half);
   }
   const auto rows = [&](const std::string& fact) {  // of the file that a text makes, against the library
-    w.did({"generate", "--model", "temos", "--text", "walk", "--seconds", "1.2", "--fact", fact, "--no-smooth", "--no-fix-feet"});
+    w.did({"generate", "--model", "temos", "--text", "walk", "--seconds", "1.2", "--fact", fact, "--no-smooth",
+           "--no-fix-feet"});
     return ml::read_bvh_motion(w / "out/walk.bvh");
   };
   const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"));
   const std::vector<std::string> text{"walk"};
   const auto tokens = run.text_encoder.encode<official::B>(std::span<const std::string>(text)).tokens;
-  const auto mean = ml::text_to_motion(run.model, tokens, ml::Offsets{15}, ml::Philox{}, 1, {.mean = true}).front().rows;
+  const auto mean =
+      ml::text_to_motion(run.model, tokens, ml::Offsets{15}, ml::Philox{}, 1, {.mean = true}).front().rows;
   const std::vector<double> numbers = [&] {
     const auto x = run.normalizer.denormalize(mean);
     return std::vector<double>(x.span().begin(), x.span().end());
@@ -304,16 +310,21 @@ TEST_CASE("generate --fact: how far latents are from their mean; refused where t
     more.insert(more.begin(), {"generate", "--fact", "0.5", "--out", "refused"});
     const Outcome out = w.run(more);
     CHECK(out.code == 1);
-    CHECK_MESSAGE(contains(out.text, "--fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is " + message), out.text);
+    CHECK_MESSAGE(
+        contains(out.text,
+                 "--fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is " + message),
+        out.text);
     CHECK(!fs::exists(w / "refused/walk.bvh"));
   };
   official::write_mdm_action_run(w / "mdm", official::small());
   refused({"--model", "mdm", "--action", "walk"}, "a diffusion model, which draws none");
-  refused({"--model", official::write_tm2t_runs(w.path, official::small_tm2t()).string(), "--text", "walk"}, "TM2T, which draws none");
+  refused({"--model", official::write_tm2t_runs(w.path, official::small_tm2t()).string(), "--text", "walk"},
+          "TM2T, which draws none");
   auto exact = official::small_temos();
   exact.vae = false;
   official::write_temos_run(w / "exact", exact);
-  refused({"--model", "exact", "--text", "walk", "--statistics", "temos", "--text-encoder", "temos"}, "a model with one latent");
+  refused({"--model", "exact", "--text", "walk", "--statistics", "temos", "--text-encoder", "temos"},
+          "a model with one latent");
   CHECK(w.run({"generate", "--model", "actor", "--action", "walk", "--fact", "-1"}).code == 2);
 }
 
@@ -327,7 +338,8 @@ std::vector<double> numbers_of_row(const std::string& text, const std::string& n
   std::vector<double> out;
   std::string word;
   while (rest >> word) {
-    if (word.find_first_not_of("+-.0123456789") == word.npos && word.find_first_of("0123456789") == 0) out.push_back(std::stod(word));
+    if (word.find_first_not_of("+-.0123456789") == word.npos && word.find_first_of("0123456789") == 0)
+      out.push_back(std::stod(word));
   }
   return out;
 }
@@ -346,7 +358,8 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   official::add_module(of_gru, gru);
   of_gru.end();
   official::add_module(of_stgcn, stgcn);
-  official::add_module(of_ntu, ml::GruClassifier<official::B>({.input_size = 54, .hidden_size = 4, .num_classes = 13}, rng));
+  official::add_module(of_ntu,
+                       ml::GruClassifier<official::B>({.input_size = 54, .hidden_size = 4, .num_classes = 13}, rng));
   official::write_bytes(w / "humanact12_gru.tar", of_gru.finish());
   official::write_bytes(w / "uestc_rot6d_stgcn.tar", of_stgcn.finish());
   official::write_bytes(w / "ntu13_gru.tar", of_ntu.finish());
@@ -357,13 +370,15 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   std::vector<std::vector<ml::Index>> said(2);
   for (int i = 0; i < 12; ++i) {
     ids.push_back("clip" + std::to_string(i));
-    ml::write_bvh(w / (ids.back() + ".bvh"), synthetic::walk({.frames = 60, .steps_per_second = 0.6 + 0.2 * i, .turn = 0.5 * (i % 4)}));
+    ml::write_bvh(w / (ids.back() + ".bvh"),
+                  synthetic::walk({.frames = 60, .steps_per_second = 0.6 + 0.2 * i, .turn = 0.5 * (i % 4)}));
     listed += ids.back() + "\n";
     labels += ids.back() + "\t0\t3\t" + std::string(names[i]) + "\n";
     const ml::Motion clip = ml::retarget(ml::read_bvh_motion(w / (ids.back() + ".bvh")));
     const auto rows = ml::actor_rows_of_motion(clip);
     std::vector<float> rotations, points;
-    for (std::size_t f = 0; f < 60; ++f) rotations.insert(rotations.end(), rows.begin() + 150 * f, rows.begin() + 150 * f + 144);
+    for (std::size_t f = 0; f < 60; ++f)
+      rotations.insert(rotations.end(), rows.begin() + 150 * f, rows.begin() + 150 * f + 144);
     for (const auto& p : clip.positions()) {
       const auto from = p - clip.root_at(0);
       for (const double x : {from.x, -from.y, -from.z}) points.push_back(static_cast<float>(x));
@@ -374,19 +389,28 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
     const auto sequence = [](const std::vector<float>& x) {
       return ml::Sequences<official::B>(ml::Tensor<official::B, 2>::from(x, {60, std::ssize(x) / 60}), ml::Offsets{60});
     };
-    said[0].push_back(best(gru(sequence(points)).logits));  // after 60 frames nothing is left of the state that it begins with
+    said[0].push_back(best(gru(sequence(points)).logits));  // after 60 frames its first state is forgotten
     said[1].push_back(best(stgcn(sequence(rotations)).logits));
   }
   ml::write_file(w / "labels.tsv", labels);
   official::write_text(w / "splits/train.txt", listed);
-  const Outcome of_ours = w.run({"train-actor", "--data", ".", "--labels", "labels.tsv", "--splits", "splits", "--preset", "small", "--out",
-                                 "ours", "--set", "optimiser.epochs=1", "--set", "network.latent_dim=8", "--set", "network.ff_size=8",
-                                 "--set", "network.num_layers=1", "--set", "network.num_heads=2", "--set", "clips.fps=20", "--set",
-                                 "clips.turned_ahead=false"});
+  const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> sets,
+                         const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{command,    "--data", ".",        "--labels", "labels.tsv", "--splits",
+                                       "splits", "--preset", "small", "--out",    out};
+    sets.push_back("clips.fps=20");  // as the published model
+    for (const std::string& set : sets) arguments.insert(arguments.end(), {"--set", set});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return w.run(arguments);
+  };
+  const std::string as_they_face = "clips.turned_ahead=false", once = "optimiser.epochs=1";
+  const Outcome of_ours =
+      train("train-actor", "ours", {as_they_face, once, "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"});
   REQUIRE_MESSAGE(of_ours.code == 0, of_ours.text);
-  const auto evaluate = [&](const std::string& classifier, const std::string& table, const std::string& model = "actor") {
-    return w.run({"evaluate", model, "--data", ".", "--labels", table, "--splits", "splits", "--part", "training", "--classifier",
-                  classifier, "--seeds", "2"});
+  const auto evaluate = [&](const std::string& classifier, const std::string& table,
+                            const std::string& model = "actor") {
+    return w.run({"evaluate", model, "--data", ".", "--labels", table, "--splits", "splits", "--part", "training",
+                  "--classifier", classifier, "--seeds", "2"});
   };
   for (const std::size_t kind : {0u, 1u}) {
     const std::string classifier = kind == 0 ? "humanact12_gru.tar" : "uestc_rot6d_stgcn.tar";
@@ -411,33 +435,28 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
     CHECK(out.code == 1);
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
-  refused("ntu13_gru.tar", "labels.tsv", "ntu13_gru.tar: a classifier of 54 numbers a frame, expected 72: SMPL's 24 joints");
-  refused("actor/checkpoint_5000.pth.tar", "labels.tsv", "[motionlang.io.404] actor/checkpoint_5000.pth.tar: neither the GRU");
+  refused("ntu13_gru.tar", "labels.tsv",
+          "ntu13_gru.tar: a classifier of 54 numbers a frame, expected 72: SMPL's 24 joints");
+  refused("actor/checkpoint_5000.pth.tar", "labels.tsv",
+          "[motionlang.io.404] actor/checkpoint_5000.pth.tar: neither the GRU");
 
   // of our training: on the same labels, whose numbers are others, at the same rate, as the clips face
-  const auto train = [&](const std::string& out, std::vector<std::string> more) {
-    std::vector<std::string> arguments{"train-classifier", "--data", ".", "--labels", "labels.tsv", "--splits", "splits", "--out", out};
-    for (const char* set : {"optimiser.epochs=40", "optimiser.lr=0.02", "hidden_size=16"}) arguments.insert(arguments.end(), {"--set", set});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return w.run(arguments);
-  };
-  const Outcome own = train("own", {"--set", "clips.fps=20", "--set", "clips.turned_ahead=false"});
+  const Outcome own = train("train-classifier", "own", {as_they_face, "optimiser.epochs=40", "optimiser.lr=0.02", "hidden_size=16"});
   REQUIRE_MESSAGE(own.code == 0, own.text);
   const Outcome by_own = evaluate("own/model", "labels.tsv");
   REQUIRE_MESSAGE(by_own.code == 0, by_own.text);
-  const Outcome itself = w.run({"evaluate", "own/model", "--data", ".", "--labels", "labels.tsv", "--splits", "splits", "--part",
-                                "training", "--seeds", "2"});
+  const Outcome itself = w.run({"evaluate", "own/model", "--data", ".", "--labels", "labels.tsv", "--splits", "splits",
+                                "--part", "training", "--seeds", "2"});
   REQUIRE_MESSAGE(itself.code == 0, itself.text);
   const auto known = numbers_of_row(itself.text, "accuracy %");
   CHECK(known.at(0) > 50);  // so many are not right by chance
   CHECK(numbers_of_row(by_own.text, "recorded").at(0) == known.at(0));
-  REQUIRE(train("turned", {"--set", "clips.fps=20", "--set", "optimiser.epochs=1"}).code == 0);
+  REQUIRE(train("train-classifier", "turned", {once}).code == 0);
   refused("turned/model", "labels.tsv",
           "other clips: fps 20, turned_ahead false, translation true and fps 20, turned_ahead true, translation true");
   // its motions to learn from
-  const std::vector<std::string> generated{"--generated", "actor",           "--set", "generated_share=1", "--set", "generated_kind=denoised",
-                                           "--set",       "clips.fps=20",    "--set", "clips.turned_ahead=false", "--set", "optimiser.epochs=2"};
-  const Outcome learnt = train("learnt", generated);
+  const Outcome learnt = train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},
+                               {"--generated", "actor"});
   CHECK_MESSAGE(learnt.code == 0, learnt.text);
 }
 
@@ -463,18 +482,21 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   statistics.add(std::span<const double>(rows), 64);
   const auto write = [&](const std::string& file, const std::vector<double>& values) {
     const std::vector<float> x(values.begin(), values.end());
-    official::write_bytes(w / ("statistics/" + file), TorchArchive::of_tensor(official::view_of(ml::Tensor<official::B, 1>::from(x, {64}))));
+    official::write_bytes(w / ("statistics/" + file),
+                          TorchArchive::of_tensor(official::view_of(ml::Tensor<official::B, 1>::from(x, {64}))));
   };
   write("jfeats_mean.pt", statistics.mean());
   write("jfeats_std.pt", std::vector<double>(64, 2.0));
 
-  const std::vector<std::string> command{"evaluate", "temos", "--data", ".", "--captions", "captions.tsv", "--splits", "splits"};
+  const std::vector<std::string> command{"evaluate",   "temos",        "--data",   ".",
+                                         "--captions", "captions.tsv", "--splits", "splits"};
   const auto evaluate = [&](std::vector<std::string> more) {
     more.insert(more.begin(), command.begin(), command.end());
     return w.run(more);
   };
   const std::string said = [&] {
-    const Outcome out = evaluate({"--statistics", "statistics", "--text-encoder", "words", "--samples", "2", "--strips", "strips"});
+    const Outcome out =
+        evaluate({"--statistics", "statistics", "--text-encoder", "words", "--samples", "2", "--strips", "strips"});
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return out.text;
   }();
@@ -497,11 +519,15 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
     for (const ml::PositionErrors* p : {&e.ape, &e.ave})
       for (const double x : {p->root, p->trajectory, p->mean_local(), p->mean_joints()}) wanted.push_back(x);
     REQUIRE_MESSAGE(found.size() == 8, said);
-    for (std::size_t i = 0; i < 8; ++i) CHECK_MESSAGE(std::abs(found[i] - wanted[i]) < 1.1e-3, name << " " << i << ": " << wanted[i]);
+    for (std::size_t i = 0; i < 8; ++i)
+      CHECK_MESSAGE(std::abs(found[i] - wanted[i]) < 1.1e-3, name << " " << i << ": " << wanted[i]);
     return wanted;
   };
-  const auto of_mean = check_row("mean of the latent", ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}, 1, {.mean = true}).front().rows);
-  const auto of_one = check_row("one sample", ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}).front().rows);
+  const auto of_mean = check_row(
+      "mean of the latent",
+      ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}, 1, {.mean = true}).front().rows);
+  const auto of_one =
+      check_row("one sample", ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}).front().rows);
   CHECK(std::abs(of_mean[0] - of_one[0]) > 2e-3);
 
   const auto refused = [&](std::vector<std::string> more, const std::string& message) {

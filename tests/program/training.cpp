@@ -79,7 +79,9 @@ struct Clips : TemporaryFolder {
   ml::SafetensorsFile checkpoint(const std::string& out) const {
     return ml::SafetensorsFile::open(*this / (out + "/checkpoint.safetensors"));
   }
-  std::vector<float> losses(const std::string& out) const { return ml::values_of<float>(checkpoint(out).tensor("losses")); }
+  std::vector<float> losses(const std::string& out) const {
+    return ml::values_of<float>(checkpoint(out).tensor("losses"));
+  }
   /// The names of the terms of the loss, and their values, (steps, terms).
   std::vector<std::string> terms(const std::string& out) const {
     std::istringstream lines(checkpoint(out).metadata().at("training.terms"));
@@ -139,12 +141,15 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     const std::string curves = ml::read_file(clips / (whole + "/loss.svg"));
     CHECK(contains(curves, "validation"));
     const std::vector<std::string> terms = clips.terms(whole);
-    CHECK(terms == std::map<std::string, std::vector<std::string>>{
-                       {"train-tmr", {"recons", "kl", "latent", "contrastive"}},
-                       {"train-temos", {"recons_jfeats2jfeats", "recons_text2jfeats", "kl_text2motion", "kl_motion2text",
-                                        "kl_text", "kl_motion", "latent_manifold"}},
-                       {"train-actor", {"rc", "rcxyz", "kl"}},
-                       {"train-classifier", {"cross entropy"}}}.at(command));
+    CHECK(terms ==
+          std::map<std::string, std::vector<std::string>>{
+              {"train-tmr", {"recons", "kl", "latent", "contrastive"}},
+              {"train-temos",
+               {"recons_jfeats2jfeats", "recons_text2jfeats", "kl_text2motion", "kl_motion2text", "kl_text",
+                "kl_motion", "latent_manifold"}},
+              {"train-actor", {"rc", "rcxyz", "kl"}},
+              {"train-classifier", {"cross entropy"}}}
+              .at(command));
     CHECK(contains(curves, "terms of the training loss") == (terms.size() > 1));
     const auto values = clips.term_values(whole);
     REQUIRE(values.size() == 100 * terms.size());
@@ -356,8 +361,8 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   const std::string by_drawn = recorded("first", "drawn");
   CHECK(by_drawn == recorded("first", "drawn"));
   const auto preset = run({"train-classifier", "--preset", "gru-published", "--print-config"}, clips.path);
-  for (const char* line : {R"("kind": "gru")", R"("hidden_size": 128)", R"("num_layers": 2)", R"("drawn_state": true)", R"("num_frames": 60)",
-                           R"("lr": 0.0001)", R"("batch": 64)", R"("epochs": 100)"})
+  for (const char* line : {R"("kind": "gru")", R"("hidden_size": 128)", R"("num_layers": 2)", R"("drawn_state": true)",
+                           R"("num_frames": 60)", R"("lr": 0.0001)", R"("batch": 64)", R"("epochs": 100)"})
     CHECK_MESSAGE(contains(preset.text, line), preset.text);
   for (const std::string pose : {"rotvec", "rotquat", "rotmat", "xyz"}) {
     CAPTURE(pose);
@@ -383,12 +388,16 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(clips.losses("half") != clips.losses("none"));
   CHECK(clips.losses("all") != clips.losses("half"));
   CHECK(contains(learn("0", "no").text, "one needs the other"));
-  CHECK(contains(clips.train("train-classifier", "no", {"--generated", "first/model", "--set", "generated_share=0.5", "--set", "clips.fps=10"}).text,
+  CHECK(contains(clips
+                     .train("train-classifier", "no",
+                            {"--generated", "first/model", "--set", "generated_share=0.5", "--set", "clips.fps=10"})
+                     .text,
                  "model and classifier have other clips: fps 15, turned_ahead true, translation true and fps 10"));
 
   // going on with another set of terms: those of the steps since then
-  trained("train-actor", "speeds", {"--set", "losses.rc=1", "--set", "losses.rcxyz=0", "--set", "losses.kl=0", "--set", "losses.vel=1",
-                                    "--set", "optimiser.epochs=6", "--other-settings"});
+  trained("train-actor", "speeds",
+          {"--set", "losses.rc=1", "--set", "losses.rcxyz=0", "--set", "losses.kl=0", "--set", "losses.vel=1", "--set",
+           "optimiser.epochs=6", "--other-settings"});
   CHECK(clips.terms("speeds") == std::vector<std::string>{"rc", "vel"});
   CHECK(clips.losses("speeds").size() == 12);
   CHECK(clips.term_values("speeds").size() == 2 * 4);

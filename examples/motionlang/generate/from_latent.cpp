@@ -96,8 +96,8 @@ class FromActions final : public FromLatent {
                           .rows;
     return actor_.motion_of(rows.span());
   }
-  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count,
-                               ml::Philox noise, double fact) const override {
+  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count, ml::Philox noise,
+                               double fact) const override {
     const ml::Interval &first = only_text(from), &last = only_text(to);
     ScaledNoise scaled{noise, static_cast<float>(fact)};
     const auto made = ml::interpolate_actions(actor_.model, class_of(first.text), class_of(last.text), count,

@@ -68,8 +68,8 @@ class FromTexts final : public FromLatent {
                          .front()
                          .rows);
   }
-  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count,
-                               ml::Philox noise, double fact) const override {
+  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count, ml::Philox noise,
+                               double fact) const override {
     const ml::Interval first = parts_.wanted(from);
     const std::vector<std::string> texts{first.text, parts_.wanted(to).text};
     const auto made = ml::interpolate_texts(parts_.model, parts_.tokens(texts), count, first.end - first.start, noise,

@@ -133,8 +133,11 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
     if (generator_) {
       const ActorClipsConfig& clips = generator_->file.config.clips;
       require_same_clips(clips, config_.clips);
-      if (kind != "sampled")
-        known_clips_.pose = clips.pose, known_clips_.translation = clips.translation, known_clips_.camera = clips.camera;
+      if (kind != "sampled") {
+        known_clips_.pose = clips.pose;
+        known_clips_.translation = clips.translation;
+        known_clips_.camera = clips.camera;
+      }
       if (known_clips_.pose != config_.clips.pose || known_clips_.translation != config_.clips.translation ||
           known_clips_.camera != config_.clips.camera)
         known_ = read(actor_row_maker(known_clips_));

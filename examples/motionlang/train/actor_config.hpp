@@ -88,7 +88,7 @@ struct ClassifierConfig {
   std::string kind = "gru";  // of positions of joints; or "stgcn", of rotations
   ActorClipsConfig clips;
   ml::Index hidden_size = 128, num_layers = 2;  // of the GRU
-  bool drawn_state = false;  // the GRU starts from normal numbers, in use as well, not from zeros
+  bool drawn_state = false;                     // the GRU starts from normal numbers, in use as well, not from zeros
   ml::Index width = 64;  // of the first blocks of ST-GCN; later ones have two and four times as much
   double generated_share = 0;  // of the motions that are learned from: made by the ACTOR that --generated names
   std::string generated_kind = "sampled";  // or "denoised", "interpolated", made of recorded ones
@@ -99,9 +99,9 @@ struct ClassifierConfig {
   static constexpr auto fields() {
     using C = ClassifierConfig;
     return ml::fields("kind", &C::kind, "clips", &C::clips, "hidden_size", &C::hidden_size, "num_layers",
-                      &C::num_layers, "drawn_state", &C::drawn_state, "width", &C::width, "generated_share", &C::generated_share,
-                      "generated_kind", &C::generated_kind, "optimiser", &C::optimiser, "validation", &C::validation,
-                      "data", &C::data);
+                      &C::num_layers, "drawn_state", &C::drawn_state, "width", &C::width, "generated_share",
+                      &C::generated_share, "generated_kind", &C::generated_kind, "optimiser", &C::optimiser,
+                      "validation", &C::validation, "data", &C::data);
   }
 };
 

@@ -41,8 +41,7 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, Index classes) {
           .num_frames = std::max<Index>(1, c.clips.num_frames)};
 }
 
-std::vector<Index> others_of_class(std::span<const Index> which, std::span<const Index> classes,
-                                       ml::Philox& rng) {
+std::vector<Index> others_of_class(std::span<const Index> which, std::span<const Index> classes, ml::Philox& rng) {
   std::vector<Index> out;
   for (const Index i : which) {
     std::vector<Index> others;
@@ -70,7 +69,8 @@ std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<co
     return out;
   };
   if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
-    ml::raise<ml::config_error>(102, "model and classifier have other labels: ", listed(actions), "; and ", listed(classifier));
+    ml::raise<ml::config_error>(102, "model and classifier have other labels: ", listed(actions), "; and ",
+                                listed(classifier));
   std::vector<Index> out;
   for (const std::string& action : actions)
     out.push_back(std::find(classifier.begin(), classifier.end(), action) - classifier.begin());
@@ -86,7 +86,8 @@ std::vector<std::string> class_names(std::string_view dataset, Index classes) {
 PublishedActor read_published_actor(const ml::RunFolder& run) {
   auto actor = ml::load_actor_run<ml::EigenBackend<float>>(run);
   if (!actor.features.global)
-    ml::raise<ml::config_error>(102, run.options_file.string(), ": glob is false: motions without the rotation of joint 0 are not measured");
+    ml::raise<ml::config_error>(102, run.options_file.string(),
+                                ": glob is false: motions without the rotation of joint 0 are not measured");
   PublishedActor out{{}, std::move(actor.model)};
   const ml::ActorConfig& sizes = out.actor.config;
   ActorClipsConfig& clips = out.file.config.clips;

@@ -3,7 +3,7 @@
 //     config.json            io/model_folder.hpp: "system" actor or classifier, the configuration of the training, "labels"
 //     weights.safetensors    the published names; motions are not normalised
 //
-// And both as they were published: the folder of an ACTOR (opt.yaml, checkpoint_5000.pth.tar) in the place of one of ours.
+// And ACTOR as it was published: a folder with opt.yaml and checkpoint_5000.pth.tar in the place of one of ours.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +29,9 @@ struct Classifier {
   std::optional<ml::StGcn<B>> stgcn;
   bool drawn_state = false;  // of the GRU
 
-  static constexpr auto fields() { return ml::fields("", &Classifier::gru, "", &Classifier::stgcn, "drawn_state", &Classifier::drawn_state); }
+  static constexpr auto fields() {
+    return ml::fields("", &Classifier::gru, "", &Classifier::stgcn, "drawn_state", &Classifier::drawn_state);
+  }
   static std::string official_key(const std::string& path) {
     return path.starts_with("recurrent") ? ml::GruClassifier<B>::official_key(path) : path;
   }
@@ -108,8 +110,8 @@ void load_action_weights(M& model, const std::filesystem::path& folder) {
   ml::prepare(model);
 }
 
-/// ACTOR as it was published: 60 frames as in its evaluation, 20 a second, which is what its viewer shows; rotations in the world of a
-/// camera, however figures face. Classes of HumanAct12 have its names, others their numbers.
+/// ACTOR as it was published: 60 frames as in its evaluation, 20 a second, which is what its viewer shows; rotations in
+/// the world of a camera, however figures face. Classes of HumanAct12 have its names, others their numbers.
 /// Throws what load_actor_run throws, config_error 102 for a model without the rotation of joint 0.
 struct PublishedActor {
   ActionModelFile<ActorTrainingConfig> file;
@@ -169,7 +171,7 @@ struct ActorModel {
 };
 /// Throws config_error 102 if a classifier of these clips cannot judge or learn from the motions of a model.
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
-/// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same ones.
+/// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
 std::vector<ml::Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);
 
 /// A batch of windows.

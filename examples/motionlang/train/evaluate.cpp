@@ -42,12 +42,15 @@ void run(const EvaluationOptions& o) {
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
   CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR or classifier of actions by the tables of its paper");
-  c->add_option("model", o->model, "Folder of the model: of our training, or TMR, TEMOS or ACTOR as published")->required()->check(CLI::ExistingDirectory);
+  c->add_option("model", o->model, "Folder of the model: of our training, or TMR, TEMOS or ACTOR as published")
+      ->required()
+      ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
   c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training")->check(CLI::ExistingFile);
   c->add_option("--classifier", o->classifier,
-                "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, uestc_rot6d_stgcn.tar)")
+                "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, "
+                "uestc_rot6d_stgcn.tar)")
       ->check(CLI::ExistingPath);
   c->add_option("--seeds", o->seeds, "ACTOR, classifier: how often everything is drawn anew")
       ->check(in_range(1, 1000))
@@ -58,9 +61,11 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--part", o->part, "What is measured")
       ->check(CLI::IsMember({"training", "validation", "test"}))
       ->capture_default_str();
-  c->add_option("--text-encoder", o->text_encoder, "As for training; of a published TEMOS the folder of its tokenizer (distilbert-base-uncased)")
+  c->add_option("--text-encoder", o->text_encoder,
+                "As for training; of a published TEMOS the folder of its tokenizer (distilbert-base-uncased)")
       ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o->statistics, "Of a published TEMOS: folder with mean and std of the features, if they are not in its own")
+  c->add_option("--statistics", o->statistics,
+                "Of a published TEMOS: folder with mean and std of the features, if they are not in its own")
       ->check(CLI::ExistingDirectory);
   c->add_option("--sentence-encoder", o->sentence_encoder, "As for training")->check(CLI::ExistingPath);
   c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")

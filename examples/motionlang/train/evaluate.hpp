@@ -26,7 +26,7 @@ struct EvaluationOptions {
 
 /// Retrieval in both directions by the four protocols, of recorded motions and of such that were made for the texts.
 void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
-/// Errors of generated motions, and those of the mean pose and of random clips. Of a TEMOS of our training, or as published.
+/// Errors of generated motions, and those of the mean pose and of random clips: of our training, or as published.
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
 void evaluate_published_temos(const EvaluationOptions& o);
 

@@ -41,8 +41,8 @@ struct Judge {
         classifier(file.config, std::ssize(file.labels), ml::Philox{}) {
     load_action_weights(classifier, folder);
   }
-  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL. It sees motions of the rate of the model and as they
-  /// face, in the world of a camera. Throws io_error 404 for another file, 407 for one of other joints.
+  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL. It sees motions of the rate of the
+  /// model and as they face, in the world of a camera. Throws io_error 404 for another file, 407 for other joints.
   Judge(const std::filesystem::path& path, const ActorClipsConfig& clips) {
     const ml::WeightFile weights = ml::open_weights(path);
     Index classes = 0, read = 0, wanted = 0;  // numbers a frame
@@ -161,9 +161,10 @@ void evaluate_actor(const EvaluationOptions& o) {
     const std::map<std::string, Judged> sets{
         judged("gt", [&](auto which) { return motions.recorded(which, first); }),
         judged("gt2", [&](auto which) { return motions.recorded(which, second); }),
-        judged("gen", [&](auto which) {
-          return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
-        }),
+        judged("gen",
+               [&](auto which) {
+                 return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
+               }),
         judged("denoised", [&](auto which) { return motions.denoised(which, first); }),
         judged("between", [&](auto which) {
           return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));

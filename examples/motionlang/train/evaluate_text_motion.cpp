@@ -226,7 +226,8 @@ void print_errors(const char* what, const ml::ApeAve& e) {
   std::printf("\n");
 }
 
-void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const Measured& m, const TemosModel<B>& model) {
+void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const Measured& m,
+                   const TemosModel<B>& model) {
   const auto& features = ml::motion_features(file.config.features);
   using Metric = ml::ApeAveMetric<double>;
   const MeasuredJoints joints_of(features);

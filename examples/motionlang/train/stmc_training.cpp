@@ -177,7 +177,8 @@ ml::LossTerms<StmcTask::A> StmcTask::loss(ml::Philox rng, Index, const ml::Conte
     for (Index s = 0; s < offsets.count(); ++s) {
       for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
     }
-    loss.add("velocities", config_.velocity_weight, ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))));
+    loss.add("velocities", config_.velocity_weight,
+             ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))));
   }
   if (config_.foot_weight > 0) {
     const auto truth = ml::Tensor<B, 2>::from(values, {offsets.rows(), ml::smplrifke_size});

@@ -224,7 +224,8 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       const auto sentences = sentences_->encode<T>(batch.texts).tokens.rows;
       std::optional<ml::Tensor<T, 0>> temperature;
       if (model.log_temperature) temperature = exp(*model.log_temperature);
-      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr);
+      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_),
+                            temperature ? &*temperature : nullptr);
     } else {
       return ml::temos_losses(branches, batch.motions, losses(config_));
     }

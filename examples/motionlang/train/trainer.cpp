@@ -88,8 +88,8 @@ void TrainingRecord::load(const ml::SafetensorsFile& file) {
   if (const auto* values = file.find(term_values_name)) {
     term_values = ml::values_of<float>(*values);
     if (values->shape.rank() != 2 || values->shape[0] > steps() || values->shape[1] != std::ssize(terms))
-      ml::raise<ml::io_error>(403, file.name(), ": ", term_values_name, " ", values->shape, ", named are ", terms.size(),
-                              " terms, of ", steps(), " steps");
+      ml::raise<ml::io_error>(403, file.name(), ": ", term_values_name, " ", values->shape, ", named are ",
+                              terms.size(), " terms, of ", steps(), " steps");
   }
   validations.clear();
   const auto* stored = file.find(validations_name);
@@ -122,7 +122,8 @@ std::string TrainingRecord::curves() const {
   }
   if (terms.size() > 1) {
     const std::size_t rows = term_values.size() / terms.size(), first = losses.size() - rows;
-    CurvePanel panel{"terms of the training loss, weighted", {curve_of_steps("total", std::span(losses).subspan(first), first)}};
+    CurvePanel panel{"terms of the training loss, weighted",
+                     {curve_of_steps("total", std::span(losses).subspan(first), first)}};
     for (std::size_t k = 0; k < terms.size(); ++k) {
       std::vector<float> values;
       for (std::size_t row = 0; row < rows; ++row) values.push_back(term_values[row * terms.size() + k]);

@@ -49,9 +49,9 @@ struct ValidationPlan {
 
 /// What a run has seen so far.
 struct TrainingRecord {
-  std::vector<float> losses;            // of every step
-  std::vector<std::string> terms;       // of the loss, those of the last step
-  std::vector<float> term_values;       // with their weights, (steps, terms): of the last steps that had these terms
+  std::vector<float> losses;       // of every step
+  std::vector<std::string> terms;  // of the loss, those of the last step
+  std::vector<float> term_values;  // with their weights, (steps, terms): of the last steps that had these terms
   std::vector<Validation> validations;
 
   ml::Index steps() const { return std::ssize(losses); }
@@ -70,8 +70,8 @@ void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map
                            bool with_other_settings);
 
 /// What can be trained.
-/// loss       the terms of a step, from the step's own generator: it may depend on nothing but that, the step and the state; the context
-///            brings the dropout of the step
+/// loss       the terms of a step, from the step's own generator: it may depend on nothing but that, the step and the
+///            state; the context brings the dropout of the step
 /// update     one step of the optimisers
 /// settings   everything that decides what a step computes, but for the number of steps
 /// add_to, load   the state
