@@ -396,7 +396,7 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   official::write_text(w / "splits/train.txt", listed);
   const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> sets,
                          const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{command,    "--data", ".",        "--labels", "labels.tsv", "--splits",
+    std::vector<std::string> arguments{command,  "--data",   ".",     "--labels", "labels.tsv", "--splits",
                                        "splits", "--preset", "small", "--out",    out};
     sets.push_back("clips.fps=20");  // as the published model
     for (const std::string& set : sets) arguments.insert(arguments.end(), {"--set", set});
@@ -404,8 +404,9 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
     return w.run(arguments);
   };
   const std::string as_they_face = "clips.turned_ahead=false", once = "optimiser.epochs=1";
-  const Outcome of_ours =
-      train("train-actor", "ours", {as_they_face, once, "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"});
+  const Outcome of_ours = train(
+      "train-actor", "ours",
+      {as_they_face, once, "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"});
   REQUIRE_MESSAGE(of_ours.code == 0, of_ours.text);
   const auto evaluate = [&](const std::string& classifier, const std::string& table,
                             const std::string& model = "actor") {
@@ -441,7 +442,8 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
           "[motionlang.io.404] actor/checkpoint_5000.pth.tar: neither the GRU");
 
   // of our training: on the same labels, whose numbers are others, at the same rate, as the clips face
-  const Outcome own = train("train-classifier", "own", {as_they_face, "optimiser.epochs=40", "optimiser.lr=0.02", "hidden_size=16"});
+  const Outcome own =
+      train("train-classifier", "own", {as_they_face, "optimiser.epochs=40", "optimiser.lr=0.02", "hidden_size=16"});
   REQUIRE_MESSAGE(own.code == 0, own.text);
   const Outcome by_own = evaluate("own/model", "labels.tsv");
   REQUIRE_MESSAGE(by_own.code == 0, by_own.text);
@@ -455,8 +457,9 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   refused("turned/model", "labels.tsv",
           "other clips: fps 20, turned_ahead false, translation true and fps 20, turned_ahead true, translation true");
   // its motions to learn from
-  const Outcome learnt = train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},
-                               {"--generated", "actor"});
+  const Outcome learnt =
+      train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},
+            {"--generated", "actor"});
   CHECK_MESSAGE(learnt.code == 0, learnt.text);
 }
 
