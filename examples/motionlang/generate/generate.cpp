@@ -251,9 +251,10 @@ void add_generate(CLI::App& app) {
   const auto guidance =
       c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
           ->check(in_range(0, 100));
-  c->add_option("--fact", o->settings.fact,
-                "ACTOR, TEMOS, TMR, SINC, TEACH: scales what is drawn around the mean of the latent. 0: the mean itself, "
-                "always the same; 1 unless given, as the models learned; more: motions that differ more")
+  c->add_option(
+       "--fact", o->settings.fact,
+       "ACTOR, TEMOS, TMR, SINC, TEACH: scales what is drawn around the mean of the latent. 0: the mean itself, "
+       "always the same; 1 unless given, as the models learned; more: motions that differ more")
       ->check(in_range(0, 100));
   const auto overlap = c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
                            ->check(not_negative())
