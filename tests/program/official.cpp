@@ -1,13 +1,18 @@
-// The motionlang program on folders as the official repositories leave them: generate, pack, info, embed.
+// The motionlang program on folders as the official repositories leave them: generate, evaluate, pack, info, embed.
 #include <doctest/doctest.h>
+
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/features/statistics.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/metrics/stgcn.hpp>
 
 #include "../support/denoised.hpp"
 #include "../support/official_tm2t.hpp"
@@ -247,6 +252,325 @@ TEST_CASE("generate --samples: ACTOR, TEMOS and MDM for actions") {
     CHECK(bytes("walk_1.bvh") == bytes("walk.bvh"));
     CHECK(bytes("walk_2.bvh") != bytes("walk.bvh"));
   }
+}
+
+TEST_CASE("generate --fact: how far latents are from their mean; refused where there are none") {
+  const Workplace w;
+  const auto sinc = official::small_sinc();
+  const auto teach = official::small_teach();
+  official::write_actor_run(w / "actor", official::small_actor());
+  official::write_temos_run(w / "temos", official::small_temos());
+  official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
+  official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
+  for (const std::string model : {"temos", "sinc", "teach"})
+    official::write_text(w / (model + "/vocab.txt"), official::bert_vocabulary);
+  official::write_temos_statistics(w / "temos", 64);
+  for (const std::string model : {"sinc", "teach"}) official::write_temos_statistics(w / model, 135);
+  for (const std::string model : {"actor", "temos", "sinc", "teach"}) {
+    CAPTURE(model);
+    const auto made = [&](std::vector<std::string> more, const std::string& name = "walk") {
+      more.insert(more.begin(),
+                  {"generate", "--model", model, model == "actor" ? "--action" : "--text", "walk", "--seconds", "1"});
+      w.did(more);
+      const std::string bvh = ml::read_file(w / ("out/" + name + ".bvh"));
+      fs::remove_all(w / "out");
+      return bvh;
+    };
+    const std::string plain = made({"--seed", "1"}), half = made({"--seed", "1", "--fact", "0.5"}),
+                      mean = made({"--seed", "1", "--fact", "0"});
+    CHECK(made({"--seed", "1", "--fact", "1"}) == plain);
+    CHECK(made({"--seed", "2"}) != plain);
+    CHECK(made({"--seed", "2", "--fact", "0"}) == mean);
+    CHECK(half != plain);
+    CHECK(half != mean);
+    if (model == "teach") continue;
+    const std::string other = model == "actor" ? "run" : "a walk",
+                      line = model == "actor" ? "walk_to_run" : "walk_to_a_walk";
+    CHECK(made({"--seed", "1", "--fact", "0.5", "--towards", other}, line + "_1") == half);
+  }
+  const auto rows = [&](const std::string& fact) {  // of the file that a text makes, against the library
+    w.did({"generate", "--model", "temos", "--text", "walk", "--seconds", "1.2", "--fact", fact, "--no-smooth",
+           "--no-fix-feet"});
+    return ml::read_bvh_motion(w / "out/walk.bvh");
+  };
+  const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"));
+  const std::vector<std::string> text{"walk"};
+  const auto tokens = run.text_encoder.encode<official::B>(std::span<const std::string>(text)).tokens;
+  const auto mean =
+      ml::text_to_motion(run.model, tokens, ml::Offsets{15}, ml::Philox{}, 1, {.mean = true}).front().rows;
+  const std::vector<double> numbers = [&] {
+    const auto x = run.normalizer.denormalize(mean);
+    return std::vector<double>(x.span().begin(), x.span().end());
+  }();
+  const auto expected = ml::motion_of_rows(ml::motion_features("rifke64"), numbers, 12.5);
+  CHECK(synthetic::largest_distance(rows("0"), expected) < 1e-2);
+  CHECK(synthetic::largest_distance(rows("1"), expected) > 2e-2);
+
+  const auto refused = [&](std::vector<std::string> more, const std::string& message) {
+    more.insert(more.begin(), {"generate", "--fact", "0.5", "--out", "refused"});
+    const Outcome out = w.run(more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(
+        contains(out.text,
+                 "--fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is " + message),
+        out.text);
+    CHECK(!fs::exists(w / "refused/walk.bvh"));
+  };
+  official::write_mdm_action_run(w / "mdm", official::small());
+  refused({"--model", "mdm", "--action", "walk"}, "a diffusion model, which draws none");
+  refused({"--model", official::write_tm2t_runs(w.path, official::small_tm2t()).string(), "--text", "walk"},
+          "TM2T, which draws none");
+  auto exact = official::small_temos();
+  exact.vae = false;
+  official::write_temos_run(w / "exact", exact);
+  refused({"--model", "exact", "--text", "walk", "--statistics", "temos", "--text-encoder", "temos"},
+          "a model with one latent");
+  CHECK(w.run({"generate", "--model", "actor", "--action", "walk", "--fact", "-1"}).code == 2);
+}
+
+namespace {
+
+/// The numbers of the row that begins so.
+std::vector<double> numbers_of_row(const std::string& text, const std::string& name) {
+  const auto at = text.find("  " + name + " ");
+  REQUIRE_MESSAGE(at != std::string::npos, text);
+  std::istringstream rest(text.substr(at + name.size() + 2, text.find('\n', at) - at - name.size() - 2));
+  std::vector<double> out;
+  std::string word;
+  while (rest >> word) {
+    if (word.find_first_not_of("+-.0123456789") == word.npos && word.find_first_of("0123456789") == 0)
+      out.push_back(std::stod(word));
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and of our training") {
+  const Workplace w;
+  const auto& names = ml::humanact12_actions;
+  official::write_actor_run(w / "actor", official::small_actor());
+  ml::Philox rng{.seed = 98};
+  const ml::GruClassifier<official::B> gru({.hidden_size = 16, .num_layers = 2, .num_classes = 12}, rng);
+  ml::StGcn<official::B> stgcn({.num_classes = 12, .channels = {4, 4, 8}, .strides = {1, 1, 2}}, rng);
+  // windows of 60 frames have all of these clips; what the classifiers say of them, found with the library
+  std::vector<std::string> ids;
+  std::string labels, listed;
+  std::vector<ml::Motion> clips;
+  for (int i = 0; i < 12; ++i) {
+    ids.push_back("clip" + std::to_string(i));
+    ml::write_bvh(w / (ids.back() + ".bvh"),
+                  synthetic::walk({.frames = 60, .steps_per_second = 0.6 + 0.2 * i, .turn = 0.5 * (i % 4)}));
+    listed += ids.back() + "\n";
+    labels += ids.back() + "\t0\t3\t" + std::string(names[i]) + "\n";
+    clips.push_back(ml::retarget(ml::read_bvh_motion(w / (ids.back() + ".bvh"))));
+  }
+  using Classes = std::vector<ml::Index>;
+  const auto classes = [](const std::vector<ml::Motion>& motions, auto classify) {
+    Classes out;
+    for (const ml::Motion& m : motions) {
+      const ml::Tensor<official::B, 2> logits = classify(m);
+      out.push_back(std::max_element(logits.span().begin(), logits.span().end()) - logits.span().begin());
+    }
+    return out;
+  };
+  const auto sequence = [](const std::vector<float>& x) {
+    return ml::Sequences<official::B>(ml::Tensor<official::B, 2>::from(x, {60, std::ssize(x) / 60}), ml::Offsets{60});
+  };
+  const auto by_gru = [&](const ml::Motion& m) {  // after 60 frames its first state is forgotten
+    std::vector<float> points;
+    for (const auto& p : m.positions()) {
+      const auto from = p - m.root_at(0);
+      for (const double x : {from.x, -from.y, -from.z}) points.push_back(static_cast<float>(x));
+    }
+    return gru(sequence(points)).logits;
+  };
+  const auto by_stgcn = [&](const ml::Motion& m) {
+    const auto rows = ml::actor_rows_of_motion(m);
+    std::vector<float> rotations;
+    for (std::size_t f = 0; f < 60; ++f)
+      rotations.insert(rotations.end(), rows.begin() + 150 * f, rows.begin() + 150 * f + 144);
+    return std::as_const(stgcn)(sequence(rotations)).logits;
+  };
+  auto mean = by_stgcn(clips[0]) * (1.0 / 12);  // taken off, so that it tells clips apart
+  for (std::size_t i = 1; i < 12; ++i) mean = mean + by_stgcn(clips[i]) * (1.0 / 12);
+  stgcn.fcn.bias = stgcn.fcn.bias - ml::reshape<1>(mean, {12});
+  const std::vector<Classes> said{classes(clips, by_gru), classes(clips, by_stgcn)};
+  auto others = clips;  // as if nothing stood on its head
+  for (ml::Motion& m : others) {
+    for (auto& p : m.root) p = ml::rotate(synthetic::about_x(std::numbers::pi), p);
+    for (ml::Index f = 0; f < 60; ++f) m.rotations(f)[0] = synthetic::about_x(std::numbers::pi) * m.rotations(f)[0];
+  }
+  const std::vector<Classes> otherwise{classes(others, by_gru), classes(others, by_stgcn)};
+  for (const std::size_t kind : {0u, 1u}) {
+    int differ = 0;
+    for (std::size_t i = 0; i < 12; ++i) differ += said[kind][i] != otherwise[kind][i] ? 1 : 0;
+    CHECK(differ > 3);  // so that the accuracies below would be others
+  }
+  TorchArchive of_gru, of_stgcn, of_ntu;
+  of_gru.begin("model");
+  official::add_module(of_gru, gru);
+  of_gru.end();
+  official::add_module(of_stgcn, stgcn);
+  official::add_module(of_ntu,
+                       ml::GruClassifier<official::B>({.input_size = 54, .hidden_size = 4, .num_classes = 13}, rng));
+  official::write_bytes(w / "humanact12_gru.tar", of_gru.finish());
+  official::write_bytes(w / "uestc_rot6d_stgcn.tar", of_stgcn.finish());
+  official::write_bytes(w / "ntu13_gru.tar", of_ntu.finish());
+
+  ml::write_file(w / "labels.tsv", labels);
+  official::write_text(w / "splits/train.txt", listed);
+  const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> sets,
+                         const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{command,  "--data",   ".",     "--labels", "labels.tsv", "--splits",
+                                       "splits", "--preset", "small", "--out",    out};
+    sets.push_back("clips.fps=20");  // as the published model
+    for (const std::string& set : sets) arguments.insert(arguments.end(), {"--set", set});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return w.run(arguments);
+  };
+  const std::string as_they_face = "clips.turned_ahead=false", once = "optimiser.epochs=1";
+  const Outcome of_ours = train(
+      "train-actor", "ours",
+      {as_they_face, once, "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2"});
+  REQUIRE_MESSAGE(of_ours.code == 0, of_ours.text);
+  const auto evaluate = [&](const std::string& classifier, const std::string& table,
+                            const std::string& model = "actor") {
+    return w.run({"evaluate", model, "--data", ".", "--labels", table, "--splits", "splits", "--part", "training",
+                  "--classifier", classifier, "--seeds", "2"});
+  };
+  for (const std::size_t kind : {0u, 1u}) {
+    const std::string classifier = kind == 0 ? "humanact12_gru.tar" : "uestc_rot6d_stgcn.tar";
+    CAPTURE(classifier);
+    std::string table;  // every third label is wrong
+    for (std::size_t i = 0; i < 12; ++i)
+      table += ids[i] + "\t0\t3\t" + std::string(names[(said[kind][i] + (i % 3 == 0 ? 1 : 0)) % 12]) + "\n";
+    ml::write_file(w / "judged.tsv", table);
+    const Outcome judged = evaluate(classifier, "judged.tsv");
+    REQUIRE_MESSAGE(judged.code == 0, judged.text);
+    CHECK(contains(judged.text, "12 motions of the training part, 12 classes"));
+    CHECK(numbers_of_row(judged.text, "recorded").at(0) == doctest::Approx(66.7).epsilon(1e-5));
+    for (const char* row : {"generated", "denoised", "between two of an action"})
+      CHECK(numbers_of_row(judged.text, row).size() >= 4);
+    // a model of our training, whose labels are in the order of the alphabet
+    const Outcome ours = evaluate(classifier, "judged.tsv", "ours/model");
+    REQUIRE_MESSAGE(ours.code == 0, ours.text);
+    CHECK(numbers_of_row(ours.text, "recorded").at(0) == doctest::Approx(66.7).epsilon(1e-5));
+  }
+  const auto refused = [&](const std::string& classifier, const std::string& table, const std::string& message) {
+    const Outcome out = evaluate(classifier, table);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused("ntu13_gru.tar", "labels.tsv",
+          "ntu13_gru.tar: a classifier of 54 numbers a frame, expected 72: SMPL's 24 joints");
+  refused("actor/checkpoint_5000.pth.tar", "labels.tsv",
+          "[motionlang.io.404] actor/checkpoint_5000.pth.tar: neither the GRU");
+
+  // of our training: on the same labels, whose numbers are others, at the same rate, as the clips face
+  const Outcome own =
+      train("train-classifier", "own", {as_they_face, "optimiser.epochs=40", "optimiser.lr=0.02", "hidden_size=16"});
+  REQUIRE_MESSAGE(own.code == 0, own.text);
+  const Outcome by_own = evaluate("own/model", "labels.tsv");
+  REQUIRE_MESSAGE(by_own.code == 0, by_own.text);
+  const Outcome itself = w.run({"evaluate", "own/model", "--data", ".", "--labels", "labels.tsv", "--splits", "splits",
+                                "--part", "training", "--seeds", "2"});
+  REQUIRE_MESSAGE(itself.code == 0, itself.text);
+  const auto known = numbers_of_row(itself.text, "accuracy %");
+  CHECK(known.at(0) > 50);  // so many are not right by chance
+  CHECK(numbers_of_row(by_own.text, "recorded").at(0) == known.at(0));
+  REQUIRE(train("train-classifier", "turned", {once}).code == 0);
+  refused("turned/model", "labels.tsv",
+          "other clips: fps 20, turned_ahead false, translation true and fps 20, turned_ahead true, translation true");
+  // its motions to learn from
+  const Outcome learnt =
+      train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},
+            {"--generated", "actor"});
+  CHECK_MESSAGE(learnt.code == 0, learnt.text);
+}
+
+TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
+  const Workplace w;
+  official::write_temos_run(w / "temos", official::small_temos());
+  official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
+  const ml::MotionFeatures& features = ml::motion_features("rifke64");
+  std::string captions;
+  std::vector<ml::Motion> clips;
+  for (int i = 0; i < 3; ++i) {
+    const std::string id = "clip" + std::to_string(i);
+    ml::write_bvh(w / (id + ".bvh"), synthetic::walk({.frames = 40 + 8 * i, .fps = 12.5, .turn = 0.4 * i}));
+    captions += id + "\t0\t" + std::to_string(3 + 0.5 * i) + "\tlegs\t" + (i == 0 ? "a walk" : "walk") + "\n";
+    const auto all = ml::retarget(ml::read_bvh_motion(w / (id + ".bvh")));
+    clips.push_back(ml::crop(ml::resample(all, 12.5), 0, static_cast<ml::Index>((3 + 0.5 * i) * 12.5 + 0.5)));
+  }
+  ml::write_file(w / "captions.tsv", captions);
+  official::write_text(w / "splits/train.txt", "clip1\nclip2\n");
+  official::write_text(w / "splits/test.txt", "clip0\n");
+  const auto rows = features.from_motion(clips[0]);  // in KIT's units, as are the statistics
+  ml::FeatureStatistics statistics;
+  statistics.add(std::span<const double>(rows), 64);
+  const auto write = [&](const std::string& file, const std::vector<double>& values) {
+    const std::vector<float> x(values.begin(), values.end());
+    official::write_bytes(w / ("statistics/" + file),
+                          TorchArchive::of_tensor(official::view_of(ml::Tensor<official::B, 1>::from(x, {64}))));
+  };
+  write("jfeats_mean.pt", statistics.mean());
+  write("jfeats_std.pt", std::vector<double>(64, 2.0));
+
+  const std::vector<std::string> command{"evaluate",   "temos",        "--data",   ".",
+                                         "--captions", "captions.tsv", "--splits", "splits"};
+  const auto evaluate = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), command.begin(), command.end());
+    return w.run(more);
+  };
+  const std::string said = [&] {
+    const Outcome out =
+        evaluate({"--statistics", "statistics", "--text-encoder", "words", "--samples", "2", "--strips", "strips"});
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  }();
+  CHECK(contains(said, "1 motions of the test part"));
+  CHECK(fs::exists(w / "strips/1.svg"));
+  const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"),
+                                                   {.text_encoder = w / "words", .statistics = w / "statistics"});
+  const std::vector<std::string> text{"a walk"};
+  const auto tokens = run.text_encoder.encode<official::B>(std::span<const std::string>(text)).tokens;
+  const auto frames = clips[0].frames();
+  const auto truth = ml::rifke_joints(ml::temos_rifke(), std::span<const double>(rows));
+  const auto check_row = [&](const std::string& name, const ml::Tensor<official::B, 2>& made) {
+    std::vector<ml::Vec3<double>> joints;
+    for (const auto& p : ml::temos_joints(run.normalizer, made)) joints.push_back(ml::vec_cast<double>(p));
+    ml::ApeAveMetric<double> metric(ml::temos_rifke(), 0.001);
+    metric.add(joints, truth);
+    const auto e = metric.result();
+    const auto found = numbers_of_row(said, name);
+    std::vector<double> wanted;
+    for (const ml::PositionErrors* p : {&e.ape, &e.ave})
+      for (const double x : {p->root, p->trajectory, p->mean_local(), p->mean_joints()}) wanted.push_back(x);
+    REQUIRE_MESSAGE(found.size() == 8, said);
+    for (std::size_t i = 0; i < 8; ++i)
+      CHECK_MESSAGE(std::abs(found[i] - wanted[i]) < 1.1e-3, name << " " << i << ": " << wanted[i]);
+    return wanted;
+  };
+  const auto of_mean = check_row(
+      "mean of the latent",
+      ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}, 1, {.mean = true}).front().rows);
+  const auto of_one =
+      check_row("one sample", ml::text_to_motion(run.model, tokens, ml::Offsets{frames}, ml::Philox{}).front().rows);
+  CHECK(std::abs(of_mean[0] - of_one[0]) > 2e-3);
+
+  const auto refused = [&](std::vector<std::string> more, const std::string& message) {
+    const Outcome out = evaluate(more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused({"--text-encoder", "words"}, "no statistics of the motions");
+  refused({"--statistics", "statistics"}, "no tokenizer of DistilBERT");
+  const auto teach = official::small_teach();
+  official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
+  const Outcome other = w.run({"evaluate", "teach", "--data", ".", "--captions", "captions.tsv"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "a checkpoint of teach, expected temos"), other.text);
 }
 
 TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer motions in parts") {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <map>
 #include <numeric>
 #include <sstream>
 
@@ -75,8 +76,21 @@ struct Clips : TemporaryFolder {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments, path, interrupt_at);
   }
+  ml::SafetensorsFile checkpoint(const std::string& out) const {
+    return ml::SafetensorsFile::open(*this / (out + "/checkpoint.safetensors"));
+  }
   std::vector<float> losses(const std::string& out) const {
-    return ml::values_of<float>(ml::SafetensorsFile::open(*this / (out + "/checkpoint.safetensors")).tensor("losses"));
+    return ml::values_of<float>(checkpoint(out).tensor("losses"));
+  }
+  /// The names of the terms of the loss, and their values, (steps, terms).
+  std::vector<std::string> terms(const std::string& out) const {
+    std::istringstream lines(checkpoint(out).metadata().at("training.terms"));
+    std::vector<std::string> names;
+    for (std::string line; std::getline(lines, line);) names.push_back(line);
+    return names;
+  }
+  std::vector<float> term_values(const std::string& out) const {
+    return ml::values_of<float>(checkpoint(out).tensor("loss_terms"));
   }
   std::string weights(const std::string& out) const {
     return ml::read_file(*this / (out + "/model/weights.safetensors"));
@@ -124,7 +138,28 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     const auto losses = clips.losses(whole);
     REQUIRE(losses.size() == 100);
     CHECK(mean(std::span(losses).last(10)) < 0.9 * mean(std::span(losses).first(10)));
-    CHECK(contains(ml::read_file(clips / (whole + "/loss.svg")), "validation"));
+    const std::string curves = ml::read_file(clips / (whole + "/loss.svg"));
+    CHECK(contains(curves, "validation"));
+    const std::vector<std::string> terms = clips.terms(whole);
+    CHECK(terms ==
+          std::map<std::string, std::vector<std::string>>{
+              {"train-tmr", {"recons", "kl", "latent", "contrastive"}},
+              {"train-temos",
+               {"recons_jfeats2jfeats", "recons_text2jfeats", "kl_text2motion", "kl_motion2text", "kl_text",
+                "kl_motion", "latent_manifold"}},
+              {"train-actor", {"rc", "rcxyz", "kl"}},
+              {"train-classifier", {"cross entropy"}}}
+              .at(command));
+    CHECK(contains(curves, "terms of the training loss") == (terms.size() > 1));
+    const auto values = clips.term_values(whole);
+    REQUIRE(values.size() == 100 * terms.size());
+    for (std::size_t step = 0; step < losses.size(); ++step) {  // they are what the loss is made of
+      double sum = 0;
+      for (std::size_t k = 0; k < terms.size(); ++k) sum += static_cast<double>(values[step * terms.size() + k]);
+      CHECK(sum == doctest::Approx(losses[step]).epsilon(1e-5));
+    }
+    for (std::size_t k = 0; k < terms.size() && terms.size() > 1; ++k)  // the legend
+      CHECK_MESSAGE(contains(curves, ">" + terms[k] + " "), terms[k]);
     CHECK(run({"info", whole + "/model/weights.safetensors"}, clips.path).code == 0);
 
     REQUIRE(clips.train(command, halves, {"--set", "optimiser.epochs=24"}).code == 0);
@@ -136,6 +171,7 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     CHECK(shorter.code == 1);
     CHECK(contains(shorter.text, "checkpoint.safetensors has 100 steps, 48 are asked for"));
     CHECK(clips.losses(halves) == losses);
+    CHECK(clips.term_values(halves) == values);
     CHECK(clips.weights(halves) == clips.weights(whole));
   }
   auto evaluate = [&](const std::string& name, std::vector<std::string> more) {
@@ -319,6 +355,15 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
     return out.text.substr(out.text.find("  recorded"), out.text.find("  generated") - out.text.find("  recorded"));
   };
   trained("train-classifier", "gru", {});
+  // a GRU whose state is drawn, in use as well
+  trained("train-classifier", "drawn", {"--set", "drawn_state=true"});
+  CHECK(clips.losses("drawn") != clips.losses("gru"));
+  const std::string by_drawn = recorded("first", "drawn");
+  CHECK(by_drawn == recorded("first", "drawn"));
+  const auto preset = run({"train-classifier", "--preset", "gru-published", "--print-config"}, clips.path);
+  for (const char* line : {R"("kind": "gru")", R"("hidden_size": 128)", R"("num_layers": 2)", R"("drawn_state": true)",
+                           R"("num_frames": 60)", R"("lr": 0.0001)", R"("batch": 64)", R"("epochs": 100)"})
+    CHECK_MESSAGE(contains(preset.text, line), preset.text);
   for (const std::string pose : {"rotvec", "rotquat", "rotmat", "xyz"}) {
     CAPTURE(pose);
     trained("train-actor", pose, {"--set", "clips.pose=" + pose});
@@ -343,8 +388,19 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(clips.losses("half") != clips.losses("none"));
   CHECK(clips.losses("all") != clips.losses("half"));
   CHECK(contains(learn("0", "no").text, "one needs the other"));
-  CHECK(contains(clips.train("train-classifier", "no", {"--generated", "first/model", "--set", "generated_share=0.5", "--set", "clips.fps=10"}).text,
-                 "model and classifier have other clips"));
+  CHECK(contains(clips
+                     .train("train-classifier", "no",
+                            {"--generated", "first/model", "--set", "generated_share=0.5", "--set", "clips.fps=10"})
+                     .text,
+                 "model and classifier have other clips: fps 15, turned_ahead true, translation true and fps 10"));
+
+  // going on with another set of terms: those of the steps since then
+  trained("train-actor", "speeds",
+          {"--set", "losses.rc=1", "--set", "losses.rcxyz=0", "--set", "losses.kl=0", "--set", "losses.vel=1", "--set",
+           "optimiser.epochs=6", "--other-settings"});
+  CHECK(clips.terms("speeds") == std::vector<std::string>{"rc", "vel"});
+  CHECK(clips.losses("speeds").size() == 12);
+  CHECK(clips.term_values("speeds").size() == 2 * 4);
 }
 
 TEST_CASE("a classifier learns from motions that a model samples, denoises or puts between two; validation motions are recorded") {

@@ -20,6 +20,11 @@ ml::Motion motion_of_features(const std::string& layout, const std::vector<doubl
 /// Rows of features that the library names. fps: 0 is their own.
 ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows, double fps = 0);
 
+/// What a published TEMOS, or SINC, of so many numbers a frame reads.
+inline const ml::MotionFeatures& published_temos_features(ml::Index width) {
+  return ml::motion_features(width == 64 ? "rifke64" : "smplvelp-published");
+}
+
 /// A model that makes every motion alone, from its texts and from noise that depends on the seed and on its place.
 class EachAlone : public Generator {
  public:

@@ -33,7 +33,7 @@ std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::
   if (count < 2)
     ml::raise<ml::config_error>(101, count,
                                 " motions from one text or action towards another: both ends are among them");
-  auto motions = line(from, to, count, noise_of(settings, 0));
+  auto motions = line(from, to, count, noise_of(settings, 0), settings.fact.value_or(1));
   for (ml::Motion& m : motions) m = finished(std::move(m), settings);
   return motions;
 }
@@ -68,6 +68,17 @@ const FromLatent& from_latent(const Generator& generator, const std::string& opt
 
 namespace {
 
+/// Normal numbers times a factor.
+struct ScaledNoise {
+  ml::Philox rng;
+  float factor = 1;
+
+  void normal(std::span<float> out) {
+    rng.normal(out);
+    for (float& x : out) x *= factor;
+  }
+};
+
 class FromActions final : public FromLatent {
  public:
   explicit FromActions(ActorLatents actor) : actor_(std::move(actor)) {}
@@ -76,18 +87,21 @@ class FromActions final : public FromLatent {
   bool takes_actions() const override { return true; }
 
  private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const override {
     const ml::Interval& wanted = only_text(timeline);
     const Index action = class_of(wanted.text), frames = wanted.end - wanted.start;
     require_frames(frames, actor_.model.fc_decoder.has_value());
-    const auto rows = ml::generate(actor_.model, std::span(&action, 1), std::span(&frames, 1), noise).rows;
+    const auto rows = ml::generate(actor_.model, std::span(&action, 1), std::span(&frames, 1), noise,
+                                   {.fact = settings.fact.value_or(1)})
+                          .rows;
     return actor_.motion_of(rows.span());
   }
-  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count,
-                               ml::Philox noise) const override {
+  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count, ml::Philox noise,
+                               double fact) const override {
     const ml::Interval &first = only_text(from), &last = only_text(to);
+    ScaledNoise scaled{noise, static_cast<float>(fact)};
     const auto made = ml::interpolate_actions(actor_.model, class_of(first.text), class_of(last.text), count,
-                                              first.end - first.start, noise);
+                                              first.end - first.start, scaled);
     std::vector<ml::Motion> motions;
     for (Index i = 0; i < count; ++i) motions.push_back(actor_.motion_of(made[i].span()));
     return motions;

@@ -10,6 +10,7 @@ namespace program {
 class FromLatent : public EachAlone {
  public:
   std::string system() const final { return "a model with one latent for every motion"; }
+  bool draws_latents() const override { return true; }
 
   /// `count` motions on the straight line from the latent of one timeline to that of another, which is as long, with
   /// the same noise: the first and the last are those that `run` makes of either alone. Throws config_error 101 unless
@@ -31,7 +32,7 @@ class FromLatent : public EachAlone {
 
  private:
   virtual std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
-                                       ml::Philox noise) const = 0;
+                                       ml::Philox noise, double fact) const = 0;
   /// Encoded and decoded. The motion has the rate of the model.
   virtual ml::Motion decoded(const ml::Motion& motion, const std::string& action) const = 0;
   virtual ml::Index longest() const = 0;  // frames that the model learned from

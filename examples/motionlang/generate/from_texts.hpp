@@ -31,7 +31,7 @@ struct TextLatents {
 template <class Run>
 auto text_latents(Run run) {
   using B = ml::EigenBackend<float>;
-  const ml::MotionFeatures& features = ml::motion_features(run.width() == 64 ? "rifke64" : "smplvelp-published");
+  const ml::MotionFeatures& features = published_temos_features(run.width());
   return TextLatents<decltype(run.model)>{
       .model = std::move(run.model),
       .normalizer = std::move(run.normalizer),
@@ -48,22 +48,32 @@ class FromTexts final : public FromLatent {
   explicit FromTexts(TextLatents<Model> parts) : parts_(std::move(parts)) {}
 
   double fps() const override { return parts_.fps; }
+  /// Not of a deterministic model.
+  bool draws_latents() const override {
+    if constexpr (requires { parts_.model.config.vae; })
+      return parts_.model.config.vae;
+    else
+      return true;
+  }
 
  private:
   using B = typename TextLatents<Model>::B;
   using Index = ml::Index;
 
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const override {
     const ml::Interval wanted = parts_.wanted(timeline);
     const auto tokens = parts_.tokens(std::span(&wanted.text, 1));
-    return motion_of(
-        ml::text_to_motion(parts_.model, tokens, ml::Offsets{wanted.end - wanted.start}, noise).front().rows);
+    return motion_of(ml::text_to_motion(parts_.model, tokens, ml::Offsets{wanted.end - wanted.start}, noise, 1,
+                                        {.fact = settings.fact.value_or(1)})
+                         .front()
+                         .rows);
   }
-  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count,
-                               ml::Philox noise) const override {
+  std::vector<ml::Motion> line(const ml::Timeline& from, const ml::Timeline& to, Index count, ml::Philox noise,
+                               double fact) const override {
     const ml::Interval first = parts_.wanted(from);
     const std::vector<std::string> texts{first.text, parts_.wanted(to).text};
-    const auto made = ml::interpolate_texts(parts_.model, parts_.tokens(texts), count, first.end - first.start, noise);
+    const auto made = ml::interpolate_texts(parts_.model, parts_.tokens(texts), count, first.end - first.start, noise,
+                                            {.fact = fact});
     std::vector<ml::Motion> motions;
     for (Index i = 0; i < count; ++i) motions.push_back(motion_of(made[i]));
     return motions;

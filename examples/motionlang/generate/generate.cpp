@@ -158,6 +158,10 @@ void run(const GenerateOptions& o) {
   const auto generator = load_generator(o.backend, o.model, o.sources);
   if (o.action && !generator->takes_actions())
     ml::raise<ml::config_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
+  if (o.settings.fact && !generator->draws_latents())
+    ml::raise<ml::config_error>(102, o.model,
+                                ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
+                                generator->system(), ", which draws none");
   const std::string name = wanted_name(o);
   GenerationSettings settings = o.settings;
   GenerationNotes notes;
@@ -247,6 +251,11 @@ void add_generate(CLI::App& app) {
   const auto guidance =
       c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
           ->check(in_range(0, 100));
+  c->add_option(
+       "--fact", o->settings.fact,
+       "ACTOR, TEMOS, TMR, SINC, TEACH: scales what is drawn around the mean of the latent. 0: the mean itself, "
+       "always the same; 1 unless given, as the models learned; more: motions that differ more")
+      ->check(in_range(0, 100));
   const auto overlap = c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
                            ->check(not_negative())
                            ->capture_default_str();

@@ -30,6 +30,7 @@ struct GenerationSettings {
   std::optional<ml::Index> steps{};  // 0: all; the model's own unless given
   std::string sampler{};             // ddpm or ddim; the model's own unless given
   std::optional<double> guidance{};  // the model's own unless given
+  std::optional<double> fact{};      // scales the deviation of a latent from its mean; 1 unless given
   double overlap = 0.5;              // seconds around a cut
   bool cut_texts = true;             // where another text takes body parts from them or gives them back
   bool smooth = true;                // no trembling, no jerk where texts meet
@@ -59,6 +60,8 @@ class Generator {
   virtual std::string system() const = 0;
   /// Whether its texts are names of actions.
   virtual bool takes_actions() const { return false; }
+  /// Whether its motions come from latents with noise in them.
+  virtual bool draws_latents() const { return false; }
   /// The words of the texts that it learned from; none where its weights do not list them.
   virtual std::vector<std::string> words() const { return {}; }
 };

@@ -21,9 +21,10 @@ class TeachGenerator final : public EachAlone {
 
   double fps() const override { return run_.fps; }
   std::string system() const override { return "TEACH"; }
+  bool draws_latents() const override { return true; }
 
  private:
-  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings&) const override {
+  ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const override {
     std::vector<std::string> texts;
     std::vector<Index> lengths;
     for (const ml::Interval& i : in_order(timeline)) {
@@ -31,7 +32,8 @@ class TeachGenerator final : public EachAlone {
       lengths.push_back(i.end - i.start);
     }
     const auto states = run_.text_encoder.encode<B>(std::span<const std::string>(texts)).tokens;
-    const auto parts = ml::actions_to_motion(run_.model, states, ml::Offsets(lengths), noise);
+    const auto parts = ml::actions_to_motion(run_.model, states, ml::Offsets(lengths), noise, ml::teach_window,
+                                             {.fact = settings.fact.value_or(1)});
     return ml::motion_of_smplvelp(ml::teach_motion(run_.normalizer, parts, ml::teach_window), run_.fps);
   }
 

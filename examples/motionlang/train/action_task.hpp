@@ -68,20 +68,20 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     begin(std::move(model));
   }
 
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const {
+  ml::LossTerms<A> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const {
     return loss_of(learner_.model, batch(rng, step), rng, context);
   }
   std::vector<Measure> validate() {
     return {{"loss", over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
                const auto b = validation_batch(which, rng);
-               return static_cast<double>(loss_of(learner_.average, b, rng, {}).item()) /
+               return static_cast<double>(loss_of(learner_.average, b, rng, {}).total().item()) /
                       static_cast<double>(b.classes.size()) * static_cast<double>(config_.optimiser.batch);
              })}};
   }
 
  private:
   template <ml::Backend T>
-  ml::Tensor<T, 0> loss_of(const ml::Actor<T>& model, const ActionBatch<T>& b, const ml::Philox& rng,
+  ml::LossTerms<T> loss_of(const ml::Actor<T>& model, const ActionBatch<T>& b, const ml::Philox& rng,
                            const ml::Context& context) const {
     const auto latent = model.encode(b.x, b.classes, context);
     auto noise = rng.split("noise");
@@ -90,8 +90,7 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     std::optional<ml::ActorLossPoints<T>> points;
     if (l.rcxyz != 0 || l.velxyz != 0) points = {points_of(b.x), points_of(written)};
     return ml::actor_losses(latent, b.x, written,
-                            {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz}, points)
-        .total();
+                            {.rc = l.rc, .rcxyz = l.rcxyz, .kl = l.kl, .vel = l.vel, .velxyz = l.velxyz}, points);
   }
   template <ml::Backend T>
   ml::Sequences<T> points_of(const ml::Sequences<T>& x) const {
@@ -116,39 +115,47 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
 
 class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTape>, Classifier<TrainingBackend>> {
  public:
-  /// generator  the folder of an ACTOR that makes config.generated_share of the motions that are learned from; "": none
+  /// generator  an ACTOR that makes config.generated_share of the motions that are learned from; its labels are taken
   /// read       the same data in other rows, for an ACTOR of another pose representation that is given recorded ones
-  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data, const std::filesystem::path& generator,
+  ClassifierTask(const ClassifierConfig& config, const DescribedMotions& data, std::optional<ActorModel<B>> generator,
                  const std::function<DescribedMotions(const RowMaker&)>& read)
-      : ActionTask("classifier", config, data, labels_of(data)), known_clips_(config_.clips) {
+      : ActionTask("classifier", config, data, generator ? generator->file.labels : labels_of(data)),
+        generator_(std::move(generator)),
+        known_clips_(config_.clips) {
     const double share = config_.generated_share;
     const std::string& kind = config_.generated_kind;
     if (share < 0 || share > 1) ml::raise<ml::config_error>(101, "generated_share ", share, " is not in [0, 1]");
-    if ((share > 0) != !generator.empty())
-      ml::raise<ml::config_error>(102, "generated_share = ", share, ", and --generated is '", generator.string(),
-                                  "': one needs the other");
+    if ((share > 0) != generator_.has_value())
+      ml::raise<ml::config_error>(102, "generated_share = ", share, ", and --generated is ",
+                                  generator_ ? "given" : "not given", ": one needs the other");
     if (kind != "sampled" && kind != "denoised" && kind != "interpolated")
       ml::raise<ml::config_error>(103, "generated_kind '", kind, "' is not sampled, denoised or interpolated");
-    if (!generator.empty()) {
-      generator_.emplace(generator);
-      require_same_actions(generator_->file, labels_, config_.clips);
+    if (generator_) {
       const ActorClipsConfig& clips = generator_->file.config.clips;
-      if (kind != "sampled") known_clips_.pose = clips.pose, known_clips_.translation = clips.translation;
-      if (known_clips_.pose != config_.clips.pose || known_clips_.translation != config_.clips.translation)
+      require_same_clips(clips, config_.clips);
+      if (kind != "sampled") {
+        known_clips_.pose = clips.pose;
+        known_clips_.translation = clips.translation;
+        known_clips_.camera = clips.camera;
+      }
+      if (known_clips_.pose != config_.clips.pose || known_clips_.translation != config_.clips.translation ||
+          known_clips_.camera != config_.clips.camera)
         known_ = read(actor_row_maker(known_clips_));
     }
     begin(Classifier<B>(config_, std::ssize(labels_), ml::Philox{.seed = seed()}.split("init")));
   }
 
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context&) {
+  ml::LossTerms<A> loss(ml::Philox rng, ml::Index step, const ml::Context&) {
     const auto b = generator_ ? partly_generated(rng, step) : batch(rng, step);
-    return ml::cross_entropy(learner_.model.train(b.x, config_.clips).logits, b.classes);
+    ml::LossTerms<A> out;
+    out.add("cross entropy", 1, ml::cross_entropy(learner_.model.train(b.x, config_.clips, rng).logits, b.classes));
+    return out;
   }
   std::vector<Measure> validate() {
     double right = 0;
     const double loss = over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
       const auto b = validation_batch(which, rng);
-      const auto logits = learner_.average(b.x, config_.clips).logits;
+      const auto logits = learner_.average(b.x, config_.clips, rng).logits;
       const auto confusion = ml::confusion_matrix(ml::Rows(logits.span(), logits.size(1)), std::span<const ml::Index>(b.classes));
       right += ml::accuracy(confusion) * static_cast<double>(b.classes.size());
       return static_cast<double>(ml::cross_entropy(logits, b.classes).item());

@@ -1,6 +1,7 @@
 #include "actor_clips.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 
 #include <motionlang/features/pose_representation.hpp>
@@ -15,11 +16,7 @@ Index ActorClipsConfig::numbers() const { return is_xyz() ? 3 : ml::size(ml::par
 
 namespace {
 
-/// The clip turned about the vertical axis until it begins facing +Z.
-ml::Motion turned_ahead(ml::Motion motion) {
-  if (motion.frames() == 0) return motion;
-  const auto ahead = ml::rotate(motion.rotations(0)[0], ml::Vec3<double>{0, 0, 1});
-  const auto turn = ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, -std::atan2(ahead.x, ahead.z));
+ml::Motion turned(ml::Motion motion, const ml::Quaternion<double>& turn) {
   for (Index f = 0; f < motion.frames(); ++f) {
     auto& root = motion.root[static_cast<std::size_t>(f)];
     root = ml::rotate(turn, root);
@@ -27,13 +24,23 @@ ml::Motion turned_ahead(ml::Motion motion) {
   }
   return motion;
 }
+/// The clip turned about the vertical axis until it begins facing +Z.
+ml::Motion turned_ahead(const ml::Motion& motion) {
+  if (motion.frames() == 0) return motion;
+  const auto ahead = ml::rotate(motion.rotations(0)[0], ml::Vec3<double>{0, 0, 1});
+  return turned(motion, ml::from_axis_angle(ml::Vec3<double>{0, 1, 0}, -std::atan2(ahead.x, ahead.z)));
+}
+/// From our world, where Y is up, to that of the camera; and back.
+ml::Motion turned_over(const ml::Motion& motion) {
+  return turned(motion, ml::from_axis_angle(ml::Vec3<double>{1, 0, 0}, std::numbers::pi));
+}
 
 ml::ActorFeatureOptions options_of(const ActorClipsConfig& c) {
   return {.rotations = ml::parse_pose_representation(c.pose), .translation = c.translation};
 }
 
 std::vector<double> rows_of(const ml::Motion& given, const ActorClipsConfig& c) {
-  const ml::Motion motion = c.turned_ahead ? turned_ahead(given) : given;
+  const ml::Motion ahead = c.turned_ahead ? turned_ahead(given) : given, motion = c.camera ? turned_over(ahead) : ahead;
   std::vector<double> out;
   if (c.is_xyz()) {
     for (const auto& p : motion.positions()) {
@@ -91,7 +98,7 @@ ml::Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& c) 
   ml::Motion out{skeleton, c.fps, {}, {}, {}};
   for (const auto& r : motion.rotations) out.local.push_back(ml::to_quaternion(ml::matrix_cast<double>(r)));
   for (const auto& p : motion.root) out.root.push_back(ml::vec_cast<double>(p));
-  return out;
+  return c.camera ? turned_over(out) : out;
 }
 
 std::vector<std::string> labels_of(const DescribedMotions& data) {

@@ -22,6 +22,7 @@ struct ActorClipsConfig {
   std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
   bool translation = true;     // the way of the root is a row of its own; not of xyz
   bool turned_ahead = true;    // every clip begins facing +Z
+  bool camera = false;  // rotations in the world of a camera, where figures stand on their heads: as published, not set
   double fps = 30;
   ml::Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
   ml::Index sampling_step = 1;  // frames that are left out between; -1: as many as fit

@@ -88,6 +88,7 @@ struct ClassifierConfig {
   std::string kind = "gru";  // of positions of joints; or "stgcn", of rotations
   ActorClipsConfig clips;
   ml::Index hidden_size = 128, num_layers = 2;  // of the GRU
+  bool drawn_state = false;                     // the GRU starts from normal numbers, in use as well, not from zeros
   ml::Index width = 64;  // of the first blocks of ST-GCN; later ones have two and four times as much
   double generated_share = 0;  // of the motions that are learned from: made by the ACTOR that --generated names
   std::string generated_kind = "sampled";  // or "denoised", "interpolated", made of recorded ones
@@ -98,13 +99,14 @@ struct ClassifierConfig {
   static constexpr auto fields() {
     using C = ClassifierConfig;
     return ml::fields("kind", &C::kind, "clips", &C::clips, "hidden_size", &C::hidden_size, "num_layers",
-                      &C::num_layers, "width", &C::width, "generated_share", &C::generated_share,
-                      "generated_kind", &C::generated_kind, "optimiser", &C::optimiser, "validation", &C::validation,
-                      "data", &C::data);
+                      &C::num_layers, "drawn_state", &C::drawn_state, "width", &C::width, "generated_share",
+                      &C::generated_share, "generated_kind", &C::generated_kind, "optimiser", &C::optimiser,
+                      "validation", &C::validation, "data", &C::data);
   }
 };
 
-/// "stgcn-published": spec actor.md 7.3; "small": a GRU. Throws config_error 103.
+/// "stgcn-published": spec actor.md 7.3; "gru-published": the network of 7.2, whose training nobody tells: as ST-GCN's;
+/// "small": a GRU that learns in minutes. Throws config_error 103.
 inline ClassifierConfig classifier_preset(const std::string& name) {
   ClassifierConfig c;
   c.optimiser.batch = 64, c.optimiser.epochs = 100;
@@ -114,7 +116,12 @@ inline ClassifierConfig classifier_preset(const std::string& name) {
     c.clips.translation = false;
     return c;
   }
-  if (name != "small") ml::raise<ml::config_error>(103, "--preset '", name, "' is not stgcn-published or small");
+  if (name == "gru-published") {
+    c.drawn_state = true;
+    return c;
+  }
+  if (name != "small")
+    ml::raise<ml::config_error>(103, "--preset '", name, "' is not stgcn-published, gru-published or small");
   c.clips.fps = 15;
   c.optimiser.lr = 1e-3, c.optimiser.clip_norm = 1, c.optimiser.schedule = "cosine";
   c.validation.keep_best = true;

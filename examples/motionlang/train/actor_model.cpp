@@ -1,6 +1,10 @@
 #include "actor_model.hpp"
 
+#include <motionlang/io/vae_run.hpp>
+
 namespace program {
+
+using ml::Index;
 
 namespace {
 
@@ -17,7 +21,7 @@ E choice(const std::string& name, const char* key, const std::array<const char*,
 
 }  // namespace
 
-ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
+ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, Index classes) {
   const auto& n = c.network;
   return {.njoints = c.clips.joints(),
           .nfeats = c.clips.numbers(),
@@ -34,15 +38,14 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
           .conditioning =
               choice<ml::ActorConditioning>(n.conditioning, "network.conditioning",
                                             std::array{"action_bias", "concat_bias", "zandtime", "time_encoding"}),
-          .num_frames = std::max<ml::Index>(1, c.clips.num_frames)};
+          .num_frames = std::max<Index>(1, c.clips.num_frames)};
 }
 
-std::vector<ml::Index> others_of_class(std::span<const ml::Index> which, std::span<const ml::Index> classes,
-                                       ml::Philox& rng) {
-  std::vector<ml::Index> out;
-  for (const ml::Index i : which) {
-    std::vector<ml::Index> others;
-    for (ml::Index k = 0; k < std::ssize(classes); ++k) {
+std::vector<Index> others_of_class(std::span<const Index> which, std::span<const Index> classes, ml::Philox& rng) {
+  std::vector<Index> out;
+  for (const Index i : which) {
+    std::vector<Index> others;
+    for (Index k = 0; k < std::ssize(classes); ++k) {
       if (k != i && classes[static_cast<std::size_t>(k)] == classes[static_cast<std::size_t>(i)]) others.push_back(k);
     }
     out.push_back(others.empty() ? i : others[rng.below(static_cast<std::uint32_t>(others.size()))]);
@@ -50,14 +53,51 @@ std::vector<ml::Index> others_of_class(std::span<const ml::Index> which, std::sp
   return out;
 }
 
-void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std::span<const std::string> labels,
-                          const ActorClipsConfig& seen) {
-  const ActorClipsConfig& clips = model.config.clips;
-  if (!std::equal(labels.begin(), labels.end(), model.labels.begin(), model.labels.end()))
-    ml::raise<ml::config_error>(102, "model and classifier have other labels");
-  if (clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
-      (clips.translation != seen.translation && seen.translation))
-    ml::raise<ml::config_error>(102, "model and classifier have other clips (fps, turned_ahead, translation)");
+void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen) {
+  const auto told = [](const ActorClipsConfig& c) {
+    return ml::concat_text("fps ", c.fps, ", turned_ahead ", c.turned_ahead ? "true" : "false", ", translation ",
+                           c.translation ? "true" : "false");
+  };
+  if (model.fps != seen.fps || model.turned_ahead != seen.turned_ahead || (seen.translation && !model.translation))
+    ml::raise<ml::config_error>(102, "model and classifier have other clips: ", told(model), " and ", told(seen));
+}
+
+std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier) {
+  const auto listed = [](std::span<const std::string> names) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+    return out;
+  };
+  if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
+    ml::raise<ml::config_error>(102, "model and classifier have other labels: ", listed(actions), "; and ",
+                                listed(classifier));
+  std::vector<Index> out;
+  for (const std::string& action : actions)
+    out.push_back(std::find(classifier.begin(), classifier.end(), action) - classifier.begin());
+  return out;
+}
+
+std::vector<std::string> class_names(std::string_view dataset, Index classes) {
+  auto names = ml::action_labels(dataset, classes);
+  for (Index i = std::ssize(names); i < classes; ++i) names.push_back(std::to_string(i));
+  return names;
+}
+
+PublishedActor read_published_actor(const ml::RunFolder& run) {
+  auto actor = ml::load_actor_run<ml::EigenBackend<float>>(run);
+  if (!actor.features.global)
+    ml::raise<ml::config_error>(102, run.options_file.string(),
+                                ": glob is false: motions without the rotation of joint 0 are not measured");
+  PublishedActor out{{}, std::move(actor.model)};
+  const ml::ActorConfig& sizes = out.actor.config;
+  ActorClipsConfig& clips = out.file.config.clips;
+  clips.pose = std::string(ml::pose_representation_names[static_cast<std::size_t>(actor.features.rotations)]);
+  clips.translation = actor.features.translation;
+  clips.turned_ahead = false, clips.camera = true, clips.fps = 20;
+  clips.num_frames = sizes.num_frames;
+  out.file.config.data = actor_preset("actor-published").data;
+  out.file.labels = actor.labels.empty() ? class_names("", sizes.num_classes) : std::move(actor.labels);
+  return out;
 }
 
 }  // namespace program

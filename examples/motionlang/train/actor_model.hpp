@@ -2,11 +2,15 @@
 //
 //     config.json            io/model_folder.hpp: "system" actor or classifier, the configuration of the training, "labels"
 //     weights.safetensors    the published names; motions are not normalised
+//
+// And ACTOR as it was published: a folder with opt.yaml and checkpoint_5000.pth.tar in the place of one of ours.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/run_folder.hpp>
 #include <motionlang/metrics/gru_classifier.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/systems/actor.hpp>
@@ -23,14 +27,17 @@ template <ml::Backend B>
 struct Classifier {
   std::optional<ml::GruClassifier<B>> gru;
   std::optional<ml::StGcn<B>> stgcn;
+  bool drawn_state = false;  // of the GRU
 
-  static constexpr auto fields() { return ml::fields("", &Classifier::gru, "", &Classifier::stgcn); }
+  static constexpr auto fields() {
+    return ml::fields("", &Classifier::gru, "", &Classifier::stgcn, "drawn_state", &Classifier::drawn_state);
+  }
   static std::string official_key(const std::string& path) {
     return path.starts_with("recurrent") ? ml::GruClassifier<B>::official_key(path) : path;
   }
   Classifier() = default;
   /// Throws config_error 102, 103.
-  Classifier(const ClassifierConfig& c, ml::Index classes, ml::Philox rng) {
+  Classifier(const ClassifierConfig& c, ml::Index classes, ml::Philox rng) : drawn_state(c.drawn_state) {
     if (c.kind == "gru") {
       gru.emplace(
           ml::GruClassifierConfig{
@@ -48,12 +55,21 @@ struct Classifier {
       ml::raise<ml::config_error>(103, "kind '", c.kind, "' is not gru or stgcn");
     }
   }
-  /// x: windows as `clips` describes them.
-  ml::Recognition<B> operator()(const ml::Sequences<B>& x, const ActorClipsConfig& clips) const {
-    return gru ? (*gru)(joint_points(x, clips)) : (*stgcn)(x);
+  /// x: windows as `clips` describes them;   rng: of a state that is drawn
+  ml::Recognition<B> operator()(const ml::Sequences<B>& x, const ActorClipsConfig& clips, const ml::Philox& rng) const {
+    return gru ? by_gru(x, clips, rng) : (*stgcn)(x);
   }
-  ml::Recognition<B> train(const ml::Sequences<B>& x, const ActorClipsConfig& clips) {
-    return gru ? (*gru)(joint_points(x, clips)) : stgcn->train(x);
+  ml::Recognition<B> train(const ml::Sequences<B>& x, const ActorClipsConfig& clips, const ml::Philox& rng) {
+    return gru ? by_gru(x, clips, rng) : stgcn->train(x);
+  }
+
+ private:
+  ml::Recognition<B> by_gru(const ml::Sequences<B>& x, const ActorClipsConfig& clips, const ml::Philox& rng) const {
+    const auto points = joint_points(x, clips);
+    if (!drawn_state) return (*gru)(points);
+    auto own = rng.split("state");
+    const auto h0 = gru->initial_state(x.count(), own);
+    return (*gru)(points, &h0);
   }
 };
 
@@ -94,14 +110,31 @@ void load_action_weights(M& model, const std::filesystem::path& folder) {
   ml::prepare(model);
 }
 
-/// A trained ACTOR with what its folder says.
+/// ACTOR as it was published: 60 frames as in its evaluation, 20 a second, which is what its viewer shows; rotations in
+/// the world of a camera, however figures face. Classes of HumanAct12 have its names, others their numbers.
+/// Throws what load_actor_run throws, config_error 102 for a model without the rotation of joint 0.
+struct PublishedActor {
+  ActionModelFile<ActorTrainingConfig> file;
+  ml::Actor<ml::EigenBackend<float>> actor;
+};
+PublishedActor read_published_actor(const ml::RunFolder& run);
+/// What the classes of a published model are called.
+std::vector<std::string> class_names(std::string_view dataset, ml::Index classes);
+
+/// A trained ACTOR, or a published one, with what its folder says.
 template <ml::Backend B>
 struct ActorModel {
   ActionModelFile<ActorTrainingConfig> file;
   ml::Actor<B> actor;
 
   /// Throws what the readers throw.
-  explicit ActorModel(const std::filesystem::path& folder) : file(read_action_config<ActorTrainingConfig>(folder, "actor")) {
+  explicit ActorModel(const std::filesystem::path& folder) {
+    if (const ml::RunFolder run = ml::find_run(folder); run.system == "actor") {
+      auto published = read_published_actor(run);
+      file = std::move(published.file), actor = std::move(published.actor);
+      return;
+    }
+    file = read_action_config<ActorTrainingConfig>(folder, "actor");
     ml::NoInit zeros;
     actor = ml::Actor<B>(actor_sizes(file.config, std::ssize(file.labels)), zeros);
     load_action_weights(actor, folder);
@@ -110,7 +143,8 @@ struct ActorModel {
   /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read it.
   ml::Sequences<B> seen_by(const ml::Sequences<B>& x, const ActorClipsConfig& seen) const {
     const ActorClipsConfig& clips = file.config.clips;
-    if (clips.pose == seen.pose) return clips.width() == seen.width() ? x : x.with(ml::slice(x.rows, 1, 0, seen.width()));
+    if (clips.pose == seen.pose && clips.camera == seen.camera)
+      return clips.width() == seen.width() ? x : x.with(ml::slice(x.rows, 1, 0, seen.width()));
     if (seen.is_xyz()) return joint_points(x, clips);
     ActorClipsConfig as_they_are = seen;
     as_they_are.turned_ahead = false;
@@ -135,9 +169,10 @@ struct ActorModel {
     return actor.decode(z, classes, x.offsets);
   }
 };
-/// Throws config_error 102 if a classifier of these labels and clips cannot judge or learn from the motions of a model.
-void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std::span<const std::string> labels,
-                          const ActorClipsConfig& seen);
+/// Throws config_error 102 if a classifier of these clips cannot judge or learn from the motions of a model.
+void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
+/// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
+std::vector<ml::Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);
 
 /// A batch of windows.
 template <ml::Backend B>

@@ -14,15 +14,16 @@ void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   o.machine.apply();
   const std::string found = ml::find_run(o.model).system;
-  const std::string system = found.empty() || found == "motionlang" ? ml::read_model_folder(o.model).system
-                             : found == "tmr"                       ? found
-                                                                    : "published " + found;
+  const bool ours = found.empty() || found == "motionlang";
+  const std::string system = ours ? ml::read_model_folder(o.model).system : found;
   if (system != "tmr" && o.synthesis)
     ml::raise<ml::config_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
   if (system == "tmr" && o.moments > 0)
     evaluate_moments(o);
   else if (system == "tmr")
     evaluate_tmr(o, read_text_motion_config(o.model));
+  else if (system == "temos" && !ours)
+    evaluate_published_temos(o);
   else if (system == "temos")
     evaluate_temos(o, read_text_motion_config(o.model));
   else if (system == "actor")
@@ -31,7 +32,7 @@ void run(const EvaluationOptions& o) {
     evaluate_classifier(o);
   else
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
-                                "'; measured are tmr, also as published, temos, actor and classifier");
+                                "'; measured are tmr, temos and actor, also as published, and classifier");
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }
@@ -41,12 +42,16 @@ void run(const EvaluationOptions& o) {
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
   CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR or classifier of actions by the tables of its paper");
-  c->add_option("model", o->model, "Folder of the model: of our training, or TMR as it was published")->required()->check(CLI::ExistingDirectory);
+  c->add_option("model", o->model, "Folder of the model: of our training, or TMR, TEMOS or ACTOR as published")
+      ->required()
+      ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
   c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training")->check(CLI::ExistingFile);
-  c->add_option("--classifier", o->classifier, "ACTOR: folder of the classifier that judges")
-      ->check(CLI::ExistingDirectory);
+  c->add_option("--classifier", o->classifier,
+                "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, "
+                "uestc_rot6d_stgcn.tar)")
+      ->check(CLI::ExistingPath);
   c->add_option("--seeds", o->seeds, "ACTOR, classifier: how often everything is drawn anew")
       ->check(in_range(1, 1000))
       ->capture_default_str();
@@ -56,7 +61,12 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--part", o->part, "What is measured")
       ->check(CLI::IsMember({"training", "validation", "test"}))
       ->capture_default_str();
-  c->add_option("--text-encoder", o->text_encoder, "As for training")->check(CLI::ExistingPath);
+  c->add_option("--text-encoder", o->text_encoder,
+                "As for training; of a published TEMOS the folder of its tokenizer (distilbert-base-uncased)")
+      ->check(CLI::ExistingPath);
+  c->add_option("--statistics", o->statistics,
+                "Of a published TEMOS: folder with mean and std of the features, if they are not in its own")
+      ->check(CLI::ExistingDirectory);
   c->add_option("--sentence-encoder", o->sentence_encoder, "As for training")->check(CLI::ExistingPath);
   c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")
       ->check(in_range(0, 1))

@@ -10,7 +10,7 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier, generator;
+      strips, classifier, generator, statistics;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -26,8 +26,9 @@ struct EvaluationOptions {
 
 /// Retrieval in both directions by the four protocols, of recorded motions and of such that were made for the texts.
 void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
-/// Errors of generated motions, and those of the mean pose and of random clips.
+/// Errors of generated motions, and those of the mean pose and of random clips: of our training, or as published.
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
+void evaluate_published_temos(const EvaluationOptions& o);
 
 /// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
 void evaluate_actor(const EvaluationOptions& o);

@@ -1,9 +1,10 @@
 // motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones, of
 // these denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that was
-// trained on the training part.
+// trained on the training part, or by a published one. ACTOR is of our training, or as it was published.
 #include <cstdio>
 #include <set>
 
+#include <motionlang/io/actor_file.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/metrics/summary.hpp>
@@ -28,17 +29,56 @@ struct Judged {
   ml::Rows<float> rows() const { return {features, width}; }
 };
 
+/// Who judges, and what it is shown.
+struct Judge {
+  ActionModelFile<ClassifierConfig> file;
+  Classifier<B> classifier;
+  std::vector<Index> numbers{};  // that it gives to the classes of the motions
+
+  /// A classifier of train-classifier.
+  explicit Judge(const std::filesystem::path& folder)
+      : file(read_action_config<ClassifierConfig>(folder, "classifier")),
+        classifier(file.config, std::ssize(file.labels), ml::Philox{}) {
+    load_action_weights(classifier, folder);
+  }
+  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL. It sees motions of the rate of the
+  /// model and as they face, in the world of a camera. Throws io_error 404 for another file, 407 for other joints.
+  Judge(const std::filesystem::path& path, const ActorClipsConfig& clips) {
+    const ml::WeightFile weights = ml::open_weights(path);
+    Index classes = 0, read = 0, wanted = 0;  // numbers a frame
+    if (const ml::TensorView* const gates = weights.find("recurrent.weight_ih_l0")) {
+      classifier.gru = ml::load_gru_classifier<B>(weights);
+      classifier.drawn_state = true;
+      classes = classifier.gru->linear2.out(), read = gates->shape[1], wanted = 24 * 3;
+    } else if (const ml::TensorView* const norm = weights.find("data_bn.weight")) {
+      classifier.stgcn = ml::load_stgcn<B>(weights);
+      classes = classifier.stgcn->fcn.out(), read = norm->shape[0], wanted = 24 * 6;
+    } else {
+      ml::raise<ml::io_error>(404, path.string(), ": neither the GRU of Action2Motion nor ST-GCN");
+    }
+    if (read != wanted)
+      ml::raise<ml::io_error>(407, path.string(), ": a classifier of ", read, " numbers a frame, expected ", wanted,
+                              ": SMPL's 24 joints");
+    ml::prepare(classifier);
+    file.config.clips = clips;
+    file.config.clips.pose = "rot6d", file.config.clips.camera = true;
+    file.config.clips.translation = classifier.gru.has_value();
+    file.labels = class_names("humanact12", classes);
+  }
+};
+
 /// Classifies motions in batches: batch(numbers) gives them with their classes.
 template <class Batch>
-Judged judge(const Classifier<B>& classifier, const ActorClipsConfig& clips, Index motions, Batch batch) {
+Judged judge(const Judge& who, Index motions, const ml::Philox& rng, Batch batch) {
   Judged out;
   constexpr Index at_once = 64;
   double right = 0;
   for (Index at = 0; at < motions; at += at_once) {
     std::vector<Index> which;
     for (Index i = at; i < std::min(at + at_once, motions); ++i) which.push_back(i);
-    const ActionBatch<B> b = batch(which);
-    const auto said = classifier(b.x, clips);
+    ActionBatch<B> b = batch(which);
+    for (Index& y : b.classes) y = who.numbers[static_cast<std::size_t>(y)];
+    const auto said = who.classifier(b.x, who.file.config.clips, rng.split(static_cast<std::uint64_t>(at)));
     const auto confusion =
         ml::confusion_matrix(ml::Rows(said.logits.span(), said.logits.size(1)), std::span<const Index>(b.classes));
     right += ml::accuracy(confusion) * static_cast<double>(which.size());
@@ -92,20 +132,19 @@ std::string summary(const std::string& metric, std::span<const double> of_seeds)
 
 void evaluate_actor(const EvaluationOptions& o) {
   if (o.classifier.empty())
-    ml::raise<ml::config_error>(102, "ACTOR is judged by a classifier: --classifier names its folder");
+    ml::raise<ml::config_error>(102, "ACTOR is judged by a classifier: --classifier names its folder or its file");
   if (!o.strips.empty()) make_output_folder("--strips", o.strips);
-  const auto judge_file = read_action_config<ClassifierConfig>(o.classifier, "classifier");
   const ActorModel<B> model(o.model);
   const auto& file = model.file;
-  const ActorClipsConfig &clips = file.config.clips, &seen = judge_file.config.clips;
-  require_same_actions(file, judge_file.labels, seen);
+  const ActorClipsConfig& clips = file.config.clips;
+  Judge who = std::filesystem::is_directory(o.classifier) ? Judge(o.classifier) : Judge(o.classifier, clips);
+  const ActorClipsConfig& seen = who.file.config.clips;
+  require_same_clips(clips, seen);
+  who.numbers = numbers_of(file.labels, who.file.labels);
   const Measured measured(o, file.config.data, clips, file.labels);
   const auto &part = *measured.part;
   const auto& classes = measured.classes;
   const Index count = std::ssize(part), kinds = std::ssize(file.labels);
-  Classifier<B> classifier(judge_file.config, kinds, ml::Philox{});
-  load_action_weights(classifier, o.classifier);
-
   const auto [numbered, present] = present_classes(classes, kinds);
   const RecognitionSets<B> motions{model, part, classes, clips, seen};
   std::map<std::string, std::vector<double>> results;
@@ -116,16 +155,20 @@ void evaluate_actor(const EvaluationOptions& o) {
     const auto of_batch = [&](const char* name, std::span<const Index> which) {
       return seed.split(name).split(static_cast<std::uint64_t>(which.front()));
     };
+    const auto judged = [&](const char* name, auto batch) {
+      return std::pair(std::string(name), judge(who, count, seed.split("judge").split(name), batch));
+    };
     const std::map<std::string, Judged> sets{
-        {"gt", judge(classifier, seen, count, [&](auto which) { return motions.recorded(which, first); })},
-        {"gt2", judge(classifier, seen, count, [&](auto which) { return motions.recorded(which, second); })},
-        {"gen", judge(classifier, seen, count, [&](auto which) {
-           return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
-         })},
-        {"denoised", judge(classifier, seen, count, [&](auto which) { return motions.denoised(which, first); })},
-        {"between", judge(classifier, seen, count, [&](auto which) {
-           return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
-         })}};
+        judged("gt", [&](auto which) { return motions.recorded(which, first); }),
+        judged("gt2", [&](auto which) { return motions.recorded(which, second); }),
+        judged("gen",
+               [&](auto which) {
+                 return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
+               }),
+        judged("denoised", [&](auto which) { return motions.denoised(which, first); }),
+        judged("between", [&](auto which) {
+          return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
+        })};
     for (const auto& [name, set] : sets) {
       ml::NumpyRandom random(static_cast<std::uint32_t>(o.seed) + static_cast<std::uint32_t>(s));
       results["accuracy_" + name].push_back(set.accuracy);
@@ -169,16 +212,15 @@ void evaluate_actor(const EvaluationOptions& o) {
 }
 
 void evaluate_classifier(const EvaluationOptions& o) {
-  const auto file = read_action_config<ClassifierConfig>(o.model, "classifier");
-  const ActorClipsConfig& clips = file.config.clips;
-  const Measured measured(o, file.config.data, clips, file.labels);
-  Classifier<B> classifier(file.config, std::ssize(file.labels), ml::Philox{});
-  load_action_weights(classifier, o.model);
+  Judge who(o.model);
+  const ActorClipsConfig& clips = who.file.config.clips;
+  who.numbers = numbers_of(who.file.labels, who.file.labels);
+  const Measured measured(o, who.file.config.data, clips, who.file.labels);
   std::vector<double> accuracies;
   for (Index s = 0; s < o.seeds; ++s) {
-    const auto windows = ml::Philox{.seed = o.seed + static_cast<std::uint64_t>(s)}.split("gt");
-    accuracies.push_back(judge(classifier, clips, std::ssize(*measured.part), [&](auto which) {
-                           return action_batch<B>(*measured.part, measured.classes, which, clips, windows);
+    const auto seed = ml::Philox{.seed = o.seed + static_cast<std::uint64_t>(s)};
+    accuracies.push_back(judge(who, std::ssize(*measured.part), seed.split("judge"), [&](auto which) {
+                           return action_batch<B>(*measured.part, measured.classes, which, clips, seed.split("gt"));
                          }).accuracy);
   }
   std::printf("  accuracy %%  %s\n", summary("accuracy_gt", accuracies).c_str());

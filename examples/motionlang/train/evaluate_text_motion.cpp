@@ -5,6 +5,7 @@
 
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/id_list.hpp>
+#include <motionlang/io/vae_run.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
 
 #include "../files/feature_motion.hpp"
@@ -20,6 +21,13 @@ using B = TrainingBackend;
 
 namespace {
 
+/// The different ones of the texts that come first.
+std::vector<std::string> first_texts(const std::vector<DescribedMotion>& motions) {
+  std::set<std::string> out;
+  for (const DescribedMotion& d : motions) out.insert(d.texts.front().text);
+  return {out.begin(), out.end()};
+}
+
 /// The data of a model's configuration, and the part that is measured.
 struct Measured {
   DescribedMotions data;
@@ -27,18 +35,23 @@ struct Measured {
   std::optional<ml::EmbeddingCache> states;
   ml::EmbeddingCache sentences;
 
-  Measured(const EvaluationOptions& o, const TextMotionFile& file)
+  /// encoder  of the texts, where the model has its own
+  Measured(const EvaluationOptions& o, const TextMotionFile& file, const ml::AnyTextEncoder<B>* encoder = nullptr)
       : data([&] {
           auto config = file.config.data;
           config.mirror = false;
+          RowMaker rows = row_maker(file.config.features);
+          rows.fps = file.fps;
           ProgressBar bar("reading motions");
-          return read_described_motions({o.data, o.captions, {}, o.annotations, o.splits}, config,
-                                        row_maker(file.config.features), bar);
+          return read_described_motions({o.data, o.captions, {}, o.annotations, o.splits}, config, rows, bar);
         }()),
         part(&data.part(o.part)),
         sentences(0) {
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-    if (!o.text_encoder.empty()) states = token_states(o.text_encoder, all_texts(data));
+    if (encoder != nullptr)
+      states = states_of(*encoder, first_texts(*part));
+    else if (!o.text_encoder.empty())
+      states = token_states(o.text_encoder, all_texts(data));
     sentences = sentence_vectors(o.sentence_encoder, data);
     std::printf("%zu motions of the %s part\n", part->size(), o.part.c_str());
   }
@@ -213,12 +226,8 @@ void print_errors(const char* what, const ml::ApeAve& e) {
   std::printf("\n");
 }
 
-}  // namespace
-
-void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
-  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
-  const Measured m(o, file);
-  const auto model = load_text_motion<ml::Temos, B>(o.model, file);
+void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const Measured& m,
+                   const TemosModel<B>& model) {
   const auto& features = ml::motion_features(file.config.features);
   using Metric = ml::ApeAveMetric<double>;
   const MeasuredJoints joints_of(features);
@@ -258,7 +267,7 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
     }
     clip.add(other, truth);
     if (!o.strips.empty() && shown.insert(text[0]).second && std::ssize(shown) <= o.count) {
-      auto motion = motion_of_features(features, mean_rows);
+      auto motion = motion_of_features(features, mean_rows, file.fps);
       motion.name = text[0];
       write_motion(o.strips / ml::concat_text(shown.size(), ".svg"), motion);
     }
@@ -279,6 +288,23 @@ void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
   print_errors("mean of the latent", at_mean.result());
   print_errors("mean pose", pose.result());
   print_errors("random clip", clip.result());
+}
+
+}  // namespace
+
+void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
+  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
+  const Measured m(o, file);
+  measure_temos(o, file, m, load_text_motion<ml::Temos, B>(o.model, file));
+}
+
+void evaluate_published_temos(const EvaluationOptions& o) {
+  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
+  auto run = ml::load_temos_run<B>(ml::FilePath(o.model), {.text_encoder = o.text_encoder, .statistics = o.statistics});
+  TextMotionFile file{"temos", run.fps, temos_preset("temos-published"), {}};
+  file.config.features = published_temos_features(run.width()).name;
+  const Measured m(o, file, &run.text_encoder);
+  measure_temos(o, file, m, {std::move(run.model), {}, std::move(run.normalizer)});
 }
 
 }  // namespace program

@@ -14,8 +14,9 @@ namespace ml = motionlang;
 
 namespace {
 
-constexpr double width = 800, height = 300, left = 70, right = 20, top = 34, bottom = 34;
-constexpr std::array<const char*, 4> colours{"#2676ba", "#d1495b", "#3a7d44", "#8a5aa8"};
+constexpr double width = 1000, height = 300, left = 70, right = 250, top = 34, bottom = 34;
+constexpr std::array<const char*, 8> colours{"#2676ba", "#d1495b", "#3a7d44", "#8a5aa8",
+                                             "#d98324", "#4b4e53", "#17a2a8", "#b0a12f"};
 
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -37,20 +38,23 @@ std::string label(double x, double y, const std::string& text, const char* colou
 }
 
 std::string panel_svg(const CurvePanel& panel, double y0) {
-  Range steps, values;
+  Range steps, values, positive;
   for (const Curve& c : panel.curves) {
     for (const double s : c.steps) steps.add(s);
-    for (const double v : c.values) values.add(v);
+    for (const double v : c.values) {
+      values.add(v);
+      if (v > 0) positive.add(v);
+    }
   }
   if (!(values.low <= values.high)) return label(left, y0 + top, panel.title + ": no values yet");
-  const bool logarithmic = values.low > 0 && values.high > 10 * values.low;
-  auto scaled = [&](double v) { return logarithmic ? std::log10(v) : v; };
+  const bool logarithmic = values.low >= 0 && values.high > 10 * positive.low;
+  if (logarithmic) values = positive;
+  auto scaled = [&](double v) { return logarithmic ? std::log10(std::max(v, values.low)) : v; };
   Range shown;
   shown.add(scaled(values.low)), shown.add(scaled(values.high));
   std::string out = ml::concat_text("<rect x='", left, "' y='", y0 + top, "' width='", width - left - right,
                                     "' height='", height - top - bottom, "' fill='none' stroke='#ddd'/>");
-  out += label(left, y0 + 22, panel.title);
-  double legend = left + 260;
+  out += label(left, y0 + 22, panel.title + (logarithmic ? " (logarithmic)" : ""));
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const Curve& c = panel.curves[i];
     std::string points;
@@ -62,8 +66,8 @@ std::string panel_svg(const CurvePanel& panel, double y0) {
     }
     const char* colour = colours[i % colours.size()];
     out += ml::concat_text("<polyline points='", points, "' fill='none' stroke='", colour, "' stroke-width='2'/>");
-    out += label(legend, y0 + 22, c.name + (c.values.empty() ? "" : " " + number(c.values.back())), colour);
-    legend += 180;
+    const double line = y0 + top + 12 + 20 * static_cast<double>(i);
+    out += label(width - right + 12, line, c.name + (c.values.empty() ? "" : " " + number(c.values.back())), colour);
   }
   out += label(4, y0 + top + 12, number(values.high)) + label(4, y0 + height - bottom, number(values.low));
   return out + label(left, y0 + height - 12, "step " + number(steps.low)) +
@@ -72,14 +76,14 @@ std::string panel_svg(const CurvePanel& panel, double y0) {
 
 }  // namespace
 
-Curve curve_of_steps(std::string name, std::span<const float> values) {
+Curve curve_of_steps(std::string name, std::span<const float> values, std::size_t before) {
   Curve out{std::move(name), {}, {}};
   const std::size_t groups = std::min<std::size_t>(200, values.size());
   for (std::size_t g = 0; g < groups; ++g) {
     const std::size_t a = values.size() * g / groups, b = values.size() * (g + 1) / groups;
     double total = 0;
     for (std::size_t i = a; i < b; ++i) total += static_cast<double>(values[i]);
-    out.steps.push_back(static_cast<double>(a + b + 1) / 2);
+    out.steps.push_back(static_cast<double>(2 * before + a + b + 1) / 2);
     out.values.push_back(total / static_cast<double>(b - a));
   }
   return out;

@@ -12,17 +12,18 @@ struct Curve {
   std::string name;
   std::vector<double> steps, values;
 };
-/// Curves over the same steps. Heights are logarithmic where every value is positive and the largest is more than ten
-/// times the smallest.
+/// Curves over the same steps. Heights are logarithmic where no value is negative and the largest is more than ten
+/// times the smallest that is not 0; zeros lie at the bottom then.
 struct CurvePanel {
   std::string title;
   std::vector<Curve> curves;
 };
 
-/// The value of every step, as the means of at most 200 groups of neighbouring steps.
-Curve curve_of_steps(std::string name, std::span<const float> values);
+/// The values of the steps after `before` others, as the means of at most 200 groups of neighbouring steps.
+Curve curve_of_steps(std::string name, std::span<const float> values, std::size_t before = 0);
 
-/// Panels below each other, as SVG. Values that are not finite are left out.
+/// Panels below each other, as SVG; beside each the names of its curves, with their last values. Values that are not
+/// finite are left out.
 std::string curves_svg(std::span<const CurvePanel> panels);
 
 }  // namespace program

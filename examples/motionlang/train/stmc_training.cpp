@@ -145,7 +145,7 @@ void StmcTask::take_denoiser(const std::filesystem::path& model) {
   learner_.model.motion_normalizer = ml::convert<A>(learner_.average.motion_normalizer);
 }
 
-ml::Tensor<StmcTask::A, 0> StmcTask::loss(ml::Philox rng, Index, const ml::Context& context) const {
+ml::LossTerms<StmcTask::A> StmcTask::loss(ml::Philox rng, Index, const ml::Context& context) const {
   const auto batch = draw_batch(*data_, config_, rng.split("samples"), config_.batch);
 
   // x0, packed; one t per sequence; noise
@@ -170,18 +170,20 @@ ml::Tensor<StmcTask::A, 0> StmcTask::loss(ml::Philox rng, Index, const ml::Conte
   const auto out =
       learner_.model.denoiser(ml::Sequences<A>(ml::q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
   const auto error = (out - x0) * feature_weights<A>(config_.root_weight);
-  auto loss = ml::mean(ml::square(error));
+  ml::LossTerms<A> loss;
+  loss.add("features", 1, ml::mean(ml::square(error)));
   if (config_.velocity_weight > 0) {  // differences between frames that follow each other in a sequence
     std::vector<Index> now, next;
     for (Index s = 0; s < offsets.count(); ++s) {
       for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
     }
-    loss = loss + ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))) * config_.velocity_weight;
+    loss.add("velocities", config_.velocity_weight,
+             ml::mean(ml::square(ml::gather(error, next) - ml::gather(error, now))));
   }
   if (config_.foot_weight > 0) {
     const auto truth = ml::Tensor<B, 2>::from(values, {offsets.rows(), ml::smplrifke_size});
-    loss = loss + foot_velocity_loss<A>(learner_.model.motion_normalizer.denormalize(out), truth, offsets, training_fps) *
-                      config_.foot_weight;
+    loss.add("feet", config_.foot_weight,
+             foot_velocity_loss<A>(learner_.model.motion_normalizer.denormalize(out), truth, offsets, training_fps));
   }
   if (config_.text_weight > 0) {
     std::vector<float> wanted;
@@ -190,7 +192,7 @@ ml::Tensor<StmcTask::A, 0> StmcTask::loss(ml::Philox rng, Index, const ml::Conte
       append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
                                                static_cast<std::size_t>(offsets.length(s)) * width));
     const auto told = summary_(text.tokens.rows);
-    loss = loss + ml::mse(told, ml::Tensor<A, 2>::from(wanted, told.shape())) * config_.text_weight;
+    loss.add("text", config_.text_weight, ml::mse(told, ml::Tensor<A, 2>::from(wanted, told.shape())));
   }
   return loss;
 }

@@ -57,7 +57,7 @@ class StmcTask {
   std::uint64_t seed() const { return config_.seed; }
   ml::Index steps() const { return config_.steps; }
   std::map<std::string, std::string> settings() const;
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const;
+  ml::LossTerms<A> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const;
   void update(const ml::Gradients<A>& gradients, ml::Index step);
   void add_to(ml::TensorStore& store) const;
   void load(const ml::SafetensorsFile& file, ml::Index steps);

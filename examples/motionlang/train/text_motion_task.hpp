@@ -162,7 +162,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
     }
   }
 
-  ml::Tensor<A, 0> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const {
+  ml::LossTerms<A> loss(ml::Philox rng, ml::Index step, const ml::Context& context) const {
     auto choose = rng.split("captions");
     const auto batch = text_motion_batch<A>(
         data_->training, batches_(step, seed()), learner_.model.motion_normalizer,
@@ -178,7 +178,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       const auto batch = text_motion_batch<B>(data_->validation, which, model.motion_normalizer, [](const auto&) { return 0u; });
       const auto branches = branches_of(model, batch, rng, {});
       if constexpr (retrieves) table.add(batch.texts, branches.text.distribution.mu, branches.motion->distribution.mu);
-      return static_cast<double>(loss_of(model, batch, branches).item());
+      return static_cast<double>(loss_of(model, batch, branches).total().item());
     });
     std::vector<Measure> out{{"loss", loss}};
     if constexpr (retrieves) {
@@ -218,15 +218,16 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       return model.system.branches(tokens, batch.motions, noise, context);
   }
   template <ml::Backend T>
-  ml::Tensor<T, 0> loss_of(const TextMotionModel<T, System>& model, const TextMotionBatch<T>& batch,
+  ml::LossTerms<T> loss_of(const TextMotionModel<T, System>& model, const TextMotionBatch<T>& batch,
                            const ml::TextMotionBranches<T>& branches) const {
     if constexpr (retrieves) {
       const auto sentences = sentences_->encode<T>(batch.texts).tokens.rows;
       std::optional<ml::Tensor<T, 0>> temperature;
       if (model.log_temperature) temperature = exp(*model.log_temperature);
-      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr).total();
+      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_),
+                            temperature ? &*temperature : nullptr);
     } else {
-      return ml::temos_losses(branches, batch.motions, losses(config_)).total();
+      return ml::temos_losses(branches, batch.motions, losses(config_));
     }
   }
 

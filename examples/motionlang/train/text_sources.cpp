@@ -3,7 +3,6 @@
 #include <map>
 #include <set>
 
-#include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/text/bag_of_words.hpp>
 
@@ -12,19 +11,6 @@ namespace program {
 using B = ml::EigenBackend<float>;
 
 namespace {
-
-/// The part of a cache or of an encoder that is about these texts.
-template <class Encoder>
-ml::EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> texts) {
-  constexpr std::size_t at_once = 64;
-  ml::EmbeddingCache out(0);
-  for (std::size_t at = 0; at < texts.size(); at += at_once) {
-    const auto part = texts.subspan(at, std::min(at_once, texts.size() - at));
-    if (at == 0) out = ml::EmbeddingCache(encoder.template encode<B>(part.first(1)).tokens.width());
-    out.add<B>(encoder, part);
-  }
-  return out;
-}
 
 ml::EmbeddingCache states_from(const std::filesystem::path& from, std::span<const std::string> texts,
                                const ml::TextEncoderOptions& options) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/embedding_cache.hpp>
 
 #include "described_motions.hpp"
@@ -17,6 +18,20 @@ namespace ml = motionlang;
 /// The states of all `texts`. `from` is a folder of Hugging Face (DistilBERT), or the .npy file of an embedding cache, which
 /// has to have them. Throws what the readers throw, config_error 103 for a text that a cache lacks.
 ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts);
+
+/// What a text encoder, or a cache, says of these texts, all different.
+template <class Encoder>
+ml::EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> texts) {
+  using B = ml::EigenBackend<float>;
+  constexpr std::size_t at_once = 64;
+  ml::EmbeddingCache out(0);
+  for (std::size_t at = 0; at < texts.size(); at += at_once) {
+    const auto part = texts.subspan(at, std::min(at_once, texts.size() - at));
+    if (at == 0) out = ml::EmbeddingCache(encoder.template encode<B>(part.first(1)).tokens.width());
+    out.add<B>(encoder, part);
+  }
+  return out;
+}
 
 /// A unit vector for each text of the data: of a sentence encoder (a folder of MPNet) or a cache as above; "": of the bag of words of
 /// all texts that somewhere are about the same frames, so that wordings of one thing are alike.

@@ -14,11 +14,13 @@ struct Options {
 void run(const Options& o) {
   auto config = classifier_preset(o.common.preset);
   if (!configure(config, o.common)) return;
+  std::optional<ActorModel<TrainingBackend>> generator;
+  if (!o.generated.empty()) generator.emplace(o.generated);
   const auto read = [&](const RowMaker& rows) {
     return read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data, rows);
   };
   const auto data = read(actor_row_maker(config.clips));
-  Trainer trainer(ClassifierTask(config, data, o.generated, read));
+  Trainer trainer(ClassifierTask(config, data, std::move(generator), read));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_action_model(folder, trainer.task().result(), "classifier", trainer.task().file(), about(o.common, data));
@@ -31,7 +33,7 @@ void add_train_classifier(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("train-classifier",
                                    "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
-  add_training_options(*c, o->common, {"small", "stgcn-published"});
+  add_training_options(*c, o->common, {"small", "stgcn-published", "gru-published"});
   c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
   c->add_option("--generated", o->generated,
                 "Model of train-actor that makes a part of the motions (generated_share): sampled, or of the recorded "

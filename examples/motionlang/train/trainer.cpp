@@ -8,22 +8,31 @@ namespace program {
 
 namespace {
 
-/// Where the training loss ends and the measures of validations begin.
 constexpr const char* validations_name = "validations";
+constexpr const char* term_values_name = "loss_terms";
 
-std::string joined(const std::vector<Measure>& measures) {
+std::string lines(const std::vector<std::string>& names) {
   std::string out;
-  for (const Measure& m : measures)
-    out += (out.empty() ? "" : "\n") + (m.larger_is_better ? "+" + m.name : "-" + m.name);
+  for (const std::string& name : names) out += (out.empty() ? "" : "\n") + name;
   return out;
+}
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    out.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return out;
+}
+std::string joined(const std::vector<Measure>& measures) {
+  std::vector<std::string> names;
+  for (const Measure& m : measures) names.push_back((m.larger_is_better ? "+" : "-") + m.name);
+  return lines(names);
 }
 std::vector<Measure> separated(const std::string& text) {
   std::vector<Measure> out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    out.push_back({text.substr(at + 1, end - at - 1), 0, text[at] == '+'});
-    at = end + 1;
-  }
+  for (const std::string& line : lines_of(text)) out.push_back({line.substr(1), 0, line[0] == '+'});
   return out;
 }
 
@@ -45,9 +54,20 @@ bool TrainingRecord::gives_up(const ValidationPlan& plan) const {
   return plan.patience > 0 && !validations.empty() && std::ssize(validations) - 1 - best() >= plan.patience;
 }
 
+void TrainingRecord::add(float loss, const std::vector<std::string>& names, std::span<const float> values) {
+  losses.push_back(loss);
+  if (names != terms) terms = names, term_values.clear();  // other weights: a term of weight 0 is none
+  term_values.insert(term_values.end(), values.begin(), values.end());
+}
+
 void TrainingRecord::add_to(ml::TensorStore& store, std::map<std::string, std::string>& metadata) const {
   store.add<float>("losses", {steps()}, losses, ml::DType::F32);
   metadata["training.steps_done"] = std::to_string(steps());
+  if (!terms.empty()) {
+    const auto count = std::ssize(terms);
+    store.add<float>(term_values_name, {std::ssize(term_values) / count, count}, term_values, ml::DType::F32);
+    metadata["training.terms"] = lines(terms);
+  }
   if (validations.empty()) return;
   std::vector<double> rows;
   for (const Validation& v : validations) {
@@ -63,6 +83,14 @@ void TrainingRecord::load(const ml::SafetensorsFile& file) {
   losses = ml::values_of<float>(file.tensor("losses"));
   if (ml::detail::metadata_number<ml::Index>(file.metadata(), "training.steps_done", file.name()) != steps())
     ml::raise<ml::io_error>(403, file.name(), ": losses of ", steps(), " steps, the metadata say otherwise");
+  terms = lines_of(ml::detail::metadata_text(file.metadata(), "training.terms", ""));
+  term_values.clear();
+  if (const auto* values = file.find(term_values_name)) {
+    term_values = ml::values_of<float>(*values);
+    if (values->shape.rank() != 2 || values->shape[0] > steps() || values->shape[1] != std::ssize(terms))
+      ml::raise<ml::io_error>(403, file.name(), ": ", term_values_name, " ", values->shape, ", named are ",
+                              terms.size(), " terms, of ", steps(), " steps");
+  }
   validations.clear();
   const auto* stored = file.find(validations_name);
   if (stored == nullptr) return;
@@ -91,6 +119,17 @@ std::string TrainingRecord::curves() const {
       panels.front().curves.push_back(std::move(c));
     else
       panels.push_back({name, {std::move(c)}});
+  }
+  if (terms.size() > 1) {
+    const std::size_t rows = term_values.size() / terms.size(), first = losses.size() - rows;
+    CurvePanel panel{"terms of the training loss, weighted",
+                     {curve_of_steps("total", std::span(losses).subspan(first), first)}};
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      std::vector<float> values;
+      for (std::size_t row = 0; row < rows; ++row) values.push_back(term_values[row * terms.size() + k]);
+      panel.curves.push_back(curve_of_steps(terms[k], values, first));
+    }
+    panels.insert(panels.begin() + 1, std::move(panel));
   }
   return curves_svg(panels);
 }

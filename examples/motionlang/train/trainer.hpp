@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <motionlang/core/context.hpp>
+#include <motionlang/loss/loss_terms.hpp>
 
 #include "learner.hpp"
 #include "../progress_bar.hpp"
@@ -48,16 +49,19 @@ struct ValidationPlan {
 
 /// What a run has seen so far.
 struct TrainingRecord {
-  std::vector<float> losses;  // of every step
+  std::vector<float> losses;       // of every step
+  std::vector<std::string> terms;  // of the loss, those of the last step
+  std::vector<float> term_values;  // with their weights, (steps, terms): of the last steps that had these terms
   std::vector<Validation> validations;
 
   ml::Index steps() const { return std::ssize(losses); }
   /// The number of the best validation, -1 without one.
   ml::Index best() const;
   bool gives_up(const ValidationPlan& plan) const;
+  void add(float loss, const std::vector<std::string>& names, std::span<const float> values);
   void add_to(ml::TensorStore& store, std::map<std::string, std::string>& metadata) const;
   void load(const ml::SafetensorsFile& file);
-  /// Loss of training and validation, and the other measures below it.
+  /// Loss of training and validation, its terms and the other measures below it.
   std::string curves() const;
 };
 
@@ -66,15 +70,15 @@ void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map
                            bool with_other_settings);
 
 /// What can be trained.
-/// loss       of a step, from the step's own generator: it may depend on nothing but that, the step and the state; the context
-///            brings the dropout of the step
+/// loss       the terms of a step, from the step's own generator: it may depend on nothing but that, the step and the
+///            state; the context brings the dropout of the step
 /// update     one step of the optimisers
 /// settings   everything that decides what a step computes, but for the number of steps
 /// add_to, load   the state
 template <class T>
 concept TrainingTask = requires(T& task, const T& same, ml::Philox rng, const ml::Context& context,
                                 const ml::Gradients<TrainingTape>& gradients, ml::TensorStore& store, const ml::SafetensorsFile& file, ml::Index step) {
-  { task.loss(rng, step, context) } -> std::same_as<ml::Tensor<TrainingTape, 0>>;
+  { task.loss(rng, step, context) } -> std::same_as<ml::LossTerms<TrainingTape>>;
   task.update(gradients, step);
   { same.seed() } -> std::convertible_to<std::uint64_t>;
   { same.steps() } -> std::convertible_to<ml::Index>;
@@ -108,11 +112,18 @@ class Trainer {
   double step() {
     const ml::Index k = steps_done();
     const auto rng = ml::Philox{.seed = task_.seed()}.split("step").split(static_cast<std::uint64_t>(k));
-    const auto loss = task_.loss(rng, k, {.dropout = rng.split("dropout"), .recompute = recompute_});
+    const auto terms = task_.loss(rng, k, {.dropout = rng.split("dropout"), .recompute = recompute_});
+    const auto loss = terms.total();
     const double value = static_cast<double>(loss.item());
     if (!std::isfinite(value)) ml::raise<ml::numeric_error>(301, "training: the loss of step ", k, " is ", value);
     task_.update(ml::backward(loss), k);
-    record_.losses.push_back(static_cast<float>(value));
+    std::vector<std::string> names;
+    std::vector<float> values;
+    for (const auto& t : terms.terms) {
+      names.push_back(t.name);
+      values.push_back(static_cast<float>(t.weight * static_cast<double>(t.value.item())));
+    }
+    record_.add(static_cast<float>(value), names, values);
     if constexpr (ValidatedTask<Task>) {
       const ValidationPlan plan = task_.validation();
       if (plan.every > 0 && (steps_done() % plan.every == 0 || steps_done() == task_.steps())) {
