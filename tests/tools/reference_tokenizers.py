@@ -3,14 +3,10 @@
 Python's unicodedata, the entities of its html module and the published pattern in the regex module (Debian python3-regex).
 Nothing is shared with the C++ code. Prints the digests that tests/unit/text/published_tokenizers.cpp compares with.
 
-usage: reference_tokenizers.py DATA [--excerpts]      DATA/tokenizers/{bert_vocab.txt,bpe_simple_vocab_16e6.txt.gz}, DATA/text/kitml-annotations.json
+usage: reference_tokenizers.py DATA      DATA/tokenizers/{bert_vocab.txt,bpe_simple_vocab_16e6.txt.gz}, DATA/text/kitml-annotations.json
 
 Checks itself first on the 40 strings of the spec, whose ids come from the original implementations. A digest is FNV-1a, 64 bits,
 over the ids of all texts in the order of the file, each id as 4 bytes little-endian, each text followed by FF FF FF FF.
-
-With --excerpts it writes tests/unit/text/data/tokenizer_excerpts.json instead: of both vocabularies the pieces and merges
-that any text of those tests but the captions comes across, with their ids. Tokenizers that have no others give the same ids
-for these texts: the longest piece, or the merge of lowest rank, of all that there are is among them.
 """
 import gzip, html, html.entities, json, pathlib, re, sys, unicodedata
 import regex
@@ -20,7 +16,6 @@ STORED = pathlib.Path(__file__).parent.parent / "unit/text/data"
 ROWS = json.loads((STORED / "tokenizer_strings.json").read_text())
 FRAGMENTS = json.loads((STORED / "tokenizer_fragments.json").read_text())
 category = unicodedata.category
-touched_pieces, touched_merges = set(), set()
 # The White_Space property.
 SPACES = set("\t\n\v\f\r \x85\xa0\u1680\u2028\u2029\u202f\u205f\u3000") | {chr(c) for c in range(0x2000, 0x200B)}
 
@@ -65,7 +60,6 @@ def word_pieces(word, ids, unknown):
         else:
             return [unknown]
         out.append(ids[piece])
-        touched_pieces.add(piece)
         at = end
     return out
 
@@ -192,7 +186,6 @@ class Clip:
                 best = min(zip(parts, parts[1:]), key=lambda pair: self.ranks.get(pair, 1 << 30))
                 if best not in self.ranks:
                     break
-                touched_merges.add(best)
                 merged, at = [], 0
                 while at < len(parts):
                     if tuple(parts[at:at + 2]) == best:
@@ -255,30 +248,6 @@ for row in ROWS:
         if got != want and (name, row["name"]) != ("clip", "mojibake"):
             sys.exit(f"{name} of '{row['name']}': {got}, expected {want}")
 
-def write_excerpts():
-    other = ["a person walks forward quickly, then turns around to the left and walks back to where they started, "
-             "waving both arms",
-             "walk", "A person walks, slowly.", "ab", "a b", "Kelvin", "\u03c9"]
-    for text in [*mixed(50000), *other]:
-        for tokenizer in [bert, mpnet, clip, clip_hf]:
-            tokenizer(text)
-    touched_pieces.update(bert.special)
-    pieces = sorted((bert.ids[p], p) for p in touched_pieces if p in bert.ids)
-    merges = sorted((clip.ranks[m], " ".join(m)) for m in touched_merges)
-
-    def lines(entries):
-        rows = [", ".join(json.dumps(e) for e in entries[i:i + 8]) for i in range(0, len(entries), 8)]
-        return ",\n".join(rows)
-
-    (STORED / "tokenizer_excerpts.json").write_text(
-        '{"bert from": "vocab.txt of bert-base-uncased, Copyright Google, Apache License 2.0", "bert": [\n' + lines(pieces) +
-        '],\n"clip from": "bpe_simple_vocab_16e6.txt of CLIP, Copyright (c) 2021 OpenAI, MIT License", "clip": [\n' +
-        lines(merges) + "]}\n")
-
-
-if "--excerpts" in sys.argv:
-    write_excerpts()
-    sys.exit()
 captions = [a["text"] for entry in json.loads((DATA / "text/kitml-annotations.json").read_text()).values()
             for a in entry["annotations"]]
 sets = {"captions": captions, "decorated": [decorated(i, c) for i, c in enumerate(captions)],
