@@ -27,6 +27,7 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
           .num_layers = n.num_layers,
           .num_heads = n.num_heads,
           .dropout = n.dropout,
+          .activation = ml::parse_activation(n.activation),
           .encoder = choice<ml::ActorEncoderKind>(n.encoder, "network.encoder",
                                                   std::array{"tokens", "average", "gru", "fully_connected"}),
           .decoder = choice<ml::ActorDecoderKind>(
@@ -34,6 +35,7 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, ml::Index classes) {
           .conditioning =
               choice<ml::ActorConditioning>(n.conditioning, "network.conditioning",
                                             std::array{"action_bias", "concat_bias", "zandtime", "time_encoding"}),
+          .concatenate_time = n.concatenate_time,
           .num_frames = std::max<ml::Index>(1, c.clips.num_frames)};
 }
 
@@ -56,8 +58,8 @@ void require_same_actions(const ActionModelFile<ActorTrainingConfig>& model, std
   if (!std::equal(labels.begin(), labels.end(), model.labels.begin(), model.labels.end()))
     ml::raise<ml::config_error>(102, "model and classifier have other labels");
   if (clips.fps != seen.fps || clips.turned_ahead != seen.turned_ahead ||
-      (clips.translation != seen.translation && seen.translation))
-    ml::raise<ml::config_error>(102, "model and classifier have other clips (fps, turned_ahead, translation)");
+      (clips.translation != seen.translation && seen.translation) || (clips.global != seen.global && seen.global))
+    ml::raise<ml::config_error>(102, "model and classifier have other clips (fps, turned_ahead, translation, global)");
 }
 
 }  // namespace program
