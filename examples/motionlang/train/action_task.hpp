@@ -58,7 +58,7 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     if ((config_.losses.points == "vertices") != !body.empty())
       ml::raise<ml::config_error>(102, "losses.points = vertices and --body belong together");
     if (config_.losses.vertstrans && body.empty())
-      ml::raise<ml::config_error>(102, "losses.vertstrans is of losses.points = vertices; joints follow the way of the root");
+      ml::raise<ml::config_error>(102, "losses.vertstrans is of losses.points = vertices; joints follow the way anyway");
     if (!body.empty()) {
       if (config_.clips.is_xyz()) ml::raise<ml::config_error>(102, "vertices are made of rotations; clips.pose is xyz");
       body_ = ml::read_body<B>(body).model;
@@ -137,8 +137,11 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
       generator_.emplace(generator);
       require_same_actions(generator_->file, labels_, config_.clips);
       const ActorClipsConfig& clips = generator_->file.config.clips;
-      if (kind != "sampled")
-        known_clips_.pose = clips.pose, known_clips_.translation = clips.translation, known_clips_.global = clips.global;
+      if (kind != "sampled") {
+        known_clips_.pose = clips.pose;
+        known_clips_.translation = clips.translation;
+        known_clips_.global = clips.global;
+      }
       if (known_clips_.pose != config_.clips.pose || known_clips_.width() != config_.clips.width())
         known_ = read(actor_row_maker(known_clips_));
     }

@@ -32,8 +32,9 @@ struct ActorClipsConfig {
   static constexpr auto fields() {
     using C = ActorClipsConfig;
     return ml::fields("pose", &C::pose, "translation", &C::translation, "global", &C::global, "turned_ahead",
-                      &C::turned_ahead, "fps", &C::fps, "num_frames", &C::num_frames, "sampling_step", &C::sampling_step, "random_step",
-                      &C::random_step, "min_len", &C::min_len, "max_len", &C::max_len);
+                      &C::turned_ahead, "fps", &C::fps, "num_frames", &C::num_frames, "sampling_step",
+                      &C::sampling_step, "random_step", &C::random_step, "min_len", &C::min_len, "max_len",
+                      &C::max_len);
   }
   bool is_xyz() const { return pose == "xyz"; }
   /// Joints of a frame that have a row, all its rows, and numbers of each.
@@ -76,8 +77,8 @@ ml::Sequences<B> joint_points(const ml::Sequences<B>& x, const ActorClipsConfig&
     const auto ahead = ml::Tensor<B, 2>::from(std::vector<typename B::scalar>{1, 0, 0, 0, 1, 0}, {1, 6});
     rotations = ml::concat(1, ml::broadcast_to<2>(ahead, {frames, 6}), rotations);
   }
-  const auto root = config.translation ? ml::slice(x.rows, 1, config.way(), config.way() + 3)
-                                       : ml::Tensor<B, 2>::zeros({frames, 3});
+  const auto root =
+      config.translation ? ml::slice(x.rows, 1, config.way(), config.way() + 3) : ml::Tensor<B, 2>::zeros({frames, 3});
   const auto places = ml::forward_kinematics(
       ml::smpl24_skeleton(),
       ml::lanes(ml::reshape<4>(rotations, {1, frames, 24, 6}), ml::reshape<3>(root, {1, frames, 3})));

@@ -75,12 +75,14 @@ void read_times(ClipLine& line, const std::vector<std::string>& fields) {
 class LabelTable {
  public:
   explicit LabelTable(const std::filesystem::path& path) {
-    const char* const expected = "the id of a stretch or of a motion, or a text, and its label";
-    for (const ClipLine& line : read_rows(path, expected, [](ClipLine& l, const std::vector<std::string>& fields) {
-           if (fields.size() == 2) l.texts = {fields[1]};
-           return fields.size() == 2;
-         }))
-      labels_.emplace(line.id, line.texts);
+    const auto read = [](ClipLine& line, const std::vector<std::string>& fields) {
+      if (fields.size() == 2) line.texts = {fields[1]};
+      return fields.size() == 2;
+    };
+    for (const ClipLine& line :
+         read_rows(path, "the id of a stretch or of a motion, or a text, and its label", read)) {
+      if (!labels_.emplace(line.id, line.texts).second) wrong(line, "'" + line.id + "' has a label already");
+    }
   }
   std::vector<std::string> of(const std::string& segment, const std::string& motion, const std::string& text) const {
     for (const std::string* name : {&segment, &motion, &text}) {
@@ -137,8 +139,8 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
   if (!labels.empty()) table.emplace(labels);
   std::vector<ClipLine> lines;
   bool any = false;
-  const auto add = [&](const std::string& place, const std::string& id, const std::string& clip, double start, double end,
-                       std::vector<std::string> own) {
+  const auto add = [&](const std::string& place, const std::string& id, const std::string& clip, double start,
+                       double end, std::vector<std::string> own) {
     if (!ml::detail::is_clip_id(clip)) ml::raise<ml::io_error>(403, place, ": '", clip, "' is no path of a clip");
     any = any || !own.empty();
     lines.push_back({place, id, clip, start, end, {}, std::move(own)});
@@ -167,11 +169,13 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
       add(list[i].path(), id, motion.path, a.start, a.end, table ? table->of(a.seg_id, id, a.text) : std::move(own));
     }
   }
+  if (!any && table)
+    ml::raise<ml::io_error>(403, annotations.string(), ": ", labels.string(),
+                            " has a label for none of its stretches, motions and texts");
   if (!any)
     ml::raise<ml::io_error>(403, annotations.string(),
-                            labels.empty() ? std::string(": no annotation has a label or act_cat; --labels names a table "
-                                                         "with what a stretch, a motion or a text is labelled")
-                                           : ": " + labels.string() + " has a label for none of its stretches, motions and texts");
+                            ": no annotation has a label or act_cat; --labels names a table with "
+                            "what a stretch, a motion or a text is labelled");
   return lines;
 }
 
@@ -191,7 +195,8 @@ ml::Motion read_clip(const std::filesystem::path& data, const ClipLine& line) {
   const auto file = clip_file(data, line.clip);
   const std::string kind = file.extension().string();
   if (file.empty())
-    ml::raise<ml::io_error>(401, line.place, ": no ", (data / (line.clip + ".bvh")).string(), ", no .npz, no .amc and no .npy");
+    ml::raise<ml::io_error>(401, line.place, ": no ", (data / line.clip).string(),
+                            ".bvh, no .npz, no .amc and no .npy");
   if (kind == ".bvh") return ml::retarget(ml::read_bvh_motion(file));
   if (kind == ".npz") return on_smpl(ml::read_amass(file).motion);
   if (kind == ".npy") return on_smpl(ml::read_motion_npy(file));

@@ -1,5 +1,5 @@
-// Tables of clips: what happens when in which file, as captions or as labels, which annotation files have, too. And the clips
-// that they name.
+// Tables of clips: what happens when in which file, as captions or as labels, which annotation files have, too. And the
+// clips that they name.
 #pragma once
 
 #include <filesystem>
@@ -34,16 +34,18 @@ std::vector<ClipLine> read_labels(const std::filesystem::path& path);
 ///     the unified file of TMR    "label" or "act_cat" of an annotation, which is besides what others read there
 ///     BABEL's own                "act_cat" of the stretches, or of the whole where there are no stretches
 /// data     the folder of clips
-/// labels   a table with two columns in their place: what a stretch (seg_id), a motion (its id) or a text is labelled; "": none
+/// labels   a table with two columns in their place: what a stretch (seg_id), a motion (its id) or a text is labelled;
+///          "": none
 /// Throws   io_error 401, 403, config_error 107 with the place; io_error 403 if no stretch has a label
 std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
-                                                const std::filesystem::path& data,
-                                                const std::filesystem::path& labels);
+                                                const std::filesystem::path& data, const std::filesystem::path& labels);
 
-/// The file of a clip: .bvh, .npz (AMASS), .amc or .npy, of a data set in HumanML3D's form its features; "" if there is none.
+/// The file of a clip: .bvh, .npz (AMASS), .amc or .npy, of a data set in HumanML3D's form its features; "" if there is
+/// none.
 std::filesystem::path clip_file(const std::filesystem::path& data, const std::string& clip);
 
-/// The clip of a line on our skeleton, at its own frame rate. Features without rotations get such that fit their positions.
+/// The clip of a line on our skeleton, at its own frame rate. Features without rotations get such that fit their
+/// positions.
 /// Throws io_error 401 if there is no file, and what the readers throw.
 ml::Motion read_clip(const std::filesystem::path& data, const ClipLine& line);
 

@@ -91,8 +91,8 @@ bool can_be_read(const DataSources& sources, const std::string& clip) {
 }
 
 /// Clips of lines, each read once, on several threads.
-void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSources& sources, const DataConfig& config,
-                const RowMaker& maker, ml::Progress progress) {
+void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSources& sources,
+                const DataConfig& config, const RowMaker& maker, ml::Progress progress) {
   const bool labels = sources.labelled();
   if (labels) out.left_out += keep_actions(lines, config.actions);
   std::vector<std::string> clips, keys;
@@ -209,7 +209,8 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
   const auto opened = annotation_file(sources);
   const ml::AnnotationFile& file = *opened;
   std::vector<std::string> keys;
-  for (const std::string& id : file.ids()) keys.push_back(key_of(sources, id, sources.splits.empty() ? file.load(id).path : id));
+  for (const std::string& id : file.ids())
+    keys.push_back(key_of(sources, id, sources.splits.empty() ? file.load(id).path : id));
   const Split split(sources, config, keys);
   for (std::size_t i = 0; i < file.ids().size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(file.ids()));
@@ -270,7 +271,8 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
   if (captions && (annotations || !sources.labels.empty()))
     ml::raise<ml::config_error>(102, "one of --captions, --labels and --annotations, not several");
   if (sources.actions && !annotations && sources.labels.empty())
-    ml::raise<ml::config_error>(102, "actions need labels: --labels names a table of them, --annotations a file that has some");
+    ml::raise<ml::config_error>(
+        102, "actions need labels: --labels names a table of them, --annotations a file that has some");
   if (!config.actions.empty() && !sources.labelled())
     ml::raise<ml::config_error>(102, "data.actions are labels, and texts are to be learnt");
   DataSources listed = sources;  // a data set has lists of its own
@@ -279,7 +281,8 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
   if (captions)
     read_lines(out, read_captions(sources.captions), listed, config, maker, progress);
   else if (annotations && sources.labelled())
-    read_lines(out, read_labelled_annotations(sources.annotations, sources.data, sources.labels), sources, config, maker, progress);
+    read_lines(out, read_labelled_annotations(sources.annotations, sources.data, sources.labels), sources, config,
+               maker, progress);
   else if (!sources.labels.empty())
     read_lines(out, read_labels(sources.labels), listed, config, maker, progress);
   else if (annotations)

@@ -91,8 +91,8 @@ struct DataConfig {
   static constexpr auto fields() {
     using C = DataConfig;
     return ml::fields("min_seconds", &C::min_seconds, "max_seconds", &C::max_seconds, "test_share", &C::test_share,
-                      "validation_share", &C::validation_share, "split_seed", &C::split_seed, "mirror", &C::mirror, "actions",
-                      &C::actions);
+                      "validation_share", &C::validation_share, "split_seed", &C::split_seed, "mirror", &C::mirror,
+                      "actions", &C::actions);
   }
 };
 

@@ -21,8 +21,8 @@ struct TextMotionNetworkConfig {
   static constexpr auto fields() {
     using C = TextMotionNetworkConfig;
     return ml::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers, "num_heads",
-                      &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "vae", &C::vae, "motion_encoder", &C::motion_encoder,
-                      "motion_decoder", &C::motion_decoder);
+                      &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "vae", &C::vae,
+                      "motion_encoder", &C::motion_encoder, "motion_decoder", &C::motion_decoder);
   }
 };
 

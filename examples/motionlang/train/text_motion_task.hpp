@@ -222,7 +222,8 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       const auto sentences = sentences_->encode<T>(batch.texts).tokens.rows;
       std::optional<ml::Tensor<T, 0>> temperature;
       if (model.log_temperature) temperature = exp(*model.log_temperature);
-      auto terms = ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr);
+      auto terms =
+          ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr);
       const auto& l = config_.losses;
       if (!l.cross_modal_kl || !l.gaussian_kl) {  // TMR has all four divergences
         const ml::TemosLossOptions kept{.cross_modal_kl = l.cross_modal_kl, .gaussian_kl = l.gaussian_kl};
