@@ -301,8 +301,6 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(run({"evaluate", "warm/model", "--data", ".", "--captions", "captions.tsv"}, clips.path).code == 0);
   const auto cold = clips.train("train-tmr", "cold", {"--set", "losses.learned_temperature=true", "--set", "losses.contrastive_loss=margin"});
   CHECK(contains(cold.text, "losses.learned_temperature is for info_nce"));
-  CHECK(contains(clips.train("train-tmr", "cold", {"--set", "losses.embedding=false"}).text,
-                 "losses.cross_modal_kl, gaussian_kl and embedding are of TEMOS"));
 
   for (const auto& [set, expected] : {std::pair("optimiser.lr=-1", "lr is -1, expected 0 or more"),
                                       {"optimiser.epochs=0", "epochs is 0, expected 1 or more"},
@@ -401,6 +399,111 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   CHECK(clips.terms("speeds") == std::vector<std::string>{"rc", "vel"});
   CHECK(clips.losses("speeds").size() == 12);
   CHECK(clips.term_values("speeds").size() == 2 * 4);
+}
+
+TEST_CASE(
+    "the rows of thesis table 4.3, each one setting; the same terms of TMR's loss, which weights of 0 switch off, "
+    "too") {
+  const Clips clips;
+  const auto losses = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), {"--fresh", "--set", "optimiser.epochs=1", "--set", "optimiser.lr=0", "--set",
+                               "losses.kl=1", "--set", "losses.latent=1", "--set", "losses.threshold=0"});
+    const auto done = clips.train(command, "row", more);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    return clips.losses("row");
+  };
+  const auto row = [&](const std::string& command, const std::string& set) { return losses(command, {"--set", set}); };
+  const auto whole = losses("train-temos", {});
+  CHECK(row("train-temos", "network.motion_encoder=transformer") == whole);
+  std::vector<std::vector<float>> rows{whole};
+  for (const char* set :
+       {R"(network={"motion_encoder": "gru", "motion_decoder": "gru"})", "network.motion_encoder=none",
+        "losses.embedding=false", R"(losses={"cross_modal_kl": false, "embedding": false})",
+        "losses.cross_modal_kl=false", "losses.gaussian_kl=false", "network.vae=false", "network.activation=relu"}) {
+    CAPTURE(set);
+    rows.push_back(row("train-temos", set));
+    for (std::size_t i = 0; i + 1 < rows.size(); ++i) CHECK(rows[i] != rows.back());
+  }
+  for (const std::string command : {"train-temos", "train-tmr"}) {
+    CAPTURE(command);
+    CHECK(row(command, "losses.embedding=false") == row(command, "losses.latent=0"));
+    const auto both = row(command, R"(losses={"cross_modal_kl": false, "gaussian_kl": false})");
+    CHECK(both == row(command, "losses.kl=0"));
+    const auto all = losses(command, {});
+    const auto across = row(command, "losses.gaussian_kl=false"), priors = row(command, "losses.cross_modal_kl=false");
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CHECK(across[i] > both[i]);
+      CHECK(priors[i] > both[i]);
+      CHECK(all[i] - both[i] == doctest::Approx(across[i] - both[i] + priors[i] - both[i]).epsilon(1e-4));
+    }
+  }
+  const auto refused = clips.train("train-tmr", "row", {"--set", "network.activation=gelo"});
+  CHECK(refused.code == 1);
+  CHECK_MESSAGE(contains(refused.text, "activation 'gelo' is none of none, relu, gelu"), refused.text);
+}
+
+TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; networks that know no time") {
+  const Clips clips;
+  const auto trained = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
+    const auto done = clips.train(command, out, std::move(more));
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+  };
+  const std::vector<std::string> ahead{"--set", "clips.global=false"};
+  trained("train-actor", "turning", {});
+  trained("train-classifier", "turning_gru", {});
+  for (const std::string pose : {"rot6d", "rotquat"}) {
+    CAPTURE(pose);
+    trained("train-actor", "ahead", {"--fresh", "--set", "clips.global=false", "--set", "clips.pose=" + pose});
+    REQUIRE(
+        run({"generate", "--model", "ahead/model", "--action", "turn", "--seconds", "0.8", "--out", "made"}, clips.path)
+            .code == 0);
+    const auto made = ml::read_bvh_motion(clips / "made/turn.bvh");
+    for (ml::Index f = 0; f < made.frames(); ++f) CHECK(std::abs(made.rotations(f)[0].w) > 1 - 1e-6);
+    CHECK(run({"convert", "clip1.bvh", "clean.bvh", "--denoise", "ahead/model", "--action", "turn"}, clips.path).code ==
+          0);
+  }
+  trained("train-classifier", "ahead_gru", ahead);
+  trained(
+      "train-classifier", "ahead_graph",
+      {"--set", "clips.global=false", "--set", "kind=stgcn", "--set", "clips.translation=false", "--set", "width=4"});
+  const auto judged = [&](const std::string& model, const std::string& classifier) {
+    return run({"evaluate", model + "/model", "--data", ".", "--labels", "labels.tsv", "--classifier",
+                classifier + "/model", "--seeds", "2", "--part", "training"},
+               clips.path);
+  };
+  for (const std::string classifier : {"ahead_gru", "ahead_graph"}) {
+    const auto by_ahead = judged("ahead", classifier), by_turning = judged("turning", classifier);
+    REQUIRE_MESSAGE(by_ahead.code == 0, by_ahead.text);
+    REQUIRE_MESSAGE(by_turning.code == 0, by_turning.text);
+    const auto recorded = [](const std::string& text) {
+      return text.substr(text.find("  recorded"), text.find("  generated") - text.find("  recorded"));
+    };
+    CHECK(recorded(by_ahead.text) == recorded(by_turning.text));
+  }
+  const auto refused = judged("ahead", "turning_gru");
+  CHECK(refused.code == 1);
+  CHECK_MESSAGE(
+      contains(refused.text, "model and classifier have other clips (fps, turned_ahead, translation, global)"),
+      refused.text);
+
+  ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
+  const std::vector<std::string> skin{"--body", "body.npz",          "--set", "losses.points=vertices",
+                                      "--set",  "clips.global=false"};
+  trained("train-actor", "skin", skin);
+  auto moved = skin;
+  moved.insert(moved.end(), {"--set", "losses.vertstrans=true"});
+  trained("train-actor", "moved", moved);
+  CHECK(mean(clips.losses("moved")) > mean(clips.losses("skin")));
+  CHECK(contains(clips.train("train-actor", "no", {"--set", "losses.vertstrans=true"}).text,
+                 "losses.vertstrans is of losses.points = vertices"));
+
+  const std::vector<std::string> gru{"--set", "network.encoder=gru", "--set", "network.decoder=gru"};
+  trained("train-actor", "time", gru);
+  auto timeless = gru;
+  timeless.insert(timeless.end(), {"--set", "network.concatenate_time=false"});
+  trained("train-actor", "timeless", timeless);
+  CHECK(clips.weights("timeless").size() < clips.weights("time").size());  // a column less
+  CHECK(run({"generate", "--model", "timeless/model", "--action", "walk", "--seconds", "0.8"}, clips.path).code == 0);
 }
 
 TEST_CASE("a classifier learns from motions that a model samples, denoises or puts between two; validation motions are recorded") {
@@ -604,6 +707,154 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   const auto lots = train({"--data", "lots", "--annotations", "lots.json", "--set", "data.test_share=0.25", "--set",
                            "data.validation_share=0.25"});
   CHECK_MESSAGE(contains(lots.text, "12 motions to train on, 4 for validation, 4 for tests; 0 left out"), lots.text);
+}
+
+TEST_CASE("actions of whole clips, of ready-made features, of annotation files: unified ones and BABEL's own") {
+  const Clips clips;
+  const auto train = [&](std::vector<std::string> more, const std::string& command = "train-classifier") {
+    std::vector<std::string> all{command, "--preset", "small", "--out", "out", "--fresh"};
+    for (const char* a : {"optimiser.epochs=2", "optimiser.batch=2", "clips.num_frames=12"})
+      all.insert(all.end(), {"--set", a});
+    if (command == "train-classifier") all.insert(all.end(), {"--set", "hidden_size=8"});
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all, clips.path);
+  };
+  const auto told = [&](const std::vector<std::string>& more, const std::string& counts, const std::string& actions) {
+    const auto out = train(more);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    CHECK_MESSAGE(contains(out.text, counts + " left out"), out.text);
+    const auto info = run({"info", "out/model"}, clips.path).text;
+    CHECK_MESSAGE(contains(info, "actions                  " + actions + "\n"), info);
+  };
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& message) {
+    const auto out = train(more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+
+  // a label for all of a clip, as for a stretch that ends after it; features with rotations, as the clips that they are
+  // made of
+  std::string whole, stretches, shorter;
+  std::filesystem::create_directories(clips / "features");
+  const auto& features = ml::motion_features("smplvelp");
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "clip" + std::to_string(i), label = i % 2 == 1 ? "\tturn\n" : "\twalk\n";
+    whole += name + label, stretches += name + "\t0\t9" + label, shorter += name + "\t0\t1" + label;
+    const auto motion = ml::resample(ml::retarget(ml::read_bvh_motion(clips / (name + ".bvh"))), features.fps);
+    const auto rows = features.from_motion(motion);
+    const std::vector<float> values(rows.begin(), rows.end());
+    ml::write_npy((clips / ("features/" + name + ".npy")).string(),
+                  ml::NpyArray::of(std::span<const float>(values), {motion.frames(), features.width}));
+  }
+  ml::write_file(clips / "whole.tsv", whole);
+  ml::write_file(clips / "stretches.tsv", stretches);
+  ml::write_file(clips / "shorter.tsv", shorter);
+  const auto losses = [&](const std::string& table, const std::string& data) {
+    told({"--data", data, "--labels", table, "--set", "clips.fps=12.5", "--set", "data.test_share=0.25"},
+         "6 motions to train on, 0 for validation, 2 for tests; 0", "turn, walk");
+    return clips.losses("out");
+  };
+  const auto of_clips = losses("whole.tsv", ".");
+  CHECK(of_clips == losses("stretches.tsv", "."));
+  CHECK(of_clips != losses("shorter.tsv", "."));
+  const auto of_features = losses("whole.tsv", "features");
+  REQUIRE(of_features.size() == of_clips.size());
+  for (std::size_t i = 0; i < of_clips.size(); ++i) CHECK(of_features[i] == doctest::Approx(of_clips[i]).epsilon(1e-3));
+  ml::write_file(clips / "wrong.tsv", "clip0\t2\twalk\n");
+  refused({"--data", ".", "--labels", "wrong.tsv"},
+          "wrong.tsv:1: expected clip, start, end, label, or clip, label, separated by tabs");
+  refused({"--data", "."}, "actions need labels: --labels names a table of them, --annotations a file that has some");
+  const auto texts = clips.train("train-tmr", "texts", {"--set", R"(data.actions=["walk"])"});
+  CHECK(texts.code == 1);
+  CHECK_MESSAGE(contains(texts.text, "data.actions are labels, and texts are to be learnt"), texts.text);
+
+  // data sets in the form of HumanML3D and KIT-ML have lists of their own; one clip is broken
+  for (const auto& [set, form] :
+       {std::pair(std::string("guoh3d"), ml::humanml3d_form), {std::string("kit"), ml::kit_ml_form}}) {
+    CAPTURE(set);
+    const std::string folder = (clips / set).string();
+    for (int i = 0; i < 4; ++i)
+      add_walk(folder, "00000" + std::to_string(i), 60, set, form, {.turn = i % 2 == 1 ? 0.8 : 0.0});
+    auto broken = ml::HumanMl3dFolder(folder, form).load("000003");
+    broken.features[700] = std::nanf("");
+    ml::write_humanml3d_clip(folder, broken, form);
+    ml::write_ids(folder + "/train.txt", std::vector<std::string>{"000000", "000001", "000003"});
+    ml::write_ids(folder + "/test.txt", std::vector<std::string>{"000002"});
+    ml::write_file(clips / "ids.tsv", "000000\twalk\n000001\tturn\n000002\twalk\n000003\tturn\n");
+    told({"--data", set, "--labels", "ids.tsv"}, "2 motions to train on, 0 for validation, 1 for tests; 1",
+         "turn, walk");
+    const auto measured =
+        run({"evaluate", "out/model", "--data", set, "--labels", "ids.tsv", "--seeds", "2"}, clips.path);
+    CHECK_MESSAGE(contains(measured.text, "1 motions of the test part, 2 classes"), measured.text);
+    refused({"--data", set}, "actions need labels");
+  }
+
+  // the unified annotation file, with labels of its own or by a table for stretches, motions and texts
+  ml::write_file(clips / "unified.json", R"({
+    "00000": {"path": "clip0", "duration": 2, "annotations": [
+      {"seg_id": "00000_0", "text": "a person walks", "start": 0.0, "end": 1.5, "label": "walk"},
+      {"seg_id": "00000_1", "text": "a person turns", "start": 0.5, "end": 2.0, "act_cat": ["turn"]},
+      {"seg_id": "00000_2", "text": "a person stands", "start": 0.0, "end": 2.0}]},
+    "00001": {"path": "clip1", "duration": 2, "annotations": [
+      {"seg_id": "00001_0", "text": "a person turns", "start": 0.0, "end": 2.0, "label": "turn"}]},
+    "00002": {"path": "clip2", "duration": 2, "annotations": [
+      {"seg_id": "00002_0", "text": "a person walks", "start": 0.0, "end": 1.2, "label": "walk"},
+      {"seg_id": "00002_1", "text": "a person walks", "start": 2.15, "end": 2.3, "label": "walk"}]}})");
+  std::filesystem::create_directories(clips / "splits");
+  ml::write_ids((clips / "splits/train.txt").string(), std::vector<std::string>{"00000", "00001"});
+  ml::write_ids((clips / "splits/test.txt").string(), std::vector<std::string>{"00002"});
+  const std::vector<std::string> unified{"--data", ".", "--annotations", "unified.json", "--splits", "splits"};
+  const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  told(unified, "3 motions to train on, 0 for validation, 1 for tests; 2",
+       "turn, walk");  // without label; a moment after the end
+  told(with(unified, {"--set", R"(data.actions=["turn"])"}), "2 motions to train on, 0 for validation, 0 for tests; 4",
+       "turn");
+  ml::write_file(clips / "said.tsv", "00000_1\tspin\n00001\tspin\na person walks\tstroll\n");
+  told(with(unified, {"--labels", "said.tsv"}), "3 motions to train on, 0 for validation, 1 for tests; 2",
+       "spin, stroll");
+  const auto actor = train(with(unified, {"--set", "network.latent_dim=8", "--set", "network.ff_size=8", "--set",
+                                          "network.num_heads=2", "--set", "network.num_layers=1"}),
+                           "train-actor");
+  REQUIRE_MESSAGE(actor.code == 0, actor.text);
+  CHECK(run({"generate", "--model", "out/model", "--action", "turn", "--seconds", "0.8"}, clips.path).code == 0);
+  ml::write_file(clips / "elsewhere.tsv", "00009\twalk\n");
+  refused(with(unified, {"--labels", "elsewhere.tsv"}),
+          "unified.json: elsewhere.tsv has a label for none of its stretches");
+  refused(with(unified, {"--labels", "stretches.tsv"}),
+          "stretches.tsv:1: expected the id of a stretch or of a motion, or a text, and its label");
+  ml::write_file(clips / "twice.tsv", "00001\twalk\n00001\tturn\n");
+  refused(with(unified, {"--labels", "twice.tsv"}), "twice.tsv:2: '00001' has a label already");
+  ml::write_file(clips / "texts.json", R"({"00000": {"path": "clip0", "duration": 2, "annotations": [
+      {"seg_id": "00000_0", "text": "a person walks", "start": 0.0, "end": 1.5}]}})");
+  refused({"--data", ".", "--annotations", "texts.json"},
+          "texts.json: no annotation has a label or act_cat; --labels names a table");
+
+  // BABEL's own file: stretches where there are some, else the whole; one category, of those that are asked for
+  std::filesystem::create_directories(clips / "cmu");
+  for (const std::string name : {"clip0", "clip1"})
+    std::filesystem::copy(clips / (name + ".bvh"), clips / ("cmu/" + name + ".bvh"));
+  const auto label = [](const std::string& seg, const std::string& categories, const std::string& times) {
+    return R"({"raw_label": "", "proc_label": ")" + seg + R"(", "seg_id": ")" + seg + R"(", "act_cat": )" + categories +
+           times + "}";
+  };
+  const auto annotation = [](const std::string& labels) {
+    return R"({"babel_lid": "0", "anntr_id": "0", "mul_act": true, "labels": [)" + labels + "]}";
+  };
+  ml::write_file(clips / "babel.json",
+                 R"({"10": {"babel_sid": 10, "url": "", "feat_p": "cmu/cmu/clip0.npz", "dur": 2.0, "seq_ann": )" +
+                     annotation(label("all", R"(["run"])", "")) + R"(, "frame_ann": )" +
+                     annotation(label("a", R"(["walk"])", R"(, "start_t": 0, "end_t": 1.2)") + "," +
+                                label("b", R"(["turn", "walk"])", R"(, "start_t": 0.5, "end_t": 2)") + "," +
+                                label("c", "null", R"(, "start_t": 0, "end_t": 2)")) +
+                     R"(}, "11": {"babel_sid": 11, "url": "", "feat_p": "cmu/cmu/clip1.npz", "dur": 2.1, "seq_ann": )" +
+                     annotation(label("d", R"(["turn"])", "")) + R"(, "frame_ann": null}})");
+  const std::vector<std::string> babel{"--data", ".", "--annotations", "babel.json", "--set", "data.test_share=0"};
+  told(babel, "2 motions to train on, 0 for validation, 0 for tests; 2", "turn, walk");
+  told(with(babel, {"--set", R"(data.actions=["turn", "run"])"}),
+       "2 motions to train on, 0 for validation, 0 for tests; 2", "turn");
 }
 
 TEST_CASE("errors of TEMOS on MMM's joints: KIT's units as millimetres, the heading of knees and elbows") {

@@ -57,6 +57,8 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
       ml::raise<ml::config_error>(103, "losses.points '", config_.losses.points, "' is not joints or vertices");
     if ((config_.losses.points == "vertices") != !body.empty())
       ml::raise<ml::config_error>(102, "losses.points = vertices and --body belong together");
+    if (config_.losses.vertstrans && body.empty())
+      ml::raise<ml::config_error>(102, "losses.vertstrans is of losses.points = vertices; joints follow the way anyway");
     if (!body.empty()) {
       if (config_.clips.is_xyz()) ml::raise<ml::config_error>(102, "vertices are made of rotations; clips.pose is xyz");
       body_ = ml::read_body<B>(body).model;
@@ -96,8 +98,10 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
   ml::Sequences<T> points_of(const ml::Sequences<T>& x) const {
     if (!body_) return joint_points(x, config_.clips);
     const ml::ActorPointOptions options{.features = {.rotations = ml::parse_pose_representation(config_.clips.pose),
-                                                     .translation = config_.clips.translation},
-                                        .translate = false};
+                                                     .translation = config_.clips.translation,
+                                                     .global = config_.clips.global},
+                                        .translate = config_.losses.vertstrans,
+                                        .global_rotation = {}};
     const ml::Tensor<T, 2>* const none = nullptr;
     return ml::actor_points(x, body<T>(), none, ml::ActorPoints::vertices, options);
   }
@@ -136,9 +140,10 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
       if (kind != "sampled") {
         known_clips_.pose = clips.pose;
         known_clips_.translation = clips.translation;
+        known_clips_.global = clips.global;
         known_clips_.camera = clips.camera;
       }
-      if (known_clips_.pose != config_.clips.pose || known_clips_.translation != config_.clips.translation ||
+      if (known_clips_.pose != config_.clips.pose || known_clips_.width() != config_.clips.width() ||
           known_clips_.camera != config_.clips.camera)
         known_ = read(actor_row_maker(known_clips_));
     }

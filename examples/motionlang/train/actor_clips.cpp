@@ -36,7 +36,7 @@ ml::Motion turned_over(const ml::Motion& motion) {
 }
 
 ml::ActorFeatureOptions options_of(const ActorClipsConfig& c) {
-  return {.rotations = ml::parse_pose_representation(c.pose), .translation = c.translation};
+  return {.rotations = ml::parse_pose_representation(c.pose), .translation = c.translation, .global = c.global};
 }
 
 std::vector<double> rows_of(const ml::Motion& given, const ActorClipsConfig& c) {
@@ -75,7 +75,7 @@ std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsC
     out.insert(out.end(), at, at + c.width());
   }
   // positions count from the root of the first frame
-  const std::size_t first = c.is_xyz() ? 0 : 24 * static_cast<std::size_t>(c.numbers());
+  const std::size_t first = c.is_xyz() ? 0 : static_cast<std::size_t>(c.way());
   if (c.is_xyz() || c.translation) {
     const float origin[] = {out[first], out[first + 1], out[first + 2]};
     const std::size_t points = c.is_xyz() ? 24 : 1;
@@ -97,6 +97,9 @@ ml::Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& c) 
   const auto motion = ml::actor_inverse(rows, 24, options_of(c));
   ml::Motion out{skeleton, c.fps, {}, {}, {}};
   for (const auto& r : motion.rotations) out.local.push_back(ml::to_quaternion(ml::matrix_cast<double>(r)));
+  if (!c.global) {
+    for (std::size_t at = 0; at < out.local.size(); at += 24) out.local[at] = ml::Quaternion<double>::identity();
+  }
   for (const auto& p : motion.root) out.root.push_back(ml::vec_cast<double>(p));
   return c.camera ? turned_over(out) : out;
 }

@@ -21,6 +21,7 @@ namespace program {
 struct ActorClipsConfig {
   std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
   bool translation = true;     // the way of the root is a row of its own; not of xyz
+  bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not of xyz
   bool turned_ahead = true;    // every clip begins facing +Z
   bool camera = false;  // rotations in the world of a camera, where figures stand on their heads: as published, not set
   double fps = 30;
@@ -31,15 +32,19 @@ struct ActorClipsConfig {
 
   static constexpr auto fields() {
     using C = ActorClipsConfig;
-    return ml::fields("pose", &C::pose, "translation", &C::translation, "turned_ahead", &C::turned_ahead, "fps",
-                      &C::fps, "num_frames", &C::num_frames, "sampling_step", &C::sampling_step, "random_step",
-                      &C::random_step, "min_len", &C::min_len, "max_len", &C::max_len);
+    return ml::fields("pose", &C::pose, "translation", &C::translation, "global", &C::global, "turned_ahead",
+                      &C::turned_ahead, "fps", &C::fps, "num_frames", &C::num_frames, "sampling_step",
+                      &C::sampling_step, "random_step", &C::random_step, "min_len", &C::min_len, "max_len",
+                      &C::max_len);
   }
   bool is_xyz() const { return pose == "xyz"; }
-  /// Rows of a frame, and numbers of each.
-  ml::Index joints() const { return is_xyz() || !translation ? 24 : 25; }
+  /// Joints of a frame that have a row, all its rows, and numbers of each.
+  ml::Index rotations() const { return is_xyz() || global ? 24 : 23; }
+  ml::Index joints() const { return rotations() + (is_xyz() || !translation ? 0 : 1); }
   ml::Index numbers() const;
   ml::Index width() const { return joints() * numbers(); }
+  /// Where the way of the root begins in a frame.
+  ml::Index way() const { return rotations() * numbers(); }
 };
 
 /// Throws config_error 103 for an unknown pose.
@@ -62,15 +67,19 @@ template <ml::Backend B>
 ml::Sequences<B> joint_points(const ml::Sequences<B>& x, const ActorClipsConfig& config) {
   if (config.is_xyz()) return x;
   const ml::Index frames = x.rows.size(0), numbers = config.numbers();
-  auto rotations = ml::slice(x.rows, 1, 0, 24 * numbers);
+  auto rotations = ml::slice(x.rows, 1, 0, config.way());
   if (config.pose != "rot6d") {
     const auto form = ml::parse_pose_representation(config.pose);
-    const auto matrices = ml::rotation_rows(ml::reshape<3>(rotations, {frames, 24, numbers}),
+    const auto matrices = ml::rotation_rows(ml::reshape<3>(rotations, {frames, config.rotations(), numbers}),
                                             [form](const auto& n) { return ml::rotation_from(form, n); });
-    rotations = ml::reshape<2>(ml::slice(matrices, 2, 0, 6), {frames, 144});
+    rotations = ml::reshape<2>(ml::slice(matrices, 2, 0, 6), {frames, 6 * config.rotations()});
+  }
+  if (!config.global) {
+    const auto ahead = ml::Tensor<B, 2>::from(std::vector<typename B::scalar>{1, 0, 0, 0, 1, 0}, {1, 6});
+    rotations = ml::concat(1, ml::broadcast_to<2>(ahead, {frames, 6}), rotations);
   }
   const auto root =
-      config.translation ? ml::slice(x.rows, 1, 24 * numbers, 24 * numbers + 3) : ml::Tensor<B, 2>::zeros({frames, 3});
+      config.translation ? ml::slice(x.rows, 1, config.way(), config.way() + 3) : ml::Tensor<B, 2>::zeros({frames, 3});
   const auto places = ml::forward_kinematics(
       ml::smpl24_skeleton(),
       ml::lanes(ml::reshape<4>(rotations, {1, frames, 24, 6}), ml::reshape<3>(root, {1, frames, 3})));

@@ -12,16 +12,19 @@ namespace program {
 struct ActorNetworkConfig {
   ml::Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;
+  std::string activation = "gelu";           // core/activation.hpp; of the transformers
   std::string encoder = "tokens";            // "average", "gru", "fully_connected"
   std::string decoder = "transformer";       // "gru", "fully_connected", "autoregressive"
   std::string conditioning = "action_bias";  // "concat_bias", "zandtime", "time_encoding"
+  bool concatenate_time = true;              // GRU and autoregressive decoder: frames know the time
 
   void require_sound() const { require_sizes(*this); }
   static constexpr auto fields() {
     using C = ActorNetworkConfig;
     return ml::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers, "num_heads",
-                      &C::num_heads, "dropout", &C::dropout, "encoder", &C::encoder, "decoder", &C::decoder,
-                      "conditioning", &C::conditioning);
+                      &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "encoder", &C::encoder,
+                      "decoder", &C::decoder, "conditioning", &C::conditioning, "concatenate_time",
+                      &C::concatenate_time);
   }
 };
 
@@ -29,6 +32,7 @@ struct ActorNetworkConfig {
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
   std::string points = "joints";  // or "vertices": --body names the model
+  bool vertstrans = false;        // vertices follow the way of the root, as joints do
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
@@ -42,7 +46,7 @@ struct ActorLossConfig {
   static constexpr auto fields() {
     using C = ActorLossConfig;
     return ml::fields("rc", &C::rc, "rcxyz", &C::rcxyz, "kl", &C::kl, "vel", &C::vel, "velxyz", &C::velxyz, "points",
-                      &C::points);
+                      &C::points, "vertstrans", &C::vertstrans);
   }
 };
 

@@ -31,6 +31,7 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, Index classes) {
           .num_layers = n.num_layers,
           .num_heads = n.num_heads,
           .dropout = n.dropout,
+          .activation = ml::parse_activation(n.activation),
           .encoder = choice<ml::ActorEncoderKind>(n.encoder, "network.encoder",
                                                   std::array{"tokens", "average", "gru", "fully_connected"}),
           .decoder = choice<ml::ActorDecoderKind>(
@@ -38,6 +39,7 @@ ml::ActorConfig actor_sizes(const ActorTrainingConfig& c, Index classes) {
           .conditioning =
               choice<ml::ActorConditioning>(n.conditioning, "network.conditioning",
                                             std::array{"action_bias", "concat_bias", "zandtime", "time_encoding"}),
+          .concatenate_time = n.concatenate_time,
           .num_frames = std::max<Index>(1, c.clips.num_frames)};
 }
 
@@ -56,9 +58,10 @@ std::vector<Index> others_of_class(std::span<const Index> which, std::span<const
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen) {
   const auto told = [](const ActorClipsConfig& c) {
     return ml::concat_text("fps ", c.fps, ", turned_ahead ", c.turned_ahead ? "true" : "false", ", translation ",
-                           c.translation ? "true" : "false");
+                           c.translation ? "true" : "false", ", global ", c.global ? "true" : "false");
   };
-  if (model.fps != seen.fps || model.turned_ahead != seen.turned_ahead || (seen.translation && !model.translation))
+  if (model.fps != seen.fps || model.turned_ahead != seen.turned_ahead || (seen.translation && !model.translation) ||
+      (seen.global && !model.global))
     ml::raise<ml::config_error>(102, "model and classifier have other clips: ", told(model), " and ", told(seen));
 }
 

@@ -47,10 +47,11 @@ struct Classifier {
       if (c.clips.is_xyz() || c.clips.translation)
         ml::raise<ml::config_error>(102, "ST-GCN reads rotations alone: clips.pose = rot6d, clips.translation = false");
       const ml::Index w = c.width;
-      stgcn.emplace(ml::StGcnConfig{.in_channels = c.clips.numbers(),
-                                    .num_classes = classes,
-                                    .channels = {w, w, w, w, 2 * w, 2 * w, 2 * w, 4 * w, 4 * w, 4 * w}},
-                    rng);
+      ml::StGcnConfig sizes{.in_channels = c.clips.numbers(),
+                            .num_classes = classes,
+                            .channels = {w, w, w, w, 2 * w, 2 * w, 2 * w, 4 * w, 4 * w, 4 * w}};
+      if (!c.clips.global) sizes.parents = ml::StGcnConfig::without_root(sizes.parents);
+      stgcn.emplace(sizes, rng);
     } else {
       ml::raise<ml::config_error>(103, "kind '", c.kind, "' is not gru or stgcn");
     }
@@ -143,7 +144,7 @@ struct ActorModel {
   /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read it.
   ml::Sequences<B> seen_by(const ml::Sequences<B>& x, const ActorClipsConfig& seen) const {
     const ActorClipsConfig& clips = file.config.clips;
-    if (clips.pose == seen.pose && clips.camera == seen.camera)
+    if (clips.pose == seen.pose && clips.camera == seen.camera && clips.global == seen.global)
       return clips.width() == seen.width() ? x : x.with(ml::slice(x.rows, 1, 0, seen.width()));
     if (seen.is_xyz()) return joint_points(x, clips);
     ActorClipsConfig as_they_are = seen;

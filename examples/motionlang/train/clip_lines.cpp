@@ -1,12 +1,17 @@
 #include "clip_lines.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/features/amass_releases.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
+#include <motionlang/io/annotations.hpp>
+#include <motionlang/io/babel.hpp>
 #include <motionlang/io/bvh.hpp>
+#include <motionlang/io/motion_npy.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
@@ -33,29 +38,18 @@ std::vector<std::string> split(std::string_view line, std::string_view separator
   ml::raise<ml::io_error>(403, line.place, ": ", what);
 }
 
-/// The rows of a table of `columns`; `fill` reads the columns behind the times.
-template <class Fill>
-std::vector<ClipLine> read_table(const std::filesystem::path& path, std::size_t columns, const char* expected,
-                                 Fill fill) {
+/// The lines of a table; read(line, fields) is given the columns of a row and whether there are as many as it wants.
+template <class Read>
+std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* expected, Read read) {
   std::vector<ClipLine> lines;
   const std::string text = ml::read_file(path);
   std::size_t number = 0;
   for (const std::string& row : split(text, "\n")) {
     ++number;
     if (row.empty() || row[0] == '#') continue;
-    ClipLine line{ml::concat_text(path.string(), ":", number), {}, 0, 0, {}, {}};
     const auto fields = split(row, "\t");
-    if (fields.size() != columns) wrong(line, ml::concat_text("expected ", expected, ", separated by tabs"));
-    line.clip = fields[0];
-    const auto seconds = [&](const std::string& field) {
-      const auto value = ml::detail::parse_seconds(field);
-      if (!value) wrong(line, "'" + field + "' is not a time");
-      return *value;
-    };
-    line.start = seconds(fields[1]);
-    line.end = seconds(fields[2]);
-    if (!(line.end > line.start)) wrong(line, "the segment is empty");
-    fill(line, fields);
+    ClipLine line{ml::concat_text(path.string(), ":", number), fields[0], fields[0], 0, 0, {}, {}};
+    if (!read(line, fields)) wrong(line, ml::concat_text("expected ", expected, ", separated by tabs"));
     for (const std::string& t : line.texts) {
       if (t.empty()) wrong(line, "an empty text");
     }
@@ -65,47 +59,164 @@ std::vector<ClipLine> read_table(const std::filesystem::path& path, std::size_t 
   return lines;
 }
 
+/// Columns 1 and 2 of a row.
+void read_times(ClipLine& line, const std::vector<std::string>& fields) {
+  const auto seconds = [&](const std::string& field) {
+    const auto value = ml::detail::parse_seconds(field);
+    if (!value) wrong(line, "'" + field + "' is not a time");
+    return *value;
+  };
+  line.start = seconds(fields[1]);
+  line.end = seconds(fields[2]);
+  if (!(line.end > line.start)) wrong(line, "the segment is empty");
+}
+
+/// What a table with two columns says of a stretch, of its motion or of its text, in this order.
+class LabelTable {
+ public:
+  explicit LabelTable(const std::filesystem::path& path) {
+    const auto read = [](ClipLine& line, const std::vector<std::string>& fields) {
+      if (fields.size() == 2) line.texts = {fields[1]};
+      return fields.size() == 2;
+    };
+    for (const ClipLine& line :
+         read_rows(path, "the id of a stretch or of a motion, or a text, and its label", read)) {
+      if (!labels_.emplace(line.id, line.texts).second) wrong(line, "'" + line.id + "' has a label already");
+    }
+  }
+  std::vector<std::string> of(const std::string& segment, const std::string& motion, const std::string& text) const {
+    for (const std::string* name : {&segment, &motion, &text}) {
+      if (const auto found = labels_.find(*name); found != labels_.end()) return found->second;
+    }
+    return {};
+  }
+
+ private:
+  std::map<std::string, std::vector<std::string>> labels_;
+};
+
+/// "CMU/CMU/141/141_05_poses.npz" of BABEL, which has the folder of the data set twice, as the path of a clip.
+std::string babel_clip(const std::filesystem::path& data, const std::string& feat_p) {
+  std::string twice = feat_p.ends_with(".npz") ? feat_p.substr(0, feat_p.size() - 4) : feat_p;
+  const std::string first = twice.substr(0, twice.find('/') + 1), once = twice.substr(first.size());
+  return once.starts_with(first) && clip_file(data, twice).empty() ? once : twice;
+}
+
 }  // namespace
 
 std::vector<ClipLine> read_captions(const std::filesystem::path& path) {
-  return read_table(path, 5, "clip, start, end, parts, captions",
-                    [](ClipLine& line, const std::vector<std::string>& fields) {
-                      line.texts = split(fields[4], "|");
-                      for (const std::string& name : split(fields[3], ",")) {
-                        const auto part = ml::parse_body_part(name);
-                        if (!part) wrong(line, "'" + name + "' is no body part");
-                        line.parts = line.parts.with(*part);
-                      }
-                    });
+  return read_rows(path, "clip, start, end, parts, captions",
+                   [](ClipLine& line, const std::vector<std::string>& fields) {
+                     if (fields.size() != 5) return false;
+                     read_times(line, fields);
+                     line.texts = split(fields[4], "|");
+                     for (const std::string& name : split(fields[3], ",")) {
+                       const auto part = ml::parse_body_part(name);
+                       if (!part) wrong(line, "'" + name + "' is no body part");
+                       line.parts = line.parts.with(*part);
+                     }
+                     return true;
+                   });
 }
 
 std::vector<ClipLine> read_labels(const std::filesystem::path& path) {
-  return read_table(path, 4, "clip, start, end, label",
-                    [](ClipLine& line, const std::vector<std::string>& fields) { line.texts = {fields[3]}; });
+  return read_rows(path, "clip, start, end, label, or clip, label",
+                   [](ClipLine& line, const std::vector<std::string>& fields) {
+                     if (fields.size() != 2 && fields.size() != 4) return false;
+                     line.texts = {fields.back()};
+                     if (fields.size() == 4)
+                       read_times(line, fields);
+                     else
+                       line.end = std::numeric_limits<double>::infinity();
+                     return true;
+                   });
+}
+
+std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
+                                                const std::filesystem::path& data,
+                                                const std::filesystem::path& labels) {
+  std::optional<LabelTable> table;
+  if (!labels.empty()) table.emplace(labels);
+  std::vector<ClipLine> lines;
+  bool any = false;
+  const auto add = [&](const std::string& place, const std::string& id, const std::string& clip, double start,
+                       double end, std::vector<std::string> own) {
+    if (!ml::detail::is_clip_id(clip)) ml::raise<ml::io_error>(403, place, ": '", clip, "' is no path of a clip");
+    any = any || !own.empty();
+    lines.push_back({place, id, clip, start, end, {}, std::move(own)});
+  };
+  const auto members = ml::JsonMembers::open(annotations);
+  const auto unified = ml::AnnotationFile::open(annotations);
+  const auto babel = ml::BabelFile::open(annotations);
+  for (const std::string& id : members.keys()) {
+    const nlohmann::json document = members.load(id);
+    const ml::JsonView view(document, members.place(id));
+    if (view.contains("feat_p")) {
+      const ml::BabelSequence s = babel.load(id);
+      const std::string clip = babel_clip(data, s.feat_p);
+      for (const ml::BabelAnnotation& a : s.frame_annotations.empty() ? s.sequence_annotations : s.frame_annotations) {
+        for (const ml::BabelLabel& l : a.labels)
+          add(view.path(), id, clip, l.start, l.end, table ? table->of(l.seg_id, id, l.proc_label) : l.act_cat);
+      }
+      continue;
+    }
+    const ml::AnnotatedMotion motion = unified.load(id);
+    const ml::JsonView list = view["annotations"];
+    for (ml::Index i = 0; i < list.size(); ++i) {
+      const ml::Annotation& a = motion.annotations[static_cast<std::size_t>(i)];
+      auto own = list[i].value_or("act_cat", std::vector<std::string>{});
+      if (const std::string label = list[i].value_or("label", ""); !label.empty()) own = {label};
+      add(list[i].path(), id, motion.path, a.start, a.end, table ? table->of(a.seg_id, id, a.text) : std::move(own));
+    }
+  }
+  if (!any && table)
+    ml::raise<ml::io_error>(403, annotations.string(), ": ", labels.string(),
+                            " has a label for none of its stretches, motions and texts");
+  if (!any)
+    ml::raise<ml::io_error>(403, annotations.string(),
+                            ": no annotation has a label or act_cat; --labels names a table with "
+                            "what a stretch, a motion or a text is labelled");
+  return lines;
+}
+
+std::filesystem::path clip_file(const std::filesystem::path& data, const std::string& clip) {
+  const auto bvh = data / (clip + ".bvh"), amc = data / (clip + ".amc");
+  if (std::filesystem::exists(bvh)) return bvh;
+  for (const std::string& name : ml::amass_paths(clip)) {
+    const auto npz = data / (name + ".npz");
+    if (std::filesystem::exists(npz)) return npz;
+  }
+  if (std::filesystem::exists(amc)) return amc;
+  const auto npy = is_data_set(data) ? rows_file(data, clip) : data / (clip + ".npy");
+  return std::filesystem::exists(npy) ? npy : std::filesystem::path();
 }
 
 ml::Motion read_clip(const std::filesystem::path& data, const ClipLine& line) {
-  const auto bvh = data / (line.clip + ".bvh"), amc = data / (line.clip + ".amc");
-  if (std::filesystem::exists(bvh)) return ml::retarget(ml::read_bvh_motion(bvh));
-  for (const std::string& clip : ml::amass_paths(line.clip)) {
-    const auto npz = data / (clip + ".npz");
-    if (std::filesystem::exists(npz)) return on_smpl(ml::read_amass(npz).motion);
-  }
-  if (std::filesystem::exists(amc)) {
-    auto asf = asf_beside(amc);
-    if (!std::filesystem::exists(asf))
-      asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
-    return ml::retarget(ml::read_amc(amc, ml::read_asf(asf)));
-  }
-  ml::raise<ml::io_error>(401, line.place, ": no ", bvh.string(), ", no .npz and no .amc");
+  const auto file = clip_file(data, line.clip);
+  const std::string kind = file.extension().string();
+  if (file.empty())
+    ml::raise<ml::io_error>(401, line.place, ": no ", (data / line.clip).string(),
+                            ".bvh, no .npz, no .amc and no .npy");
+  if (kind == ".bvh") return ml::retarget(ml::read_bvh_motion(file));
+  if (kind == ".npz") return on_smpl(ml::read_amass(file).motion);
+  if (kind == ".npy") return on_smpl(ml::read_motion_npy(file));
+  auto asf = asf_beside(file);
+  if (!std::filesystem::exists(asf))
+    asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
+  return ml::retarget(ml::read_amc(file, ml::read_asf(asf)));
+}
+
+ml::FrameSlice frames_of(const ml::Motion& clip, const ClipLine& line) {
+  const auto first = std::clamp<ml::Index>(static_cast<ml::Index>(line.start * clip.fps + 0.5), 0, clip.frames());
+  const auto last = std::clamp<ml::Index>(static_cast<ml::Index>(line.end * clip.fps + 0.5), first, clip.frames());
+  return {first, last - first};
 }
 
 ml::Motion segment_of(const ml::Motion& clip, const ClipLine& line, ml::Index least) {
-  const auto first = std::clamp<ml::Index>(static_cast<ml::Index>(line.start * clip.fps + 0.5), 0, clip.frames());
-  const auto last = std::clamp<ml::Index>(static_cast<ml::Index>(line.end * clip.fps + 0.5), first, clip.frames());
-  if (last - first < least)
-    wrong(line, ml::concat_text(line.clip, " ", line.start, " to ", line.end, " s holds ", last - first, " frames"));
-  return ml::crop(clip, first, last);
+  const auto [first, frames] = frames_of(clip, line);
+  if (frames < least)
+    wrong(line, ml::concat_text(line.clip, " ", line.start, " to ", line.end, " s holds ", frames, " frames"));
+  return ml::crop(clip, first, first + frames);
 }
 
 }  // namespace program

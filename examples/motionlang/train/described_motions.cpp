@@ -1,6 +1,7 @@
 #include "described_motions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <set>
@@ -67,33 +68,61 @@ std::vector<DescribedMotion>& part_of(DescribedMotions& all, int part) {
   return part == 0 ? all.training : part == 1 ? all.validation : all.test;
 }
 
-/// Clips of a table, each read once, on several threads.
-void read_table(DescribedMotions& out, const std::vector<ClipLine>& lines, const DataSources& sources,
+/// By what a line is split: an id where there are lists, else the clip, mirrored or not.
+std::string key_of(const DataSources& sources, const std::string& id, const std::string& clip) {
+  if (!sources.splits.empty()) return id;
+  return clip.starts_with("M/") ? clip.substr(2) : clip;
+}
+
+/// Lines with one of the labels that are wanted, or with one label where all are. Returns how many others there were.
+Index keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& actions) {
+  for (ClipLine& line : lines) {
+    std::erase_if(line.texts, [&](const std::string& label) {
+      return !actions.empty() && std::find(actions.begin(), actions.end(), label) == actions.end();
+    });
+  }
+  return static_cast<Index>(std::erase_if(lines, [](const ClipLine& line) { return line.texts.size() != 1; }));
+}
+
+/// Whether a clip is no features with numbers that are not finite; its reader says if there is none.
+bool can_be_read(const DataSources& sources, const std::string& clip) {
+  const auto file = clip_file(sources.data, clip);
+  return file.extension() != ".npy" || all_finite(ml::read_npy(file).to<float>());
+}
+
+/// Clips of lines, each read once, on several threads.
+void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSources& sources,
                 const DataConfig& config, const RowMaker& maker, ml::Progress progress) {
-  std::vector<std::string> clips;
+  const bool labels = sources.labelled();
+  if (labels) out.left_out += keep_actions(lines, config.actions);
+  std::vector<std::string> clips, keys;
   std::map<std::string, std::vector<std::size_t>> lines_of;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines_of[lines[i].clip].empty()) clips.push_back(lines[i].clip);
     lines_of[lines[i].clip].push_back(i);
+    keys.push_back(key_of(sources, lines[i].id, lines[i].clip));
   }
-  const Split split(sources, config, clips);
-  const bool labels = !sources.labels.empty();
+  const Split split(sources, config, keys);
   std::vector<std::vector<DescribedMotion>> found(lines.size());
   std::mutex mutex;
   Index done = 0;
   ml::parallel_for(std::ssize(clips), [&](Index c) {
     const auto& mine = lines_of.at(clips[static_cast<std::size_t>(c)]);
-    const int part = split.of(clips[static_cast<std::size_t>(c)]);
-    if (part >= 0) {
+    const auto unused = [&](std::size_t i) { return split.of(keys[i]) < 0; };
+    if (!std::all_of(mine.begin(), mine.end(), unused) && can_be_read(sources, clips[static_cast<std::size_t>(c)])) {
       const auto clip = ml::resample(read_clip(sources.data, lines[mine.front()]), maker.fps);
       for (const std::size_t i : mine) {
-        const ClipLine& line = lines[i];
+        const int part = split.of(keys[i]);
+        if (part < 0) continue;
+        ClipLine& line = lines[i];
+        if (std::isinf(line.end)) line.end = clip.seconds();
         const double seconds = line.end - line.start;
         if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) continue;
+        if (!sources.annotations.empty() && frames_of(clip, line).length <= fewest_rows) continue;
         const auto motion = segment_of(clip, line, fewest_rows + 1);
         auto add = [&](const ml::Motion& m, bool mirrored) {
           DescribedMotion d{
-              ml::concat_text(mirrored ? "M" : "", line.clip, "@", line.start), line.clip, rows_of(maker, m), {}};
+              ml::concat_text(mirrored ? "M" : "", line.id, "@", line.start), line.clip, rows_of(maker, m), {}};
           const Index frames = std::ssize(d.rows) / maker.width;
           for (const std::string& t : line.texts)
             d.texts.push_back({mirrored ? ml::mirror_caption(t) : t, {0, frames}});
@@ -107,7 +136,7 @@ void read_table(DescribedMotions& out, const std::vector<ClipLine>& lines, const
     progress(++done, std::ssize(clips));
   });
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const int part = split.of(lines[i].clip);
+    const int part = split.of(keys[i]);
     if (part < 0) continue;
     if (found[i].empty()) ++out.left_out;
     for (DescribedMotion& d : found[i]) part_of(out, part).push_back(std::move(d));
@@ -171,7 +200,7 @@ std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& make
   const auto npy = npy_of(sources, motion);
   if (std::filesystem::exists(npy))
     return ml::detail::read_rows(npy, {form_of(maker, npy).width()}, /*any_number=*/true);
-  const ClipLine line{sources.annotations.string() + ": " + motion.id, motion.path, 0, 0, {}, {}};
+  const ClipLine line{sources.annotations.string() + ": " + motion.id, motion.id, motion.path, 0, 0, {}, {}};
   return rows_of(maker, ml::resample(read_clip(sources.data, line), maker.fps));
 }
 
@@ -179,13 +208,9 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
                       const RowMaker& maker, ml::Progress progress) {
   const auto opened = annotation_file(sources);
   const ml::AnnotationFile& file = *opened;
-  std::vector<std::string> keys = file.ids();  // of the split: an id where there are lists, else the clip, mirrored or not
-  if (sources.splits.empty()) {
-    for (std::string& key : keys) {
-      key = file.load(key).path;
-      if (key.starts_with("M/")) key.erase(0, 2);
-    }
-  }
+  std::vector<std::string> keys;
+  for (const std::string& id : file.ids())
+    keys.push_back(key_of(sources, id, sources.splits.empty() ? file.load(id).path : id));
   const Split split(sources, config, keys);
   for (std::size_t i = 0; i < file.ids().size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(file.ids()));
@@ -242,13 +267,25 @@ std::string ready_made_features(DataSources& sources) {
 DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& maker,
                                         ml::Progress progress) {
   DescribedMotions out{maker.width, maker.fps, {}, {}, {}, 0};
-  const int given = int(!sources.captions.empty()) + int(!sources.labels.empty()) + int(!sources.annotations.empty());
-  if (given > 1) ml::raise<ml::config_error>(102, "one of --captions, --labels and --annotations, not several");
-  if (!sources.captions.empty())
-    read_table(out, read_captions(sources.captions), sources, config, maker, progress);
+  const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
+  if (captions && (annotations || !sources.labels.empty()))
+    ml::raise<ml::config_error>(102, "one of --captions, --labels and --annotations, not several");
+  if (sources.actions && !annotations && sources.labels.empty())
+    ml::raise<ml::config_error>(
+        102, "actions need labels: --labels names a table of them, --annotations a file that has some");
+  if (!config.actions.empty() && !sources.labelled())
+    ml::raise<ml::config_error>(102, "data.actions are labels, and texts are to be learnt");
+  DataSources listed = sources;  // a data set has lists of its own
+  if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
+    listed.splits = sources.data;
+  if (captions)
+    read_lines(out, read_captions(sources.captions), listed, config, maker, progress);
+  else if (annotations && sources.labelled())
+    read_lines(out, read_labelled_annotations(sources.annotations, sources.data, sources.labels), sources, config,
+               maker, progress);
   else if (!sources.labels.empty())
-    read_table(out, read_labels(sources.labels), sources, config, maker, progress);
-  else if (!sources.annotations.empty())
+    read_lines(out, read_labels(sources.labels), listed, config, maker, progress);
+  else if (annotations)
     read_annotations(out, sources, config, maker, progress);
   else if (is_data_set(sources.data))
     read_humanml3d(out, sources, maker, progress);

@@ -44,7 +44,8 @@ struct DescribedMotions {
   ml::Index width = 0;
   double fps = 0;
   std::vector<DescribedMotion> training, validation, test;
-  ml::Index left_out = 0;  // texts that are too short or too long, or of features with numbers that are not finite
+  // texts that are too short or too long, stretches without the one label, features with numbers that are not finite
+  ml::Index left_out = 0;
 
   std::array<const std::vector<DescribedMotion>*, 3> parts() const { return {&training, &validation, &test}; }
   /// Training, validation or test. Throws config_error 103.
@@ -54,15 +55,18 @@ struct DescribedMotions {
 std::vector<std::string> all_texts(const DescribedMotions& data);  // different ones
 
 /// Where the motions are. One of `captions`, `labels` and `annotations`, or a `data` that is a folder in the form of
-/// HumanML3D or KIT-ML.
+/// HumanML3D or KIT-ML; or `annotations` with `labels` for them.
 struct DataSources {
   std::filesystem::path data;      // folder
   std::filesystem::path captions;  // table (clip_lines.hpp)
-  std::filesystem::path labels;    // table
+  std::filesystem::path labels;    // table, also of what the stretches, motions or texts of `annotations` are labelled
   std::filesystem::path
       annotations;  // JSON of TMR and STMC; its paths lead to .npy features, .npz (AMASS) or .bvh in `data`
   std::filesystem::path splits;  // folder with train.txt, val.txt and test.txt; of HumanML3D the data folder itself
+  bool actions = false;          // labels are wanted, not texts, also where `annotations` has both
   std::shared_ptr<const ml::AnnotationFile> opened{};  // `annotations`, where it has been opened already
+
+  bool labelled() const { return actions || !labels.empty(); }
 };
 
 /// The features of what is ready-made there, by the width of its rows: of the first clip to train on of a data set, or
@@ -76,6 +80,7 @@ struct DataConfig {
   double validation_share = 0.05;
   std::uint64_t split_seed = 1;
   bool mirror = false;  // mirrored clips with mirrored captions as well, of clips in a table, for training
+  std::vector<std::string> actions{};  // labels to learn; none: all that there are
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("test_share", test_share), {"validation_share", validation_share}})
@@ -86,7 +91,8 @@ struct DataConfig {
   static constexpr auto fields() {
     using C = DataConfig;
     return ml::fields("min_seconds", &C::min_seconds, "max_seconds", &C::max_seconds, "test_share", &C::test_share,
-                      "validation_share", &C::validation_share, "split_seed", &C::split_seed, "mirror", &C::mirror);
+                      "validation_share", &C::validation_share, "split_seed", &C::split_seed, "mirror", &C::mirror,
+                      "actions", &C::actions);
   }
 };
 

@@ -13,6 +13,7 @@ namespace program {
 struct TextMotionNetworkConfig {
   ml::Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
+  std::string activation = "gelu";  // core/activation.hpp
   bool vae = true;
   std::string motion_encoder = "transformer", motion_decoder = "transformer";  // or "gru"; encoder "none": TEMOS alone
 
@@ -20,8 +21,8 @@ struct TextMotionNetworkConfig {
   static constexpr auto fields() {
     using C = TextMotionNetworkConfig;
     return ml::fields("latent_dim", &C::latent_dim, "ff_size", &C::ff_size, "num_layers", &C::num_layers, "num_heads",
-                      &C::num_heads, "dropout", &C::dropout, "vae", &C::vae, "motion_encoder", &C::motion_encoder,
-                      "motion_decoder", &C::motion_decoder);
+                      &C::num_heads, "dropout", &C::dropout, "activation", &C::activation, "vae", &C::vae,
+                      "motion_encoder", &C::motion_encoder, "motion_decoder", &C::motion_decoder);
   }
 };
 
@@ -46,7 +47,7 @@ struct TextMotionLossConfig {
   bool learned_temperature = false;  // from that value on, as CLIP does; of info_nce
   double threshold = 0.8;  // texts more similar than that are no negatives; 0: all are
   double margin = 10;
-  bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // of TEMOS
+  bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weigh
 
   void require_sound() const {
     for (const auto& [name, value] :

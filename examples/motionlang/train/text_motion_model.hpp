@@ -88,6 +88,7 @@ TextMotionModel<B, System> make_text_motion(const TextMotionConfig& c, ml::Index
                           .num_layers = n.num_layers,
                           .num_heads = n.num_heads,
                           .dropout = n.dropout,
+                          .activation = ml::parse_activation(n.activation),
                           .vae = n.vae},
                          init);
   } else {
@@ -98,6 +99,7 @@ TextMotionModel<B, System> make_text_motion(const TextMotionConfig& c, ml::Index
                           .num_layers = n.num_layers,
                           .num_heads = n.num_heads,
                           .dropout = n.dropout,
+                          .activation = ml::parse_activation(n.activation),
                           .vae = n.vae,
                           .motion_encoder = temos_network(n.motion_encoder, "network.motion_encoder"),
                           .motion_decoder = temos_network(n.motion_decoder, "network.motion_decoder")},

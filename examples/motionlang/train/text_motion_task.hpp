@@ -136,14 +136,12 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       if (kind == ml::ContrastiveLoss::none && l.contrastive_loss != "none")
         ml::raise<ml::config_error>(103, "losses.contrastive_loss '", l.contrastive_loss,
                                     "' is not info_nce, margin or none");
-      if (!l.cross_modal_kl || !l.gaussian_kl || !l.embedding)
-        ml::raise<ml::config_error>(102, "losses.cross_modal_kl, gaussian_kl and embedding are of TEMOS; TMR has all three terms");
       if (l.learned_temperature && kind != ml::ContrastiveLoss::info_nce)
         ml::raise<ml::config_error>(102, "losses.learned_temperature is for info_nce; losses.contrastive_loss is '",
                                     l.contrastive_loss, "'");
       return ml::TmrLossOptions{.recons = l.recons,
                                 .kl = l.kl,
-                                .latent = l.latent,
+                                .latent = l.embedding ? l.latent : 0,
                                 .contrastive = l.contrastive,
                                 .contrastive_loss = kind,
                                 .temperature = l.temperature,
@@ -224,8 +222,16 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       const auto sentences = sentences_->encode<T>(batch.texts).tokens.rows;
       std::optional<ml::Tensor<T, 0>> temperature;
       if (model.log_temperature) temperature = exp(*model.log_temperature);
-      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_),
-                            temperature ? &*temperature : nullptr);
+      auto terms =
+          ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr);
+      const auto& l = config_.losses;
+      if (!l.cross_modal_kl || !l.gaussian_kl) {  // TMR has all four divergences
+        const ml::TemosLossOptions kept{.cross_modal_kl = l.cross_modal_kl, .gaussian_kl = l.gaussian_kl};
+        for (auto& term : terms.terms) {
+          if (term.name == "kl") term.value = ml::temos_losses(branches, batch.motions, kept).sum_of("kl_");
+        }
+      }
+      return terms;
     } else {
       return ml::temos_losses(branches, batch.motions, losses(config_));
     }

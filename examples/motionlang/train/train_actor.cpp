@@ -8,15 +8,15 @@ namespace {
 
 struct Options {
   TrainingOptions common;
-  std::filesystem::path labels, from, body;
+  LabelOptions labels;
+  std::filesystem::path from, body;
 };
 
 void run(const Options& o) {
   auto config = actor_preset(o.common.preset);
   if (!configure(config, o.common)) return;
   config.losses.require_any();
-  const auto data = read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data,
-                              actor_row_maker(config.clips));
+  const auto data = read_data(o.common, o.labels.sources(o.common), config.data, actor_row_maker(config.clips));
   Trainer trainer(ActorTask(config, data, o.from, o.body));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
@@ -31,7 +31,7 @@ void add_train_actor(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "train-actor", "Trains ACTOR, which makes motions for actions; Ctrl-C saves, the same command goes on");
   add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
-  c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
+  o->labels.add_to(*c);
   c->add_option("--from", o->from, "Model to begin with: motions of many lengths after those of 60 frames")
       ->check(CLI::ExistingDirectory);
   c->add_option("--body", o->body, "SMPL, for losses.points = vertices")->check(CLI::ExistingFile);

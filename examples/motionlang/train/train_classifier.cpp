@@ -8,7 +8,8 @@ namespace {
 
 struct Options {
   TrainingOptions common;
-  std::filesystem::path labels, generated;
+  LabelOptions labels;
+  std::filesystem::path generated;
 };
 
 void run(const Options& o) {
@@ -17,7 +18,7 @@ void run(const Options& o) {
   std::optional<ActorModel<TrainingBackend>> generator;
   if (!o.generated.empty()) generator.emplace(o.generated);
   const auto read = [&](const RowMaker& rows) {
-    return read_data(o.common, {o.common.data, {}, o.labels, {}, o.common.splits}, config.data, rows);
+    return read_data(o.common, o.labels.sources(o.common), config.data, rows);
   };
   const auto data = read(actor_row_maker(config.clips));
   Trainer trainer(ClassifierTask(config, data, std::move(generator), read));
@@ -34,7 +35,7 @@ void add_train_classifier(CLI::App& app) {
   CLI::App* c = app.add_subcommand("train-classifier",
                                    "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
   add_training_options(*c, o->common, {"small", "stgcn-published", "gru-published"});
-  c->add_option("--labels", o->labels, "Table of the clips: clip, start, end, label")->check(CLI::ExistingFile);
+  o->labels.add_to(*c);
   c->add_option("--generated", o->generated,
                 "Model of train-actor that makes a part of the motions (generated_share): sampled, or of the recorded "
                 "ones denoised or interpolated (generated_kind)")

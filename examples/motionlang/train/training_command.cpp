@@ -29,6 +29,21 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   o.machine.add_to(command);
 }
 
+void LabelOptions::add_to(CLI::App& command) {
+  command
+      .add_option(
+          "--labels", labels,
+          "Table of the clips: clip, start, end, label, or clip, label (all of it); with --annotations: id of a "
+          "stretch or of a motion, or a text, and its label")
+      ->check(CLI::ExistingFile);
+  command
+      .add_option(
+          "--annotations", annotations,
+          "Annotation file (JSON) whose paths lead into --data: BABEL's own, which has categories of actions, or the "
+          "unified one with a label for each stretch")
+      ->check(CLI::ExistingFile);
+}
+
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config) {
   if (o.print_config) {
     std::printf("%s\n", config.dump(2).c_str());

@@ -1,4 +1,5 @@
-// What the commands train-tmr, train-temos and train-actor have in common: options, configuration, reading of data.
+// What the commands train-tmr, train-temos, train-actor and train-classifier have in common: options, configuration,
+// reading of data.
 #pragma once
 
 #include <cstdio>
@@ -23,6 +24,14 @@ struct TrainingOptions {
   RunOptions run;
   std::string license = "not stated", provenance = "own training", commit;
   MachineOptions machine;
+};
+
+/// Where the actions of train-actor and train-classifier are from.
+struct LabelOptions {
+  std::filesystem::path labels, annotations;
+
+  void add_to(CLI::App& command);
+  DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
 };
 
 /// `presets` are their names; the first is taken unless another is named.
