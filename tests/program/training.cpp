@@ -231,11 +231,12 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   CHECK_MESSAGE(contains(classifier.text, "accuracy"), classifier.text);
 
   const auto moments = evaluate("train-tmr", {"--captions", "captions.tsv", "--part", "training", "--moments", "3", "--joined",
-                                              "2", "--windows", "0.5,1.5"});
+                                              "2", "--windows", "0.5,1.5", "--stride", "0.5"});
   CHECK_MESSAGE(moments.code == 0, moments.text);
   for (const char* word : {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a window by lot"})
     CHECK_MESSAGE(contains(moments.text, word), moments.text);
   CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--windows", "99"}).code == 2);
+  CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--stride", "0"}).code == 2);
 
   // what was trained makes motions
   const auto generate = [&](const std::string& name, std::vector<std::string> more) {
@@ -853,6 +854,9 @@ TEST_CASE("actions of whole clips, of ready-made features, of annotation files: 
                      annotation(label("d", R"(["turn"])", "")) + R"(, "frame_ann": null}})");
   const std::vector<std::string> babel{"--data", ".", "--annotations", "babel.json", "--set", "data.test_share=0"};
   told(babel, "2 motions to train on, 0 for validation, 0 for tests; 2", "turn, walk");
+  const auto measured = run({"evaluate", "out/model", "--data", ".", "--annotations", "babel.json", "--part",
+                             "training", "--seeds", "2"}, clips.path);
+  CHECK_MESSAGE(contains(measured.text, "2 motions of the training part, 2 classes"), measured.text);
   told(with(babel, {"--set", R"(data.actions=["turn", "run"])"}),
        "2 motions to train on, 0 for validation, 0 for tests; 2", "turn");
 }

@@ -47,7 +47,7 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
-  c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training")->check(CLI::ExistingFile);
+  c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training, unless --annotations has them")->check(CLI::ExistingFile);
   c->add_option("--classifier", o->classifier,
                 "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, "
                 "uestc_rot6d_stgcn.tar)")
@@ -88,6 +88,7 @@ void add_evaluate(CLI::App& app) {
       ->delimiter(',')
       ->check(in_range(0.1, 10))
       ->capture_default_str();
+  c->add_option("--stride", o->stride, "Seconds from one stretch to the next")->check(in_range(0.01, 10))->capture_default_str();
   c->add_option("--samples", o->samples, "TEMOS: motions for each text")
       ->check(in_range(1, 1000))
       ->capture_default_str();

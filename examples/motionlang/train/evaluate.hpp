@@ -20,6 +20,7 @@ struct EvaluationOptions {
   ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
+  double stride = 0.2;                         // seconds from one to the next
   std::uint64_t seed = 0;
   MachineOptions machine;
 };

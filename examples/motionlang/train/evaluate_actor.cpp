@@ -99,7 +99,7 @@ struct Measured {
            std::span<const std::string> labels)
       : data([&] {
           ProgressBar bar("reading motions");
-          return read_described_motions({o.data, {}, o.labels, {}, o.splits}, config, actor_row_maker(clips), bar);
+          return read_described_motions({o.data, {}, o.labels, o.annotations, o.splits, true}, config, actor_row_maker(clips), bar);
         }()),
         part(&data.part(o.part)),
         classes(classes_of(*part, labels)) {

@@ -74,7 +74,7 @@ void evaluate_moments(const EvaluationOptions& o) {
   answers.push_back({"all lengths", {}});
   Answers chance{"a window by lot", {}};
   std::vector<ml::FrameSlice> wanted;
-  const Index stride = std::max<Index>(1, std::lround(0.2 * model.fps()));
+  const Index stride = std::max<Index>(1, std::lround(o.stride * model.fps()));
   ProgressBar bar("looking for moments");
   for (Index k = 0; k < o.moments; ++k) {
     auto rng = ml::Philox{.seed = o.seed}.split("moments").split(static_cast<std::uint64_t>(k));
