@@ -5658,28 +5658,25 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last digit counts as
 /// one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
-  Index held = 0;
   const auto same = [&](Index f) {
     return std::ranges::equal(motion.rotations(f), motion.rotations(0), [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
   };
+  Index held = 0;  // the last frame of the first pose
   while (held + 1 < motion.frames() && same(held + 1)) ++held;
-  if (held > 0) {
-    const Index more = detect_t_pose_lead_in(crop(motion, held, motion.frames()));
-    return more > 0 ? held + more : 0;
-  }
   constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  const auto frames = static_cast<double>(motion.frames());  // a rate may be larger than any Index
+  const Index left = motion.frames() - held;
+  const auto frames = static_cast<double>(left);  // a rate may be larger than any Index
   const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
-  const Index seen = std::min(motion.frames() - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
+  const Index seen = std::min(left - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
   if (seen < 2 || joints < 2) return 0;
   double from_zero = 0;
   for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
   if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
 
-  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame f to f + 1
+  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame held + f to the next
   for (Index f = 0; f < seen; ++f) {
-    const auto a = motion.rotations(f), b = motion.rotations(f + 1);
+    const auto a = motion.rotations(held + f), b = motion.rotations(held + f + 1);
     double& turn = step[static_cast<std::size_t>(f)];
     for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
   }
@@ -5691,7 +5688,8 @@ inline Index detect_t_pose_lead_in(const Motion& motion) {
   };
   Index blend = 0;
   while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
-  return blend < 2 ? blend : std::min(2 * blend, motion.frames() - 1);
+  if (blend == 0) return 0;
+  return held + (blend < 2 ? blend : std::min(2 * blend, left - 1));
 }
 
 /// The clip without those frames.
@@ -6553,7 +6551,8 @@ PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP  // <motionlang/kinematics/body_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP
-/// Which joints of a known skeleton are the hips, knees, feet, shoulders and the head. The tables of retargeting say so.
+/// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of
+/// retargeting say so.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
@@ -6837,7 +6836,7 @@ struct BodyJoints {
     bool known() const { return left >= 0 && right >= 0; }
   };
   int pelvis = -1, head = -1;
-  Pair hip, knee, ankle, toe, shoulder;
+  Pair hip, knee, ankle, toe, shoulder, elbow, wrist;
 };
 
 /// Nothing for a skeleton that no table fits.
@@ -6849,8 +6848,8 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
     return row == nullptr ? -1 : find_joint(skeleton, row->source);
   };
   auto pair = [&](const std::string& smpl) { return BodyJoints::Pair{joint("left_" + smpl), joint("right_" + smpl)}; };
-  return BodyJoints{joint("pelvis"), joint("head"), pair("hip"),     pair("knee"),
-                    pair("ankle"),   pair("foot"),  pair("shoulder")};
+  return BodyJoints{joint("pelvis"), joint("head"),    pair("hip"),   pair("knee"), pair("ankle"),
+                    pair("foot"),    pair("shoulder"), pair("elbow"), pair("wrist")};
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -18863,6 +18862,7 @@ inline void append_decomposed(std::u32string& out, char32_t c) {
 
 /// The composition of two code points, 0 if there is none.
 inline char32_t composed(char32_t first, char32_t second) {
+  if (second < 0x300) return 0;  // marks begin there
   if (first - jamo_l < 19 && second - jamo_v < jamo_v_count)
     return hangul + ((first - jamo_l) * jamo_v_count + (second - jamo_v)) * jamo_t_count;
   if (first - hangul < hangul_count && (first - hangul) % jamo_t_count == 0 && second - jamo_t - 1 < jamo_t_count - 1)
@@ -24730,8 +24730,12 @@ struct GuoEvaluator {
 ///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
 ///     Motion better = mended(motion, found.cure);
 ///
-/// A wrong scale or up axis is put right before the checks that follow it, so that each finding has one cause. All limits
-/// are in SI units and named in InspectionLimits.
+/// A wrong scale, up axis or frame rate is put right before the checks that follow it, so that each finding has one
+/// cause. All limits are in SI units and named in InspectionLimits.
+///
+/// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls
+/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is no finding:
+/// a person may walk as slowly.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -24739,6 +24743,7 @@ enum class Fault : int {
   empty,
   not_finite,
   frame_rate,
+  fall,
   lead_in,
   scale,
   up_axis,
@@ -24753,10 +24758,11 @@ struct FaultInfo {
   bool mendable;
 };
 /// By Fault.
-inline constexpr std::array<FaultInfo, 11> fault_info{{
+inline constexpr std::array<FaultInfo, 12> fault_info{{
     {"no motion", "fewer than two frames", false},
     {"not finite", "a value is NaN or infinite, or a rotation has length 0", false},
     {"frame rate", "no rate that cameras, engines or data sets use", false},
+    {"fall", "bodies fall faster or slower than they do: the frame rate is wrong", true},
     {"T-pose", "an inserted T-pose at the start that nobody performed", true},
     {"scale", "the figure is not as tall as a person", true},
     {"up axis", "the figure does not stand along +Y", true},
@@ -24781,6 +24787,7 @@ struct Cure {
   Quaternion<double> upright{1, 0, 0, 0};  // turns the up axis of the clip to +Y
   double scale = 1;
   double lift = 0;  // metres, after scaling
+  double fps = 0;   // the true frame rate; 0: as it is
 };
 
 struct Inspection {
@@ -24799,10 +24806,16 @@ struct InspectionLimits {
   double upright = 0.8;      // mean direction of trunk and legs along another axis than +Y; 1: exactly
   double standing = 0.3;     // m that feet may be off 0 along an axis that is taken for the true one
   double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
+  double wrong_rate = 1.6;   // the stated rate over the one at which bodies fall as they do, or the other way round
+  double least_rise = 0.015, least_flight = 0.06;  // m that the centre of mass rises, in a step and in a jump
+  double parabola = 0.04;    // of that rise: how far off a parabola in the mean
+  double off_floor = 0.08;   // m that the lower foot is above where it stands, in a flight
   double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
   double jump = 0.15;        // m between two frames, and
   double jump_speed = 8;     // m/s: a fast punch or kick
+  double jump_seconds = 0.1;  // a jump may be spread over so many
   double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
+  double violent = 1000;     // m/s2 that no joint takes in any surroundings; recordings have up to 700
   double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
   double low = 0.03;         // m above where a foot joint is when it stands: still on the floor
   double carried = 0.4;      // of the length of the legs that the pelvis is above a foot that carries it: not of who swims or crawls
@@ -24839,6 +24852,29 @@ inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoint
   return normalized(place(body.head) - 0.5 * (place(body.ankle.left) + place(body.ankle.right)));
 }
 
+/// The second derivative of the parabola through values at whole steps, by least squares, and how far they are off it,
+/// as the root of the mean square. At least three.
+struct ParabolaFit {
+  double bend, off;
+};
+inline ParabolaFit fit_parabola(std::span<const double> values) {
+  const auto n = static_cast<double>(values.size());
+  auto t = [&](std::size_t i) { return static_cast<double>(i) - 0.5 * (n - 1); };  // 0 in the middle
+  double t2 = 0, t4 = 0, sum = 0, sum_t = 0, sum_t2 = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double square = t(i) * t(i);
+    t2 += square, t4 += square * square;
+    sum += values[i], sum_t += t(i) * values[i], sum_t2 += square * values[i];
+  }
+  const double c2 = (sum_t2 - t2 * sum / n) / (t4 - t2 * t2 / n), c1 = sum_t / t2, c0 = (sum - c2 * t2) / n;
+  double off = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double e = values[i] - (c0 + c1 * t(i) + c2 * t(i) * t(i));
+    off += e * e / n;
+  }
+  return {2 * c2, std::sqrt(off)};
+}
+
 /// One clip under inspection: its joints in the world, put right as far as causes are known.
 class MotionInspector {
  public:
@@ -24853,12 +24889,13 @@ class MotionInspector {
           " of an inserted T-pose at the start");
     }
     first_ = out_.cure.lead_in;
-    positions_ = motion_.positions();
     body_ = find_body_joints(motion_.skeleton);
+    place_joints();
     if (body_) {
       check_scale();
       check_up_axis();
       check_sides();
+      check_falls();
     }
     check_jumps();
     if (body_) check_feet();
@@ -24868,9 +24905,7 @@ class MotionInspector {
  private:
   using Vec = Vec3<double>;
 
-  Vec& at(Index frame, Index joint) {
-    return positions_[static_cast<std::size_t>(frame * motion_.skeleton.size() + joint)];
-  }
+  Vec& at(Index frame, Index joint) { return positions_[static_cast<std::size_t>(frame * columns_ + joint)]; }
   Vec middle(Index frame, const BodyJoints::Pair& p) { return 0.5 * (at(frame, p.left) + at(frame, p.right)); }
   double seconds(Index frame) const { return static_cast<double>(frame) / motion_.fps; }
   Index frames() const { return motion_.frames(); }
@@ -24898,13 +24933,36 @@ class MotionInspector {
     return frames() >= 2;
   }
 
-  void check_frame_rate() {
+  static bool usual_rate(double fps) {
     constexpr std::array<double, 25> usual{10,    12, 12.5, 15, 20, 23.976, 24,  25,     29.97, 30,  40,  48, 50,
                                            59.94, 60, 72,   75, 90, 100,    120, 119.88, 125,   150, 180, 200};
     constexpr std::array<double, 6> fast{240, 250, 300, 480, 500, 1000};
-    auto near = [&](double rate) { return std::abs(motion_.fps / rate - 1) < 5e-4; };
-    if (std::any_of(usual.begin(), usual.end(), near) || std::any_of(fast.begin(), fast.end(), near)) return;
-    add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
+    auto near = [&](double rate) { return std::abs(fps / rate - 1) < 5e-4; };
+    return std::any_of(usual.begin(), usual.end(), near) || std::any_of(fast.begin(), fast.end(), near);
+  }
+  void check_frame_rate() {
+    if (!usual_rate(motion_.fps)) add(Fault::frame_rate, 0, hundredths(motion_.fps), " frames per second");
+  }
+
+  /// The ends of feet without toe joints, which BVH files have as End Site, stand in for them behind the joints.
+  void place_joints() {
+    const auto& ends = motion_.skeleton.ends;
+    auto end = [&](int joint) { return ends.empty() ? Vec{} : ends[static_cast<std::size_t>(joint)]; };
+    const bool toes = body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 &&
+                      norm(end(body_->ankle.right)) > 0;
+    columns_ = motion_.skeleton.size() + (toes ? 2 : 0);
+    positions_.reserve(static_cast<std::size_t>(frames() * columns_));
+    JointTransforms<double> t;
+    for (Index f = 0; f < frames(); ++f) {
+      motion_.world(f, t);
+      positions_.insert(positions_.end(), t.position.begin(), t.position.end());
+      if (!toes) continue;
+      for (const int ankle : {body_->ankle.left, body_->ankle.right}) {
+        const auto a = static_cast<std::size_t>(ankle);
+        positions_.push_back(t.position[a] + rotate(t.rotation[a], end(ankle)));
+      }
+    }
+    if (toes) body_->toe = {motion_.skeleton.size(), motion_.skeleton.size() + 1};
   }
 
   /// Sum of the bones from a joint up to one above it.
@@ -25012,6 +25070,91 @@ class MotionInspector {
         " are exchanged: where toes and knees say left, names say right (", hundredths(std::min(legs, arms)), " of 1)");
   }
 
+  /// Height of the centre of mass, by the shares of a body's parts and the points where they balance (Winter,
+  /// Biomechanics and Motor Control of Human Movement, table 4.1).
+  double mass_height(Index f) {
+    const BodyJoints& b = *body_;
+    auto along = [&](int from, int to, double t) { return (1 - t) * at(f, from).y + t * at(f, to).y; };
+    auto limbs = [&](int BodyJoints::Pair::*side) {
+      return 0.028 * along(b.shoulder.*side, b.elbow.*side, 0.436) +
+             0.022 * along(b.elbow.*side, b.wrist.*side, 0.682) + 0.1 * along(b.hip.*side, b.knee.*side, 0.433) +
+             0.0465 * along(b.knee.*side, b.ankle.*side, 0.433) + 0.0145 * at(f, b.ankle.*side).y;
+    };
+    return 0.081 * at(f, b.head).y + 0.497 * 0.5 * (middle(f, b.hip) + middle(f, b.shoulder)).y +
+           limbs(&BodyJoints::Pair::left) + limbs(&BodyJoints::Pair::right);
+  }
+
+  /// What the centre of mass falls with between two points where its path bends, m/s2 at the stated rate.
+  struct Arcs {
+    std::vector<double> flights;  // see is_flight
+    std::vector<double> all;
+  };
+  Arcs arcs() {
+    constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
+    // Bends are seen over so many frames, against noise.
+    const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));
+    std::vector<double> y;
+    for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
+    std::vector<double> feet = lowest_feet({0, 1, 0});
+    const double stand = quantile(feet, 0.05);
+    for (double& height : feet) height -= stand;
+    Arcs out;
+    for (std::size_t a = lag - 1, b = a; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
+      for (b = a + 1; b + lag < y.size() && y[b - lag] - 2 * y[b] + y[b + lag] < 0;) ++b;
+      if (b - a < fewest) continue;
+      const auto [bend, off] = fit_parabola(std::span(y).subspan(a, b - a + 1));
+      const double rise = -bend / 8 * static_cast<double>((b - a) * (b - a));
+      if (rise < limits_.least_rise || off > limits_.parabola * rise) continue;
+      const double fall = -bend * motion_.fps * motion_.fps;
+      out.all.push_back(fall);
+      if (rise < limits_.least_flight || !is_flight(a, std::span(feet).subspan(a, b - a + 1))) continue;
+      out.flights.push_back(fall);
+    }
+    return out;
+  }
+  /// Whether both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
+  /// `feet` is the height of the lower one above where it stands, from frame `start` after the lead-in on.
+  bool is_flight(std::size_t start, std::span<const double> feet) {
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      const Index f = first_ + static_cast<Index>(start + i);
+      if (std::min(at(f, body_->wrist.left).y, at(f, body_->wrist.right).y) < middle(f, body_->knee).y) return false;
+    }
+    const double ends = std::max(feet.front(), feet.back());
+    const std::size_t quarter = feet.size() / 4;
+    const auto air = feet.subspan(quarter, feet.size() - 2 * quarter);
+    const double lowest = *std::min_element(air.begin(), air.end());
+    return ends < 2 * limits_.off_floor && lowest > std::max(limits_.off_floor, ends + limits_.low);
+  }
+
+  /// How fast a body seems to fall goes with the square of the frame rate.
+  void check_falls() {
+    constexpr double gravity = 9.81;
+    constexpr std::size_t fewest = 3;  // steps
+    if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // of a doll nobody knows how it falls
+    const Arcs seen = arcs();
+    const bool flies = !seen.flights.empty();
+    if (!flies && seen.all.size() < fewest) return;
+    const double fall = quantile(flies ? seen.flights : seen.all, 0.5);
+    const double times = std::sqrt(fall / gravity);  // the stated rate over the true one, or over a higher one
+    if (times < limits_.wrong_rate && (!flies || times > 1 / limits_.wrong_rate)) return;
+    fps_ = motion_.fps / times;
+    const double whole = times > 1 ? std::round(times) : 1 / std::round(1 / times);
+    const double factor = std::max(times, 1 / times), whole_factor = std::max(whole, 1 / whole);
+    const bool known =
+        flies && std::abs(times / whole - 1) < 0.08 && whole_factor <= 5 && usual_rate(motion_.fps / whole);
+    if (known) out_.cure.fps = fps_ = motion_.fps / whole;
+    add(Fault::fall, first_, flies ? "in the air the body falls with " : "between steps the body sinks with ",
+        hundredths(fall), " m/s2, not ", flies ? "" : "at most ", gravity, ": ",
+        known   ? ""
+        : flies ? "about "
+                : "at least ",
+        known ? whole_factor : hundredths(factor), " times too ", times > 1 ? "fast, " : "slow, ",
+        known   ? ""
+        : flies ? "about "
+                : "at most ",
+        known ? hundredths(fps_) : std::round(fps_), " frames per second, not ", hundredths(motion_.fps));
+  }
+
   void check_jumps() {
     Index worst_jump = -1, worst_joint = 0, spike_joint = 0, jumps = 0;
     double worst = 0, worst_spike = 0;
@@ -25025,7 +25168,7 @@ class MotionInspector {
       if (off > 0) {
         out_.cure.spikes.push_back(f);
         if (off > worst_spike) worst_spike = off, spike_joint = off_joint;
-      } else if (far > 0) {
+      } else if (far > 0 && (out_.cure.spikes.empty() || out_.cure.spikes.back() != f - 1)) {  // back from a spike
         ++jumps;
         if (far > worst) worst = far, worst_joint = far_joint, worst_jump = f;
       }
@@ -25039,27 +25182,42 @@ class MotionInspector {
     if (worst_jump >= 0) {
       add(Fault::jump, worst_jump, jumps, jumps == 1 ? " jump" : " jumps", "; the widest at ",
           hundredths(seconds(worst_jump)), " s: '", motion_.skeleton.name(static_cast<int>(worst_joint)), "' goes ",
-          hundredths(worst), " m in a frame, ", std::round(worst * motion_.fps), " m/s");
+          hundredths(worst), " m in a frame, ", std::round(worst * fps_), " m/s");
     }
   }
 
   double step(Index frame, Index joint) {  // from the frame before
     return frame <= first_ || frame >= frames() ? 0 : norm(at(frame, joint) - at(frame - 1, joint));
   }
+  double off_middle(Index f, Index j) {  // of its neighbours in time
+    return f <= first_ || f + 1 >= frames() ? 0 : norm(at(f, j) - 0.5 * (at(f - 1, j) + at(f + 1, j)));
+  }
   /// How far a joint is off the middle of its neighbours in time, where that is a spike; else 0.
   double spike_size(Index f, Index j) {
     if (f <= first_ || f + 1 >= frames()) return 0;
-    const double off = norm(at(f, j) - 0.5 * (at(f - 1, j) + at(f + 1, j)));
+    const double off = off_middle(f, j);
     if (off < limits_.spike) return 0;
     const double around =
         std::max({norm(at(f + 1, j) - at(f - 1, j)), step(f - 1, j), step(f - 2, j), step(f + 2, j), step(f + 3, j)});
     return off > limits_.isolated * around ? off : 0;
   }
+  /// How far a joint goes from the frame before, if that is part of a jump: of one to a few frames in a row that stand
+  /// out from those around, or of a flicker, in which a known body's joint gets faster or slower as none can.
   double jump_size(Index f, Index j) {
     const double s = step(f, j);
-    if (s < limits_.jump || s * motion_.fps < limits_.jump_speed) return 0;
-    const double around = std::max({step(f - 2, j), step(f - 1, j), step(f + 1, j), step(f + 2, j)});
-    return s > limits_.isolated * around ? s : 0;
+    if (s * fps_ < limits_.jump_speed) return 0;
+    const double off = std::max(off_middle(f - 1, j), off_middle(f, j));
+    if (body_ && s >= limits_.spike && 2 * off * fps_ * fps_ > limits_.violent) return s;
+    const double most = std::max(1.0, std::round(limits_.jump_seconds * fps_));
+    auto fast = [&](Index frame) { return step(frame, j) * fps_ >= limits_.jump_speed; };
+    Index from = f, to = f;  // the fast frames around
+    auto n = [&] { return static_cast<double>(to - from + 1); };
+    while (n() <= most && fast(from - 1)) --from;
+    while (n() <= most && fast(to + 1)) ++to;
+    const double way = norm(at(to, j) - at(from - 1, j));
+    if (way < limits_.jump || n() > most) return 0;
+    const double around = std::max({step(from - 2, j), step(from - 1, j), step(to + 1, j), step(to + 2, j)});
+    return way / n() > limits_.isolated * around ? s : 0;
   }
 
   std::vector<int> foot_joints() const {
@@ -25067,37 +25225,35 @@ class MotionInspector {
     if (body_->toe.known()) feet.insert(feet.end(), {body_->toe.left, body_->toe.right});
     return feet;
   }
-  /// Where the soles stand along a direction: 5 % of the frames have a foot lower than this.
-  double sole_height(const Vec& up) {
-    constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
+  /// The height of the lower foot along a direction, by frames after the lead-in.
+  std::vector<double> lowest_feet(const Vec& up) {
     std::vector<double> lowest;
     for (Index f = first_; f < frames(); ++f) {
       double low = std::numeric_limits<double>::max();
       for (const int foot : foot_joints()) low = std::min(low, dot(up, at(f, foot)));
       lowest.push_back(low);
     }
-    return quantile(std::move(lowest), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
+    return lowest;
+  }
+  /// Where the soles stand along a direction: 5 % of the frames have a foot lower than this.
+  double sole_height(const Vec& up) {
+    constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
+    return quantile(lowest_feet(up), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
   }
 
   /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
   /// stays below, so that treading on and rolling off do not count.
-  void add_contacts(std::span<const int> feet, std::vector<double>& speeds) {
+  void add_contacts(std::span<const int> feet, std::span<const double> stands, std::vector<double>& speeds) {
     const double carried = limits_.carried * leg_length() * out_.cure.scale;
     // In steps of about 1/25 s, in which noise of the recording is small against the way of a foot that slides.
-    const Index stride = std::max<Index>(1, std::lround(std::min(motion_.fps / 25, static_cast<double>(frames()))));
-    std::vector<double> stands;  // the height at which a joint stands
-    for (const int foot : feet) {
-      std::vector<double> heights;
-      for (Index f = first_; f < frames(); ++f) heights.push_back(at(f, foot).y);
-      stands.push_back(quantile(std::move(heights), 0.05));
-    }
+    const Index stride = std::max<Index>(1, std::lround(std::min(fps_ / 25, static_cast<double>(frames()))));
     std::vector<double> contact;
     for (Index f = first_; f < frames(); f += stride) {
       double slowest = -1;
       for (std::size_t k = 0; k < feet.size() && f + stride < frames(); ++k) {
         const Vec &a = at(f, feet[k]), &b = at(f + stride, feet[k]);
         if (std::max(a.y, b.y) > stands[k] + limits_.low || at(f, body_->pelvis).y - a.y < carried) continue;
-        const double speed = norm(Vec{b.x - a.x, 0, b.z - a.z}) * motion_.fps / static_cast<double>(stride);
+        const double speed = norm(Vec{b.x - a.x, 0, b.z - a.z}) * fps_ / static_cast<double>(stride);
         if (slowest < 0 || speed < slowest) slowest = speed;
       }
       if (slowest >= 0) {
@@ -25111,30 +25267,40 @@ class MotionInspector {
 
   void check_feet() {
     const double sole = sole_height({0, 1, 0});
-    if (std::abs(sole) <= limits_.standing) check_contacts();
-    if (sole >= -limits_.below && sole <= limits_.above) return;
+    Vec low = at(first_, 0), high = low;
+    for (Index f = first_; f < frames(); ++f) {
+      const Vec& p = at(f, 0);
+      low = {std::min(low.x, p.x), 0, std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), 0, std::max(high.z, p.z)};
+    }
+    const bool in_place = norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot;
+    const bool on_floor = sole >= -limits_.below && sole <= limits_.above;
+    if (on_floor || (!in_place && std::abs(sole) <= limits_.standing)) check_contacts(in_place);
+    if (on_floor) return;
     add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
         " y = 0");
     out_.cure.lift = -sole;
   }
-  /// Feet far off y = 0 swim, climb or hang, and carry nothing.
-  void check_contacts() {
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
+  /// off at all.
+  void check_contacts(bool in_place) {
+    std::vector<BodyJoints::Pair> joints{body_->ankle};
+    if (body_->toe.known()) joints.push_back(body_->toe);
+    std::vector<double> stands;  // at which height the lower of a pair stands: a foot that stays higher hangs
+    for (const BodyJoints::Pair& p : joints) {
+      std::vector<double> heights;
+      for (Index f = first_; f < frames(); ++f) heights.push_back(std::min(at(f, p.left).y, at(f, p.right).y));
+      stands.push_back(quantile(std::move(heights), 0.05));
+    }
     std::vector<double> speeds;
-    for (const bool left : {true, false}) {
-      auto side = [&](const BodyJoints::Pair& p) { return left ? p.left : p.right; };
-      std::vector<int> feet{side(body_->ankle)};
-      if (body_->toe.known()) feet.push_back(side(body_->toe));
-      add_contacts(feet, speeds);
+    for (int BodyJoints::Pair::*side : {&BodyJoints::Pair::left, &BodyJoints::Pair::right}) {
+      std::vector<int> feet;
+      for (const BodyJoints::Pair& p : joints) feet.push_back(p.*side);
+      add_contacts(feet, stands, speeds);
     }
     if (const double speed = quantile(speeds, 0.5); speed > limits_.slide) {
-      Vec low = at(first_, 0), high = low;
-      for (Index f = first_; f < frames(); ++f) {
-        const Vec& p = at(f, 0);
-        low = {std::min(low.x, p.x), 0, std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), 0, std::max(high.z, p.z)};
-      }
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
-          norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot ? "; a clip in place" : "");
+          in_place ? "; a clip in place" : "");
     }
   }
 
@@ -25142,8 +25308,10 @@ class MotionInspector {
   const InspectionLimits& limits_;
   Inspection out_;
   std::optional<BodyJoints> body_;
-  std::vector<Vec> positions_;  // (frames, joints)
+  std::vector<Vec> positions_;  // (frames, columns)
+  Index columns_ = 0;           // joints, and toes that place_joints adds
   Index first_ = 0;             // frame after the lead-in
+  double fps_ = motion_.fps;    // the true one, as far as it is known
 };
 
 }  // namespace detail
@@ -25175,6 +25343,7 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
     for (std::size_t j = 0; j < pose.size(); ++j) pose[j] = slerp(before[j], after[j], 0.5);
   }
   out = crop(out, cure.lead_in, out.frames());
+  if (cure.fps > 0) out.fps = cure.fps;
   // The rest pose is turned along if it stands along the same axis as the figure.
   const auto& up = cure.upright;
   const auto body = find_body_joints(out.skeleton);

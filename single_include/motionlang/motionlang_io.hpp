@@ -182,15 +182,16 @@ inline std::string to_base64(std::span<const std::byte> bytes) {
   return out;
 }
 
-/// White space is skipped. Throws io_error 403 on any other character outside the alphabet.
-inline std::vector<std::byte> from_base64(std::string_view text) {
+/// White space is skipped. `name` stands in messages. Throws io_error 403 on any other character outside the alphabet.
+inline std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text") {
   std::vector<std::byte> out;
+  out.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t group = 0;
   int bits = 0;
   for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
     if (text[i] == '\n' || text[i] == '\r' || text[i] == ' ') continue;
     const std::size_t digit = base64_alphabet.find(text[i]);
-    if (digit == std::string_view::npos) raise<io_error>(403, "base64: character ", i, " is not of the alphabet");
+    if (digit == std::string_view::npos) raise<io_error>(403, name, ": character ", i, " is not of base64");
     group = (group << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFFu;
     if ((bits += 6) >= 8) out.push_back(static_cast<std::byte>(group >> (bits -= 8) & 255u));
   }
@@ -1887,7 +1888,10 @@ ClipText<B> load_clip_text(const TensorSet& weights) {
 /// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in order in the
 /// file are views of it, without a copy.
 ///
-/// Memory   besides the mapped file at most twice its size and 64 MiB
+/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that was written with
+///          compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30 MiB, into which the copies
+///          of arrays in another order have to fit, too; what gives more is refused with io_error 405, and what is packed with
+///          bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
 /// Source   spec weights.md
 
 #ifndef MOTIONLANG_HAS_IO_FILE_VALUE_HPP  // <motionlang/io/file_value.hpp>
@@ -1923,7 +1927,7 @@ inline const FileValue* find_value(const std::vector<FileValue>& values, std::st
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_INFLATE_HPP  // <motionlang/io/detail/inflate.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_INFLATE_HPP
-/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksum of zip and gzip.
+/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and zlib.
 /// Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its headers to read .npz, .pt
 /// and .gz; tests/unit/io compares with data that zlib packed.
 
@@ -1945,6 +1949,16 @@ inline std::uint32_t crc32(std::span<const std::byte> bytes) {
   std::uint32_t c = 0xFFFFFFFFu;
   for (const std::byte b : bytes) c = table[(c ^ std::to_integer<std::uint32_t>(b)) & 255u] ^ c >> 8;
   return ~c;
+}
+
+/// Of zlib streams: two sums modulo 65521.
+inline std::uint32_t adler32(std::span<const std::byte> bytes) {
+  std::uint32_t a = 1, b = 0;
+  for (const std::byte v : bytes) {
+    a = (a + std::to_integer<std::uint32_t>(v)) % 65521;
+    b = (b + a) % 65521;
+  }
+  return b << 16 | a;
 }
 
 /// The bits of a deflate stream, least significant first.
@@ -2107,9 +2121,23 @@ struct Inflated {
   std::size_t consumed = 0;
 };
 
-/// Unpacks one deflate stream of at most `limit` bytes of output, for `expected` of which room is made before.
+/// In place of unpacked bytes: how many they are.
+struct ByteCount {
+  std::size_t bytes = 0;
+  std::size_t size() const { return bytes; }
+  void push_back(std::byte) { ++bytes; }
+};
+inline void append_bytes(ByteCount& out, std::span<const std::byte> bytes) { out.bytes += bytes.size(); }
+/// Appends `length` bytes, each the one that stands `distance` before it.
+inline void repeat(ByteCount& out, std::size_t, std::size_t length) { out.bytes += length; }
+inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_t length) {
+  for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
+}
+
+/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
-inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
+template <class Out>
+std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file) {
   // RFC 1951, 3.2.5: symbols 257 ... 285 and 0 ... 29
   static constexpr std::array<std::uint16_t, 29> length_base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                              15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -2120,8 +2148,6 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       1,   2,   3,   4,   5,   7,    9,    13,   17,   25,   33,   49,   65,    97,    129,
       193, 257, 385, 513, 769, 1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
   BitReader in(stream, file);
-  std::vector<std::byte> out;
-  out.reserve(expected);
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };
@@ -2151,10 +2177,18 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
       const std::size_t distance = distance_base[d] + in.take(static_cast<int>(d < 2 ? 0 : d / 2 - 1));
       if (distance > out.size()) in.malformed("a distance before the start");
       room_for(length);
-      for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
+      repeat(out, distance, length);
     }
   }
-  return {std::move(out), in.position()};
+  return in.position();
+}
+
+/// The same into memory; room for `expected` bytes is made before.
+inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
+  Inflated out;
+  out.data.reserve(expected);
+  out.consumed = inflate_to(out.data, stream, limit, file);
+  return out;
 }
 
 }  // namespace detail
@@ -2171,7 +2205,7 @@ inline bool is_gzip(std::span<const std::byte> bytes) {
 /// The unpacked contents. Allocates no more than deflate can pack into the bytes that are there.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an unknown method,
 ///         405 if it unpacks to more than it declares or declares more than it can hold
-inline std::string gunzip(std::span<const std::byte> bytes, std::string_view name = "gzip") {
+inline std::vector<std::byte> gunzip_bytes(std::span<const std::byte> bytes, std::string_view name = "gzip") {
   constexpr std::uint8_t has_checksum = 2, has_extra = 4, has_name = 8, has_comment = 16, reserved = 0xE0;
   if (!is_gzip(bytes)) raise<io_error>(403, name, ": does not begin as a gzip file");
   if (const auto method = detail::load<std::uint8_t>(bytes, 2, name, "the method"); method != 8)
@@ -2194,12 +2228,16 @@ inline std::string gunzip(std::span<const std::byte> bytes, std::string_view nam
   constexpr std::uint64_t largest_ratio = 1032;
   if (size > largest_ratio * stream.size())
     raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
-  const detail::Inflated out = detail::inflate(stream, size, name);
+  detail::Inflated out = detail::inflate(stream, size, name, size);
   if (out.consumed != stream.size())
     raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
   if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
   if (detail::crc32(out.data) != crc) raise<io_error>(403, name, ": wrong checksum");
-  return std::string(detail::as_text(out.data));
+  return std::move(out.data);
+}
+/// The same as a text.
+inline std::string gunzip(std::span<const std::byte> bytes, std::string_view name = "gzip") {
+  return std::string(detail::as_text(gunzip_bytes(bytes, name)));
 }
 
 /// A text file, packed with gzip or not. Throws io_error 401 and as gunzip.
@@ -2685,7 +2723,8 @@ class ZipArchive {
   /// The bytes of a stored member where they lie, without a copy and without a checksum. Throws io_error 404 if it is
   /// deflated.
   std::span<const std::byte> stored(const ZipEntry& entry) const {
-    if (entry.deflated) raise<io_error>(404, name_, ": member '", entry.name, "' at byte ", entry.offset, " is compressed");
+    if (entry.deflated)
+      raise<io_error>(404, name_, ": member '", entry.name, "' at byte ", entry.offset, " is compressed");
     return bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
   }
   /// The same after a look at the checksum. Throws io_error 403, 404.
@@ -2704,7 +2743,8 @@ class ZipArchive {
                                       ? detail::inflate(raw, size, where, size).data
                                       : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
-      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(), " bytes, the directory says ", entry.size);
+      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(),
+                      " bytes, the directory says ", entry.size);
     }
     check_crc(entry, data);
     return data;
@@ -2713,7 +2753,8 @@ class ZipArchive {
  private:
   void check_crc(const ZipEntry& entry, std::span<const std::byte> data) const {
     if (const std::uint32_t crc = detail::crc32(data); crc != entry.crc) {
-      raise<io_error>(403, name_, "/", entry.name, " at byte ", entry.offset, ": checksum ", crc, ", the directory says ", entry.crc);
+      raise<io_error>(403, name_, "/", entry.name, " at byte ", entry.offset, ": checksum ", crc,
+                      ", the directory says ", entry.crc);
     }
   }
   template <class T>
@@ -2724,11 +2765,13 @@ class ZipArchive {
   /// Finds the end record from the back; with ZIP64 the larger record that stands before it.
   void read_directory() {
     constexpr std::uint64_t end_size = 22, longest_comment = 65535, locator_size = 20;
-    if (bytes_.size() < end_size) raise<io_error>(403, name_, ": ", bytes_.size(), " bytes are too short for a zip archive");
+    if (bytes_.size() < end_size)
+      raise<io_error>(403, name_, ": ", bytes_.size(), " bytes are too short for a zip archive");
     std::uint64_t end = bytes_.size() - end_size;
     const std::uint64_t first = end > longest_comment ? end - longest_comment : 0;
     while (at<std::uint32_t>(end, "end record") != 0x06054B50u) {
-      if (end == first) raise<io_error>(403, name_, ": no end record of a zip archive from byte ", first, " on: not a zip, or cut off");
+      if (end == first)
+        raise<io_error>(403, name_, ": no end record of a zip archive from byte ", first, " on: not a zip, or cut off");
       --end;
     }
     std::uint64_t count = at<std::uint16_t>(end + 10, "end record"), size = at<std::uint32_t>(end + 12, "end record");
@@ -2747,10 +2790,13 @@ class ZipArchive {
     }
     const auto directory = detail::slice(bytes_, start, size, name_, "zip directory");
     constexpr std::uint64_t most_members = 100'000;
-    if (count > most_members) raise<io_error>(405, name_, ": ", count, " members, says the end record at byte ", end, "; at most ", most_members);
+    if (count > most_members)
+      raise<io_error>(405, name_, ": ", count, " members, says the end record at byte ", end, "; at most ",
+                      most_members);
     std::uint64_t position = start;
     for (std::uint64_t i = 0; i < count; ++i) position = read_entry(position);
-    if (position > start + directory.size()) raise<io_error>(403, name_, ": zip directory runs past its end at byte ", start + directory.size());
+    if (position > start + directory.size())
+      raise<io_error>(403, name_, ": zip directory runs past its end at byte ", start + directory.size());
   }
 
   /// Reads the directory entry at `position` and gives the position of the next.
@@ -2778,7 +2824,8 @@ class ZipArchive {
     if (method != 0 && method != 8) refuse(404, "has method ", method);
     if (!e.deflated && e.packed != e.size) refuse(403, "is stored and has ", e.packed, " and ", e.size, " bytes");
     constexpr std::uint64_t highest_ratio = 1032;  // of deflate: 258 bytes from two bits
-    if (e.deflated && e.size / highest_ratio > e.packed) refuse(405, "of ", e.size, " bytes cannot come from ", e.packed);
+    if (e.deflated && e.size / highest_ratio > e.packed)
+      refuse(405, "of ", e.size, " bytes cannot come from ", e.packed);
     if (leads_out(e.name)) refuse(403, "leads out of the archive");
     if (at<std::uint32_t>(header, "zip member") != 0x04034B50u) {
       raise<io_error>(403, name_, ": no member '", e.name, "' at byte ", header);
@@ -2824,8 +2871,8 @@ class ZipArchive {
     std::sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->offset < b->offset; });
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (sorted[i - 1]->offset + sorted[i - 1]->packed > sorted[i]->offset) {
-        raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name, "' overlap at byte ",
-                        sorted[i]->offset);
+        raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name,
+                        "' overlap at byte ", sorted[i]->offset);
       }
     }
   }
@@ -3421,6 +3468,9 @@ class PickleMachine {
   }
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
+    const std::vector<PickleRef>& parts = nodes_[id].items;
+    if (!parts.empty() && nodes_[parts[0]].text == "module")  // PyTorch's older form refers to the source code of classes
+      fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     push_new(PickleKind::persistent).arguments = id;
     persistent_.push_back(stack_.back());
   }
@@ -3534,8 +3584,6 @@ class PickleMachine {
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
     const PickleKind kind = nodes_[callee].kind;
-    if (kind == PickleKind::persistent)  // PyTorch's older form refers to the source code of classes
-      fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (kind != PickleKind::name && kind != PickleKind::object) fail(403, "a call of ", name_of(kind));
     if (nodes_[arguments].kind != PickleKind::tuple) fail(403, "a call with ", name_of(nodes_[arguments].kind));
     call(callee, arguments);
@@ -4743,8 +4791,6 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
   std::map<std::string, std::uint64_t, std::less<>> element_size;
   for (const PickleValue& v : object.persistent()) {
     const PickleValue id = v.arguments();
-    if (id.size() > 0 && id[0].text() == "module")
-      v.fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     if (id.size() < 5) v.fail(403, "not the id of a storage");
     const auto dtype = storage_dtype(id[1].name());
     memory->spend(2 * sizeof(std::string) + 6 * sizeof(void*) + id[2].text().size());
@@ -4897,6 +4943,16 @@ struct WeightOptions {
   bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
 };
 
+/// Something that was passed over: the keys from the root of the file to it, and its class or element type.
+struct SkippedValue {
+  std::string path, type;
+  bool operator==(const SkippedValue&) const = default;
+};
+/// "nobody.Config at 'hyper_parameters/config'".
+inline std::string to_string(const SkippedValue& v) {
+  return v.path.empty() ? v.type : concat_text(v.type, " at '", v.path, "'");
+}
+
 class WeightFile;
 WeightFile open_weights(const FilePath& path, const WeightOptions& options = {});
 
@@ -4915,8 +4971,8 @@ class WeightFile : public TensorSet {
   const std::vector<FileValue>& values() const { return values_; }
   /// Null if there is none at these keys.
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
-  /// Classes and element types of what was passed over.
-  const std::set<std::string>& skipped() const { return skipped_; }
+  /// The first 1,000 values that were passed over, in the order of the file.
+  const std::vector<SkippedValue>& skipped() const { return skipped_; }
 
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
   /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it tries to
@@ -4946,7 +5002,7 @@ class WeightFile : public TensorSet {
 
   std::string format_;
   std::vector<FileValue> values_;
-  std::set<std::string> skipped_;
+  std::vector<SkippedValue> skipped_;
 };
 
 namespace detail {
@@ -4981,7 +5037,7 @@ class WeightReader {
   void read_npy(std::span<const std::byte> bytes) { add_npy(bytes, out_.name()); }
 
  private:
-  static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000;
+  static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000, most_skipped = 1'000;
   static constexpr std::uint64_t most_visits = 2'000'000;
 
   // What to look for.
@@ -5133,7 +5189,9 @@ class WeightReader {
   void skip(const std::string& name, const char* what) {
     if (options_.strict && selected())
       raise<io_error>(404, out_.name(), ": ", what, name, " at '", joined(0, '/'), "'");
-    if (out_.skipped_.insert(name).second) memory_.spend(2 * sizeof(std::string) + 4 * sizeof(void*) + name.size());
+    if (out_.skipped_.size() >= most_skipped) return;
+    memory_.spend(3 * sizeof(SkippedValue) + name.size());
+    out_.skipped_.push_back({joined(0, '/'), name});
   }
 
   std::string joined(std::size_t first, char separator) const {
@@ -5268,17 +5326,34 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
   const auto first = std::to_integer<unsigned>(bytes[0]), second = std::to_integer<unsigned>(bytes[1]);
   return first == 0x78 && (first * 256 + second) % 31 == 0;
 }
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`.
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it allocates.
 inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
-  Inflated unpacked = inflate(bytes.subspan(2), limit, name);
-  std::uint32_t a = 1, b = 0;  // Adler-32
-  for (const std::byte byte : unpacked.data) {
-    a = (a + std::to_integer<std::uint32_t>(byte)) % 65521;
-    b = (b + a) % 65521;
-  }
-  const auto sum = __builtin_bswap32(load<std::uint32_t>(bytes, 2 + unpacked.consumed, name, "a checksum"));
-  if (sum != (b << 16 | a)) raise<io_error>(403, name, ": checksum ", b << 16 | a, ", the file says ", sum);
+  ByteCount size;
+  inflate_to(size, bytes.subspan(2), limit, name);
+  Inflated unpacked = inflate(bytes.subspan(2), limit, name, size.bytes);
+  const auto said = __builtin_bswap32(load<std::uint32_t>(bytes, 2 + unpacked.consumed, name, "a checksum"));
+  if (const std::uint32_t sum = adler32(unpacked.data); sum != said)
+    raise<io_error>(403, name, ": checksum ", sum, ", the file says ", said);
   return std::move(unpacked.data);
+}
+
+/// Throws as gunzip, and io_error 405 if the file declares more than `limit` bytes.
+inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
+  const auto size = load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
+  if (size > limit) raise<io_error>(405, name, ": declares ", size, " bytes, may give ", limit);
+  return gunzip_bytes(bytes, name);
+}
+
+/// What packed the bytes, if it is something that is not unpacked here; else empty.
+inline std::string_view unread_packing(std::string_view text) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, std::string_view> marks[] = {
+      {"BZh"sv, "bzip2"}, {"\xFD" "7zXZ\0"sv, "xz"}, {"\x5D\0\0"sv, "lzma"}, {"\x04\x22\x4D\x18"sv, "lz4"},
+      {"\x28\xB5\x2F\xFD"sv, "zstd"}};
+  for (const auto& [mark, name] : marks) {
+    if (text.starts_with(mark)) return name;
+  }
+  return "";
 }
 
 /// Whether bytes begin with the length of a header that they can hold, and with its brace.
@@ -5339,10 +5414,11 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     out.format_ = file.format();
     reader.read(file);
     if (out.tensors_.empty() && !out.skipped_.empty())
-      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ", *out.skipped_.begin(),
-                      " (of a whole module or model, save its state_dict())");
+      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ",
+                      to_string(out.skipped_.front()), " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
-    if (file.bytes_behind() > 0) out.skipped_.insert(concat_text(file.bytes_behind(), " bytes behind the end of data.pkl"));
+    if (file.bytes_behind() > 0)
+      out.skipped_.push_back({"", concat_text(file.bytes_behind(), " bytes behind the end of data.pkl")});
   };
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
@@ -5365,17 +5441,19 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     reader.read_npy(bytes);
   } else if (text.size() > 262 && text.substr(257, 5) == "ustar") {
     raise<io_error>(404, name, ": a tar archive, as PyTorch wrote them before 0.1.10");
-  } else if (detail::is_zlib(bytes)) {
-    const std::vector<std::byte>& unpacked = memory->keep(detail::from_zlib(bytes, memory->left() / 2, name));
+  } else if (const auto packed = detail::unread_packing(text); !packed.empty()) {
+    raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
+  } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
+    // What any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and 64 MiB.
+    constexpr std::uint64_t values = std::uint64_t{24} << 20;
+    memory->allow(bytes.size() + (std::uint64_t{18} << 20));
+    const std::vector<std::byte>& unpacked = memory->keep(
+        is_gzip(bytes) ? detail::from_gzip(bytes, memory->left(), name) : detail::from_zlib(bytes, memory->left(), name));
     memory->spend(unpacked.size());
-    read_torch(TorchFile::from_pickle(Pickle(unpacked, name, {.inline_bytes = joblib_array_bytes}), memory));
-  } else if (is_gzip(bytes)) {
-    const auto declared =
-        detail::load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
-    memory->spend(2 * std::uint64_t{declared});
-    const std::string& unpacked = memory->keep(gunzip(bytes, name));
-    read_torch(TorchFile::from_pickle(
-        Pickle(std::as_bytes(std::span(unpacked)), name, {.inline_bytes = joblib_array_bytes}), memory));
+    const std::uint64_t most = values + std::min<std::uint64_t>(bytes.size(), memory->left());
+    Pickle pickle(unpacked, name, {.max_memory = most, .inline_bytes = joblib_array_bytes});
+    memory->spend(std::max(values, most - pickle.memory_left()) - values);
+    read_torch(TorchFile::from_pickle(std::move(pickle), memory));
   } else if (detail::begins_pickle(text)) {
     Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
     const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);  // of 8 bytes, or more
@@ -5402,7 +5480,7 @@ inline void WeightFile::add(const WeightFile& file, const std::string& prefix,
     tensors_.push_back(std::move(t));
   }
   for (const FileValue& v : file.values()) values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
-  skipped_.insert(file.skipped().begin(), file.skipped().end());
+  for (const SkippedValue& v : file.skipped()) skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
 }
 
 /// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
@@ -5422,7 +5500,7 @@ inline WeightFile WeightFile::from_shards(const FilePath& index, const WeightOpt
     const WeightFile shard = from_bytes(bytes->bytes(), (folder / name).string(), bytes, options);
     owners->push_back(shard.owner());
     for (const std::string& tensor : tensors) out.tensors_.push_back(shard.tensor(tensor));
-    out.skipped_.insert(shard.skipped().begin(), shard.skipped().end());
+    out.skipped_.insert(out.skipped_.end(), shard.skipped().begin(), shard.skipped().end());
   }
   out.sort_tensors();
   return out;
@@ -5849,6 +5927,12 @@ void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence&
 
 }  // namespace detail
 
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
+/// where the archive holds no sequence, as the shape.npz files beside them.
+inline std::string_view amass_poses(const NpzArchive& npz) {
+  return npz.has("poses") ? "poses" : npz.has("root_orient") ? "root_orient" : "";
+}
+
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
 /// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced.
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
@@ -5863,11 +5947,11 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
     return array;
   };
   AmassSequence out;
-  if (npz.has("poses") || !npz.has("root_orient")) {
+  if (amass_poses(npz) == "root_orient") {
+    detail::join_pose_parts(npz, matrix, out);
+  } else {
     const NpyArray poses = matrix("poses");
     out.frames = poses.shape[0], out.columns = poses.shape[1], out.poses = poses.to<double>();
-  } else {
-    detail::join_pose_parts(npz, matrix, out);
   }
   const NpyArray trans = matrix("trans");
   if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {
@@ -6875,6 +6959,7 @@ struct Annotation {
   std::string seg_id;  // "<id>_<number>"
   std::string text;
   double start = 0, end = 0;  // seconds
+  std::string babel_id{};     // of a label of BABEL: its seg_id there
   bool operator==(const Annotation&) const = default;
 };
 
@@ -6909,8 +6994,8 @@ class AnnotationFile {
     const JsonView list = view["annotations"];
     for (Index i = 0; i < list.size(); ++i) {
       const JsonView a = list[i];
-      motion.annotations.push_back(
-          {a["seg_id"].as<std::string>(), a["text"].as<std::string>(), a["start"].as<double>(), a["end"].as<double>()});
+      motion.annotations.push_back({a["seg_id"].as<std::string>(), a["text"].as<std::string>(), a["start"].as<double>(),
+                                    a["end"].as<double>(), a.value_or("babel_id", "")});
       detail::require_times(a.path(), motion.annotations.back().start, motion.annotations.back().end);
     }
     return motion;
@@ -6974,6 +7059,7 @@ inline std::string annotations_json(std::span<const AnnotatedMotion> motions) {
     for (const Annotation& a : m.annotations) {
       detail::require_times(place, a.start, a.end);
       list.push_back({{"seg_id", checked(a.seg_id)}, {"text", checked(a.text)}, {"start", a.start}, {"end", a.end}});
+      if (!a.babel_id.empty()) list.back()["babel_id"] = checked(a.babel_id);
     }
     const nlohmann::ordered_json entry{
         {"path", checked(m.path)}, {"duration", m.duration}, {"annotations", std::move(list)}};
@@ -6995,8 +7081,8 @@ inline void write_annotations(const FilePath& path, std::span<const AnnotatedMot
 
 #ifndef MOTIONLANG_HAS_IO_BABEL_HPP  // <motionlang/io/babel.hpp>
 #define MOTIONLANG_HAS_IO_BABEL_HPP
-/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; and the stretches as TEACH and
-/// SINC take them.
+/// BABEL: texts for whole sequences of AMASS and for stretches of them. Read entry by entry; the stretches as TEACH and
+/// SINC take them; and all texts as an entry of the annotation JSON of TMR and STMC.
 ///
 ///     const auto file = BabelFile::open("train.json");
 ///     for (const std::string& id : file.ids()) {
@@ -7004,8 +7090,8 @@ inline void write_annotations(const FilePath& path, std::span<const AnnotatedMot
 ///       for (const auto& a : sequence.frame_annotations) use(babel_segments(a.labels, 30, frames, spelling));
 ///     }
 ///
-/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.4,
-///         teach.md 4, sinc.md 5
+/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.1
+///         and 5.4, teach.md 4, sinc.md 5, tmr.md 8.1
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -7158,6 +7244,31 @@ inline std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labe
   std::stable_sort(out.begin(), out.end(), [](const BabelSegment& a, const BabelSegment& b) {
     return std::pair(a.start, a.end) < std::pair(b.start, b.end);
   });
+  return out;
+}
+
+/// The texts of a sequence as an entry of the annotation JSON: those of the whole sequence, then those of stretches, in
+/// the order of the file. The id has five digits or more, the path is that of AMASS: without the first of the two
+/// folders and without extension. Labels without a word are left out, no others.
+/// Throws  io_error 403 for a sequence without feat_p or dur
+inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const SpellingTable& spelling = {}) {
+  const std::string& id = sequence.id;
+  if (sequence.feat_p.empty() || sequence.dur == 0)
+    raise<io_error>(403, "BABEL: ", id, ": ", sequence.feat_p.empty() ? "no feat_p" : "no dur");
+  const bool number = id.find_first_not_of("0123456789") == id.npos;
+  AnnotatedMotion out{number && id.size() < 5 ? std::string(5 - id.size(), '0') + id : id,
+                      sequence.feat_p.substr(sequence.feat_p.find('/') + 1), sequence.dur, {}};
+  if (out.path.ends_with(".npz")) out.path.resize(out.path.size() - 4);
+  for (const auto* annotations : {&sequence.sequence_annotations, &sequence.frame_annotations}) {
+    for (const BabelAnnotation& a : *annotations) {
+      for (const BabelLabel& label : a.labels) {
+        std::string text = clean_babel_label(label.proc_label, spelling);
+        if (text.empty()) continue;
+        std::string seg_id = concat_text(out.id, "_", out.annotations.size());
+        out.annotations.push_back({std::move(seg_id), std::move(text), label.start, label.end, label.seg_id});
+      }
+    }
+  }
   return out;
 }
 
@@ -7751,7 +7862,8 @@ inline FigureMesh make_mesh(const Figure& figure, const Skeleton& skeleton) {
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLB_CONTAINER_HPP  // <motionlang/io/detail/glb_container.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_GLB_CONTAINER_HPP
-/// The two chunks of a GLB file: a JSON document and binary data. Source: glTF 2.0, section 4.
+/// The two chunks of a GLB file: a JSON document and binary data. A .gltf file is the document alone. Source: glTF 2.0,
+/// section 4.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -7767,6 +7879,8 @@ struct GlbChunks {
 
 /// Throws  io_error 402 if the file ends too early, 403 if it is malformed, 404 for another version
 inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_view file) {
+  const std::string_view all = as_text(bytes);
+  if (all.substr(0, all.find_first_not_of(" \t\r\n") + 1).ends_with('{')) return {all, parse_json(all, file), {}};
   const auto number = [&](std::uint64_t at) { return load<std::uint32_t>(bytes, at, file, "GLB header"); };
   if (number(0) != glb_magic) raise<io_error>(403, file, ": not a GLB file (byte 0)");
   if (number(4) != 2) raise<io_error>(404, file, ": glTF version ", number(4), " at byte 4");
@@ -7882,6 +7996,9 @@ class GlbBuilder {
     for (const Vec3<float>& v : values) flat.insert(flat.end(), {v.x, v.y, v.z});
     return add(std::span<const float>(flat), "VEC3", target, with_range);
   }
+
+  /// Takes the binary data from byte `size` on away.
+  void cut(std::size_t size) { binary_.resize(std::min(size, binary_.size())); }
 
   std::vector<std::byte> finish() {
     if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
@@ -9701,6 +9818,22 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   motion.validate();
   return motion;
 }
+/// How many ROOTs the file has: each is a motion of its own.
+inline int bvh_roots(const Bvh& file) {
+  return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent));
+}
+/// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
+/// leaves this out. Throws config_error 101 (number of the root).
+inline std::vector<std::string> stretched_joints(const Bvh& file, int root = 0) {
+  const detail::BvhTable table(file);
+  auto joints = detail::bvh_joints(file, root);
+  detail::take_carriers(joints, table);
+  std::vector<std::string> names;
+  for (const detail::BvhJoint& j : std::span(joints).subspan(1)) {
+    if (detail::moves(j, table)) names.push_back(j.node->name);
+  }
+  return names;
+}
 /// Throws io_error 401 and as parse_bvh, to_motion.
 inline Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {}) {
   return to_motion(read_bvh(path), options);
@@ -11476,15 +11609,6 @@ inline std::string png_chunk(std::string_view type, std::string_view data) {
   return concat_text(big_endian(static_cast<std::uint32_t>(data.size())), body,
                      big_endian(crc32(std::as_bytes(std::span(body)))));
 }
-/// Of zlib streams: two sums modulo 65521.
-inline std::uint32_t adler32(std::span<const std::byte> bytes) {
-  std::uint32_t a = 1, b = 0;
-  for (const std::byte v : bytes) {
-    a = (a + std::to_integer<std::uint32_t>(v)) % 65521;
-    b = (b + a) % 65521;
-  }
-  return b << 16 | a;
-}
 
 }  // namespace detail
 
@@ -12143,8 +12267,8 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 
 #ifndef MOTIONLANG_HAS_IO_GLB_READER_HPP  // <motionlang/io/glb_reader.hpp>
 #define MOTIONLANG_HAS_IO_GLB_READER_HPP
-/// GLB files as motions: skins and animations of glTF 2.0. Meshes, materials and morph targets are left out. The bones of a VRM avatar
-/// (.vrm, .vrma) have the names of VRM's humanoid.
+/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes, materials
+/// and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
@@ -12161,8 +12285,8 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLTF_DOCUMENT_HPP  // <motionlang/io/detail/gltf_document.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_GLTF_DOCUMENT_HPP
-/// Accessors and nodes of a glTF document whose data are in the binary chunk of a GLB file. Every number of the file is
-/// checked before it is used.
+/// Accessors and nodes of a glTF document whose data are in the file: in the binary chunk of GLB, or in base64. Every
+/// number of the file is checked before it is used.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -12182,6 +12306,15 @@ struct GltfNode {
   GltfTransform rest;
 };
 
+/// Throws io_error 404 if the data of an object of the file are packed by one of these extensions.
+inline void refuse_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
+  for (const char* packed : extensions) {
+    if (object.contains("extensions") && object["extensions"].contains(packed))
+      raise<io_error>(404, object.path(), ": packed by ", packed,
+                      ": unpack the file first, for instance with gltf-transform");
+  }
+}
+
 /// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and materials.
 class GltfDocument {
  public:
@@ -12190,6 +12323,7 @@ class GltfDocument {
       : file_(std::move(file)), size_(bytes.size()), chunks_(parse_glb_chunks(bytes, file_)) {
     const std::string version = root()["asset"]["version"].as<std::string>();
     if (!version.starts_with("2.")) raise<io_error>(404, file_, ": glTF of version ", version, ", known is 2");
+    decode_buffers();
     read_nodes();
     name_humanoid();
   }
@@ -12198,12 +12332,17 @@ class GltfDocument {
   /// Bytes of the file.
   std::size_t size() const { return size_; }
   JsonView root() const { return JsonView(chunks_.document, file_); }
-  /// The binary data that the file's own buffer has, without what fills the chunk up. Throws io_error 402, 404.
-  std::span<const std::byte> buffer() const {
-    if (count("buffers") == 0) return {};
-    const JsonView b = element("buffers", 0);
-    if (b.contains("uri")) raise<io_error>(404, b.path(), ": the buffer is not in this file");
-    return slice(chunks_.binary, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
+  /// The data of a buffer: the binary chunk without what fills it up, or what stands in the document in base64.
+  /// Throws io_error 402; 404 if they are not in this file.
+  std::span<const std::byte> buffer(Index i) const {
+    const JsonView b = element("buffers", i);
+    const bool decoded = b.contains("uri");
+    if (decoded ? !is_data(b["uri"].as<std::string>()) : i != 0) {
+      raise<io_error>(404, b.path(), ": the buffer is not in this file: make one .glb file of all, for instance with "
+                      "gltf-transform");
+    }
+    const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
+    return slice(data, 0, b["byteLength"].as<std::uint64_t>(), b.path(), "buffer");
   }
   /// The elements of a top-level array; none if it is missing.
   Index count(const std::string& array) const { return root().contains(array) ? root()[array].size() : 0; }
@@ -12224,37 +12363,42 @@ class GltfDocument {
   }
 
   /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
-  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for sparse accessors and data in other files
+  /// Those that the file does not have are 0, and a sparse accessor replaces some.
+  /// Source  glTF 2.0, 3.6.2
+  /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
+  ///         have them and is too small for so many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
-    if (a.contains("sparse") || !a.contains("bufferView")) raise<io_error>(404, a.path(), ": sparse accessor");
     const std::size_t kinds = components_of(a["type"].as<std::string>());
     if (kinds != components) raise<io_error>(403, a.path(), ": ", kinds, " components, expected ", components);
     const int type = a["componentType"].as<int>();
     const std::size_t size = size_of(type, a);
-    const JsonView view = element("bufferViews", a["bufferView"].as<Index>());
-    const auto data = view_bytes(view);
-
-    const auto count = a["count"].as<std::uint64_t>(), start = a.value_or("byteOffset", std::uint64_t{0});
-    const std::uint64_t item = size * components, stride = view.value_or("byteStride", item);
-    if (stride < item) raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", item, " bytes");
-    const bool fits = count == 0 || (start <= data.size() && item <= data.size() - start &&
-                                     (count - 1) <= (data.size() - start - item) / stride);
-    if (!fits) raise<io_error>(402, a.path(), ": ", count, " elements do not fit into ", data.size(), " bytes");
-
+    const auto count = a["count"].as<std::uint64_t>();
     const bool normalised = a.value_or("normalized", false);
+
     std::vector<double> out;
-    out.reserve(count * components);
-    for (std::uint64_t i = 0; i < count; ++i) {
+    auto read = [&](const Elements& from, std::uint64_t i, std::uint64_t to) {
       for (std::size_t c = 0; c < components; ++c) {
-        out.push_back(number(data.data() + start + i * stride + c * size, type, normalised));
-        if (!std::isfinite(out.back())) raise<io_error>(403, a.path(), ": element ", i, " is not finite");
+        double& value = out[to * components + c];
+        value = number(from.at(i) + c * size, type, normalised);
+        if (!std::isfinite(value)) raise<io_error>(403, a.path(), ": element ", to, " is not finite");
       }
+    };
+    if (a.contains("bufferView")) {
+      const Elements stored = elements(a, count, size * components);
+      out.resize(count * components);
+      for (std::uint64_t i = 0; i < count; ++i) read(stored, i, i);
+    } else {
+      if (count > (size_ / 4 + most_made_up) / components)
+        raise<io_error>(405, a.path(), ": ", count, " elements that are not in the file, which has ", size_, " bytes");
+      out.resize(count * components);
     }
+    if (a.contains("sparse")) replace_some(a["sparse"], count, size * components, read);
     return out;
   }
-
  private:
+  static constexpr std::size_t most_made_up = 1 << 20;  // values that a small file may leave out
+
   static std::size_t components_of(std::string_view type) {
     return type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
   }
@@ -12298,17 +12442,57 @@ class GltfDocument {
     }
   }
 
-  std::span<const std::byte> view_bytes(const JsonView& view) const {
-    for (const char* packed : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-      if (view.contains("extensions") && view["extensions"].contains(packed))
-        raise<io_error>(404, view.path(), ": packed by ", packed, ": unpack the file first, for instance with gltf-transform");
+  static constexpr std::string_view base64_mark = ";base64,";
+  static bool is_data(std::string_view uri) {
+    return uri.starts_with("data:") && uri.find(base64_mark) != uri.npos;
+  }
+  void decode_buffers() {
+    for (Index i = 0; i < count("buffers"); ++i) {
+      const JsonView b = element("buffers", i);
+      const std::string uri = b.value_or("uri", "");
+      decoded_.emplace_back();
+      const std::size_t begin = uri.find(base64_mark) + base64_mark.size();
+      if (is_data(uri)) decoded_.back() = from_base64(std::string_view(uri).substr(begin), b.path());
     }
-    const auto buffer = view["buffer"].as<Index>();
-    if (buffer != 0 || element("buffers", 0).contains("uri")) {
-      raise<io_error>(404, view.path(), ": buffer ", buffer, " is not the one in this file");
+  }
+
+  /// Elements of an accessor, or of a part of a sparse one, in a buffer.
+  struct Elements {
+    const std::byte* first;
+    std::uint64_t stride;  // bytes
+    const std::byte* at(std::uint64_t i) const { return first + i * stride; }
+  };
+  /// `count` elements of `item` bytes each, where the object's bufferView and byteOffset say.
+  Elements elements(const JsonView& object, std::uint64_t count, std::uint64_t item) const {
+    const JsonView view = element("bufferViews", object["bufferView"].as<Index>());
+    refuse_packed(view, {"EXT_meshopt_compression", "KHR_meshopt_compression"});
+    const auto data = slice(buffer(view["buffer"].as<Index>()), view.value_or("byteOffset", std::uint64_t{0}),
+                            view["byteLength"].as<std::uint64_t>(), view.path(), "buffer view");
+    const auto start = object.value_or("byteOffset", std::uint64_t{0}), stride = view.value_or("byteStride", item);
+    if (stride < item) raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", item, " bytes");
+    const bool fits = count == 0 || (start <= data.size() && item <= data.size() - start &&
+                                     (count - 1) <= (data.size() - start - item) / stride);
+    if (!fits) raise<io_error>(402, object.path(), ": ", count, " elements do not fit into ", data.size(), " bytes");
+    return {count == 0 ? data.data() : data.data() + start, stride};
+  }
+  /// Calls read(values, i, place) for every element of a sparse accessor; their places among `count` elements ascend.
+  template <class F>
+  void replace_some(const JsonView& sparse, std::uint64_t count, std::uint64_t item, F read) const {
+    const JsonView indices = sparse["indices"];
+    const int type = indices["componentType"].as<int>();
+    if (type != 5121 && type != 5123 && type != 5125) raise<io_error>(403, indices.path(), ": componentType ", type);
+    const auto some = sparse["count"].as<std::uint64_t>();
+    const Elements places = elements(indices, some, size_of(type, indices));
+    const Elements values = elements(sparse["values"], some, item);
+    std::uint64_t next = 0;  // the first place that may follow
+    for (std::uint64_t i = 0; i < some; ++i) {
+      const auto place = static_cast<std::uint64_t>(number(places.at(i), type, false));
+      if (place < next || place >= count)
+        raise<io_error>(403, indices.path(), ": index ", i, " is ", place, ", expected one from ", next,
+                        " on and below ", count);
+      read(values, i, place);
+      next = place + 1;
     }
-    return slice(chunks_.binary, view.value_or("byteOffset", std::uint64_t{0}), view["byteLength"].as<std::uint64_t>(),
-                 view.path(), "buffer view");
   }
 
   Vec3<double> vector(const JsonView& node, const std::string& key, const Vec3<double>& otherwise) const {
@@ -12393,6 +12577,7 @@ class GltfDocument {
   std::string file_;
   std::size_t size_;
   GlbChunks chunks_;
+  std::vector<std::vector<std::byte>> decoded_;  // of the buffers in base64
   std::vector<GltfNode> nodes_;
   std::vector<int> order_;
 };
@@ -12650,6 +12835,7 @@ class GltfSkeleton {
       if (!node.contains("mesh") || !node.contains("skin") || node["skin"].as<Index>() != skin) continue;
       const JsonView primitives = document.element("meshes", node["mesh"].as<Index>())["primitives"];
       for (Index p = 0; p < primitives.size(); ++p) {
+        refuse_packed(primitives[p], {"KHR_draco_mesh_compression"});
         const JsonView attributes = primitives[p]["attributes"];
         if (!attributes.contains("JOINTS_0") || !attributes.contains("WEIGHTS_0")) continue;
         const auto index_values = accessors.values(attributes["JOINTS_0"].as<Index>(), 4);
@@ -12865,13 +13051,82 @@ inline Motion read_glb(const FilePath& path, const GlbReadOptions& options = {})
 /// The user's character: a GLB file with mesh, skin and textures, to which motions are added.
 ///
 /// The binary data of the file are kept byte for byte and new ones are put behind them; of the document only the arrays
-/// of animations, accessors and buffer views grow, and the length of the buffer. The joint that is the pelvis moves;
-/// what stands above it (armature, root) stays as it is at rest.
+/// of animations, accessors and buffer views grow, and the length of the buffer. (Data of the first buffer that stand
+/// in the document in base64 become binary data.) The joint that is the pelvis moves; what stands above it (armature,
+/// root) stays as it is at rest.
+
+#ifndef MOTIONLANG_HAS_IO_DETAIL_DROP_ANIMATIONS_HPP  // <motionlang/io/detail/drop_animations.hpp>
+#define MOTIONLANG_HAS_IO_DETAIL_DROP_ANIMATIONS_HPP
+/// Animations out of a glTF document that is being built, with what only they use.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Calls f(object) for every object in a document.
+template <class F>
+void for_each_object(const nlohmann::ordered_json& document, const F& f) {
+  if (document.is_object()) f(document);
+  for (const nlohmann::ordered_json& inner : document) {
+    if (inner.is_structured()) for_each_object(inner, f);
+  }
+}
+
+/// All numbers in the members of that name, wherever they stand: indices of accessors or of views.
+inline std::set<double> numbers_under(const nlohmann::ordered_json& document,
+                                      std::initializer_list<const char*> names) {
+  std::set<double> out;
+  const auto add = [&](const nlohmann::ordered_json& value) {
+    if (value.is_number()) out.insert(value.get<double>());
+  };
+  for_each_object(document, [&](const nlohmann::ordered_json& object) {
+    for (const char* name : names) {
+      if (!object.contains(name)) continue;
+      const nlohmann::ordered_json& member = object[name];
+      add(member);
+      for_each_object(member,
+                      [&](const nlohmann::ordered_json& inner) { std::for_each(inner.begin(), inner.end(), add); });
+    }
+  });
+  return out;
+}
+
+/// Takes the animations away, and of their accessors, views and bytes those that nothing else uses and that are the
+/// last: what stays keeps its number and its place, which extensions may refer to. Blender writes animations last.
+inline void drop_animations(GlbBuilder& glb) {
+  nlohmann::ordered_json& d = glb.document;
+  const auto drop_last = [](nlohmann::ordered_json& array, const std::set<double>& dropped,
+                            const std::set<double>& used) {
+    auto last = [&] { return static_cast<double>(array.size()) - 1; };
+    while (!array.empty() && dropped.contains(last()) && !used.contains(last())) array.erase(array.size() - 1);
+  };
+  const auto of_animations = numbers_under(d["animations"], {"input", "output"});
+  d["animations"].clear();
+  nlohmann::ordered_json& accessors = d["accessors"];
+  const auto views_before = numbers_under(accessors, {"bufferView"});
+  drop_last(accessors, of_animations, numbers_under(d, {"attributes", "targets", "indices", "inverseBindMatrices"}));
+  drop_last(d["bufferViews"], views_before, numbers_under(d, {"bufferView"}));
+
+  double end = 0;  // of the bytes that something refers to
+  for_each_object(d, [&](const nlohmann::ordered_json& object) {
+    const auto number = [&](const char* name) {
+      return object.contains(name) && object[name].is_number() ? object[name].get<double>() : 0;
+    };
+    if (object.contains("buffer") && number("buffer") == 0)
+      end = std::max(end, number("byteOffset") + number("byteLength"));
+  });
+  if (end < 0x1p53) glb.cut(static_cast<std::size_t>(end));
+}
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct GlbRigOptions {
-  bool keep_animations = true;  // of the character's file; without them their data stay in the file, unused
+  bool keep_animations = true;  // of the character's file; without them their data go, as far as they are the last
 };
 
 class GlbRig {
@@ -12917,8 +13172,10 @@ class GlbRig {
     if (motions.empty()) raise<config_error>(101, file(), ": no motion to add");
     for (const char* grows : {"accessors", "bufferViews", "animations"}) document_.count(grows);  // must be an array
     const detail::GlbChunks chunks = detail::parse_glb_chunks(*bytes_, file());
-    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text), document_.buffer());
-    if (!options.keep_animations) glb.document["animations"].clear();
+    detail::GlbBuilder glb(nlohmann::ordered_json::parse(chunks.text),
+                           document_.count("buffers") > 0 ? document_.buffer(0) : std::span<const std::byte>());
+    if (document_.count("buffers") > 0) glb.document["buffers"][0].erase("uri");
+    if (!options.keep_animations) detail::drop_animations(glb);
     std::set<std::string> taken;
     for (Index i = 0; options.keep_animations && i < document_.count("animations"); ++i) {
       taken.insert(document_.element("animations", i).value_or("name", ""));

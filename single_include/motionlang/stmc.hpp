@@ -10300,15 +10300,16 @@ inline std::string to_base64(std::span<const std::byte> bytes) {
   return out;
 }
 
-/// White space is skipped. Throws io_error 403 on any other character outside the alphabet.
-inline std::vector<std::byte> from_base64(std::string_view text) {
+/// White space is skipped. `name` stands in messages. Throws io_error 403 on any other character outside the alphabet.
+inline std::vector<std::byte> from_base64(std::string_view text, std::string_view name = "text") {
   std::vector<std::byte> out;
+  out.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t group = 0;
   int bits = 0;
   for (std::size_t i = 0; i < text.size() && text[i] != '='; ++i) {
     if (text[i] == '\n' || text[i] == '\r' || text[i] == ' ') continue;
     const std::size_t digit = base64_alphabet.find(text[i]);
-    if (digit == std::string_view::npos) raise<io_error>(403, "base64: character ", i, " is not of the alphabet");
+    if (digit == std::string_view::npos) raise<io_error>(403, name, ": character ", i, " is not of base64");
     group = (group << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFFu;
     if ((bits += 6) >= 8) out.push_back(static_cast<std::byte>(group >> (bits -= 8) & 255u));
   }
