@@ -50,7 +50,7 @@ void check_any_text(unsigned way, std::string_view text) {
   static const ml::ClipTokenizer clip(few);
   static const ml::ClipTokenizer clip_hf(few, {.cleaning = ml::ClipCleaning::hugging_face});
   static const ml::BertTokenizer bert({"[UNK]", "[CLS]", "[SEP]", "[MASK]", "a", "##a", "walk", "##s", "\u1102", "."},
-                                      {.longest_word = 32});
+                                      {.strip_accents = {}, .longest_word = 32});
   if (way == 0) check_unicode(text);
   if (way == 1) check_text(clip, text);
   if (way == 2) check_text(clip_hf, text);
