@@ -481,7 +481,8 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   CHECK(numbers_of_row(by_own.text, "recorded").at(0) == known.at(0));
   REQUIRE(train("train-classifier", "turned", {once}).code == 0);
   refused("turned/model", "labels.tsv",
-          "other clips: fps 20, turned_ahead false, translation true and fps 20, turned_ahead true, translation true");
+          "other clips: fps 20, turned_ahead false, translation true, global true and fps 20, turned_ahead true, "
+          "translation true, global true");
   // its motions to learn from
   const Outcome learnt =
       train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},

@@ -442,7 +442,7 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   check_contains(g.run(evaluate), 1, {"--text-encoder names it"});
   fs::create_directories(g / "mdm");
   ml::write_file(g / "mdm/args.json", "{}");
-  check_contains(g.run({"evaluate", "mdm", "--data", "data"}), 1, {"a model of 'published mdm'; measured are tmr"});
+  check_contains(g.run({"evaluate", "mdm", "--data", "data"}), 1, {"a model of 'mdm'; measured are tmr"});
   fs::remove(g / "tmr/stats/mean.pt");
   check_contains(g.run({"search", "moves.index", "a person walks", "--text-encoder", "states/bert.npy"}), 1,
                  {"[motionlang."});

@@ -391,7 +391,8 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
                      .train("train-classifier", "no",
                             {"--generated", "first/model", "--set", "generated_share=0.5", "--set", "clips.fps=10"})
                      .text,
-                 "model and classifier have other clips: fps 15, turned_ahead true, translation true and fps 10"));
+                 "model and classifier have other clips: fps 15, turned_ahead true, translation true, global true and "
+                 "fps 10"));
 
   // going on with another set of terms: those of the steps since then
   trained("train-actor", "speeds",
@@ -484,7 +485,7 @@ TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; network
   const auto refused = judged("ahead", "turning_gru");
   CHECK(refused.code == 1);
   CHECK_MESSAGE(
-      contains(refused.text, "model and classifier have other clips (fps, turned_ahead, translation, global)"),
+      contains(refused.text, "translation true, global false and fps 15, turned_ahead true, translation true, global true"),
       refused.text);
 
   ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
