@@ -779,6 +779,16 @@ TEST_CASE("convert: what an AMASS file has besides the joints goes into another 
   CHECK(back.body.gender == "female");
   CHECK(back.body.betas == betas);
   CHECK(contains(w.run({"convert", "a.npz", "b.bvh"}).text, "left out are hands, face and betas"));
+
+  std::filesystem::create_directories(w / "data");
+  ml::write_npz(w / "data/a.npz", arrays);
+  ml::write_npz(w / "data/b.npz", arrays);
+  ml::write_bvh(w / "data/c.bvh", synthetic::walk({.frames = 10, .fps = 30}));
+  const auto folder = w.run({"convert", "data", "out", "--as", ".bvh"});
+  CHECK_MESSAGE(
+      contains(folder.text,
+               "data/a.npz: left out are hands, face and betas; --body shows them (and of 1 more)\nout: 3 of 3 files"),
+      folder.text);
 }
 
 TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended copy") {

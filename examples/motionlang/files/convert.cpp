@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/amass.hpp>
@@ -115,7 +117,7 @@ class Conversion {
   Conversion(const ConvertOptions& o, const Loaded& loaded, std::set<std::string>& taken)
       : o_(o), loaded_(loaded), taken_(taken) {
     if (kind_of(o.in) != ".npz")
-      motions_ = read_motions(o.in, o.read, &told_);
+      motions_ = read_motions(o.in, o.read, &about_input_);
     else if (loaded.body == nullptr)
       read_amass();
     else
@@ -131,7 +133,9 @@ class Conversion {
       ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", motions_.size(), " motions of ", o_.in,
                                   " could not be made:", reasons_);
   }
-  const std::string& told() const { return told_; }
+  /// Lines that begin with the name of the input: what it has and the result has not.
+  const std::string& about_input() const { return about_input_; }
+  std::string told() const { return about_input_ + told_; }
 
  private:
   /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
@@ -147,9 +151,9 @@ class Conversion {
     }
     const bool shape = std::ranges::any_of(sequence.betas, is_set) && kind_of(o_.out) != ".npz";
     if (hands || shape)
-      told_ += o_.in + ": left out are " +
-               (hands && shape ? "hands, face and betas" : hands ? "hands and face" : "betas") +
-               "; --body shows them\n";
+      about_input_ = o_.in + ": left out are " +
+                     (hands && shape ? "hands, face and betas" : hands ? "hands and face" : "betas") +
+                     "; --body shows them\n";
     amass_ = {std::move(sequence.gender), std::move(sequence.betas)};
   }
 
@@ -157,8 +161,8 @@ class Conversion {
     BodyClip clip = loaded_.body->read(o_.in);
     motions_.push_back(std::move(clip.motion));
     betas_ = std::move(clip.betas);
-    told_ = std::move(clip.told);
-    if (loaded_.denoised && clip.has_more) told_ += o_.in + ": what --denoise makes is without hands and face\n";
+    about_input_ = std::move(clip.told);
+    if (loaded_.denoised && clip.has_more) about_input_ += o_.in + ": what --denoise makes is without hands and face\n";
   }
 
   /// Of several motions one that fails is named and stops no other.
@@ -212,7 +216,7 @@ class Conversion {
   std::optional<ml::AmassBody> amass_;  // the same for another AMASS file
   std::set<std::string>& taken_;
   std::vector<ml::Motion> made_;
-  std::string told_, reasons_;
+  std::string about_input_, told_, reasons_;
   std::size_t failures_ = 0;
 };
 
@@ -234,6 +238,7 @@ class FolderConversion {
     }
     bar.finish();
     for (const std::string& f : failures_) std::fprintf(stderr, "%s\n", f.c_str());
+    tell();
     std::printf("%s: %zu of %zu files converted\n", o_.out.c_str(), done - failures_.size(), files.size());
     if (done < files.size()) throw ml::cancelled();
     if (!failures_.empty())
@@ -262,9 +267,29 @@ class FolderConversion {
         fs::create_directories(place.parent_path());
         one.out = unique(place.string(), taken_) + o_.as;
       }
-      Conversion(one, loaded_, taken_).run();
+      Conversion conversion(one, loaded_, taken_);
+      conversion.run();
+      note(one.in, conversion.about_input());
     } catch (const std::exception& e) {
       failures_.push_back(file.string() + ": " + e.what());
+    }
+  }
+
+  /// The same said of many files is said once.
+  void note(const std::string& file, const std::string& about) {
+    std::istringstream lines(about);
+    for (std::string line; std::getline(lines, line);) {
+      auto& [first, more] = told_[line.starts_with(file) ? line.substr(file.size()) : line];
+      if (first.empty())
+        first = line;
+      else
+        ++more;
+    }
+  }
+  void tell() const {
+    for (const auto& [about, said] : told_) {
+      const auto& [first, more] = said;
+      std::printf("%s%s\n", first.c_str(), more > 0 ? formatted(" (and of %td more)", more).c_str() : "");
     }
   }
 
@@ -272,6 +297,7 @@ class FolderConversion {
   const Loaded loaded_;
   std::set<std::string> taken_;
   std::vector<std::string> failures_;
+  std::map<std::string, std::pair<std::string, std::ptrdiff_t>> told_;  // the first such line, and how many more
 };
 
 void convert_file(const ConvertOptions& o) {
