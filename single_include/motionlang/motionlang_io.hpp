@@ -6974,6 +6974,8 @@ struct AnnotatedMotion {
 /// An annotation file that is being read. Entries are parsed when they are asked for.
 class AnnotationFile {
  public:
+  /// What is open already.
+  explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static AnnotationFile open(const FilePath& path) { return AnnotationFile(JsonMembers::open(path)); }
   static AnnotationFile from_text(std::string text, std::string name = "annotations") {
@@ -7009,7 +7011,6 @@ class AnnotationFile {
   }
 
  private:
-  explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   JsonMembers members_;
 };
 
@@ -7123,6 +7124,8 @@ struct BabelSequence {
 /// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a sequence).
 class BabelFile {
  public:
+  /// What is open already.
+  explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static BabelFile open(const FilePath& path) { return BabelFile(JsonMembers::open(path)); }
   static BabelFile from_text(std::string text, std::string name = "BABEL") {
@@ -7156,8 +7159,6 @@ class BabelFile {
     double start, end;
     bool in_file;
   };
-
-  explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
 
   /// An annotation, a list of them, null or nothing.
   static void read(const JsonView& entry, const std::string& key, const Times& times,

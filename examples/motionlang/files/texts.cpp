@@ -19,11 +19,11 @@ std::vector<ml::AnnotatedMotion> read_annotated(const std::filesystem::path& pat
   const auto members = ml::JsonMembers::open(path);
   const bool babel = !members.keys().empty() && members.load(members.keys().front()).contains("babel_sid");
   if (babel) {
-    const auto file = ml::BabelFile::open(path);
+    const ml::BabelFile file(members);
     for (const std::string& id : file.ids()) motions.push_back(ml::annotated_motion(file.load(id)));
     std::erase_if(motions, [](const ml::AnnotatedMotion& m) { return m.annotations.empty(); });
   } else {
-    const auto file = ml::AnnotationFile::open(path);
+    const ml::AnnotationFile file(members);
     for (const std::string& id : file.ids()) motions.push_back(file.load(id));
   }
   if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no texts");

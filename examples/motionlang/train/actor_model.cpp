@@ -8,15 +8,18 @@ using ml::Index;
 
 namespace {
 
+std::string listed(const auto& names) {
+  std::string out;
+  for (const auto& name : names) out += ml::concat_text(out.empty() ? "" : ", ", name);
+  return out;
+}
+
 /// The number of a name in a list. Throws config_error 103.
 template <class E, std::size_t N>
 E choice(const std::string& name, const char* key, const std::array<const char*, N>& names) {
-  std::string all;
-  for (std::size_t i = 0; i < N; ++i) {
-    if (name == names[i]) return static_cast<E>(i);
-    all += (i == 0 ? "" : ", ") + std::string(names[i]);
-  }
-  ml::raise<ml::config_error>(103, key, " '", name, "' is none of ", all);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) ml::raise<ml::config_error>(103, key, " '", name, "' is none of ", listed(names));
+  return static_cast<E>(found - names.begin());
 }
 
 }  // namespace
@@ -66,11 +69,6 @@ void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& s
 }
 
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier) {
-  const auto listed = [](std::span<const std::string> names) {
-    std::string out;
-    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-    return out;
-  };
   if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
     ml::raise<ml::config_error>(102, "model and classifier have other labels: ", listed(actions), "; and ",
                                 listed(classifier));

@@ -146,8 +146,8 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
     lines.push_back({place, id, clip, start, end, {}, std::move(own)});
   };
   const auto members = ml::JsonMembers::open(annotations);
-  const auto unified = ml::AnnotationFile::open(annotations);
-  const auto babel = ml::BabelFile::open(annotations);
+  const ml::AnnotationFile unified(members);
+  const ml::BabelFile babel(members);
   for (const std::string& id : members.keys()) {
     const nlohmann::json document = members.load(id);
     const ml::JsonView view(document, members.place(id));

@@ -146,7 +146,9 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
                                 .contrastive_loss = kind,
                                 .temperature = l.temperature,
                                 .threshold = l.threshold,
-                                .margin = l.margin};
+                                .margin = l.margin,
+                                .cross_modal_kl = l.cross_modal_kl,
+                                .gaussian_kl = l.gaussian_kl};
     } else {
       if (l.contrastive_loss != "none" || l.learned_temperature)
         ml::raise<ml::config_error>(102, "TEMOS has no contrastive loss; losses.contrastive_loss is '",
@@ -222,16 +224,8 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       const auto sentences = sentences_->encode<T>(batch.texts).tokens.rows;
       std::optional<ml::Tensor<T, 0>> temperature;
       if (model.log_temperature) temperature = exp(*model.log_temperature);
-      auto terms =
-          ml::tmr_losses(branches, batch.motions, &sentences, losses(config_), temperature ? &*temperature : nullptr);
-      const auto& l = config_.losses;
-      if (!l.cross_modal_kl || !l.gaussian_kl) {  // TMR has all four divergences
-        const ml::TemosLossOptions kept{.cross_modal_kl = l.cross_modal_kl, .gaussian_kl = l.gaussian_kl};
-        for (auto& term : terms.terms) {
-          if (term.name == "kl") term.value = ml::temos_losses(branches, batch.motions, kept).sum_of("kl_");
-        }
-      }
-      return terms;
+      return ml::tmr_losses(branches, batch.motions, &sentences, losses(config_),
+                            temperature ? &*temperature : nullptr);
     } else {
       return ml::temos_losses(branches, batch.motions, losses(config_));
     }

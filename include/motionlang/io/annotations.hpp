@@ -45,6 +45,8 @@ struct AnnotatedMotion {
 /// An annotation file that is being read. Entries are parsed when they are asked for.
 class AnnotationFile {
  public:
+  /// What is open already.
+  explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static AnnotationFile open(const FilePath& path) { return AnnotationFile(JsonMembers::open(path)); }
   static AnnotationFile from_text(std::string text, std::string name = "annotations") {
@@ -80,7 +82,6 @@ class AnnotationFile {
   }
 
  private:
-  explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   JsonMembers members_;
 };
 

@@ -53,6 +53,8 @@ struct BabelSequence {
 /// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a sequence).
 class BabelFile {
  public:
+  /// What is open already.
+  explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static BabelFile open(const FilePath& path) { return BabelFile(JsonMembers::open(path)); }
   static BabelFile from_text(std::string text, std::string name = "BABEL") {
@@ -86,8 +88,6 @@ class BabelFile {
     double start, end;
     bool in_file;
   };
-
-  explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
 
   /// An annotation, a list of them, null or nothing.
   static void read(const JsonView& entry, const std::string& key, const Times& times,

@@ -124,6 +124,7 @@ struct TmrLossOptions {
   double temperature = 0.1;
   double threshold = 0.8;  // of similar texts, see false_negatives; 0: none are filtered
   double margin = 10;
+  bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, all of which TMR has
 };
 
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
@@ -134,7 +135,8 @@ template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
                          const Tensor<B, 0>* temperature = nullptr) {
-  const auto parts = temos_losses(branches, motion);
+  const auto parts = temos_losses(
+      branches, motion, TemosLossOptions{.cross_modal_kl = options.cross_modal_kl, .gaussian_kl = options.gaussian_kl});
   LossTerms<B> out;
   const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
   if (branches.text.frames.count() > 0) out.add("recons", options.recons, parts.sum_of("recons_"));
