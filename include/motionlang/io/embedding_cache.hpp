@@ -52,7 +52,7 @@ class EmbeddingCache {
 
   /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model) {
-    const std::string base = folder.string() + "/" + model;
+    const std::string base = folder.inside(model);
     const auto rows = MappedFile::open(base + ".npy"), index = MappedFile::open(base + "_index.json");
     std::shared_ptr<const MappedFile> slices;
     std::error_code ignored;
@@ -99,11 +99,10 @@ class EmbeddingCache {
   /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has not one row but
   /// slices are not wanted.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const {
-    std::string path = folder.string();
-    make_folder(path);
+    const std::string base = folder.inside(model);
+    if (!folder.string().empty()) make_folder(folder.string());
     for (std::size_t from = 0, slash; (slash = model.find('/', from)) != model.npos; from = slash + 1)
-      make_folder(path + "/" + model.substr(0, slash));
-    const std::string base = path + "/" + model;
+      make_folder(folder.inside(model.substr(0, slash)));
     std::vector<std::int64_t> bounds;
     for (std::size_t i = 0; i < slices_.size(); ++i) {
       const auto [begin, end] = slices_[i];

@@ -20,6 +20,8 @@ class FilePath {
 
   const std::string& string() const { return text_; }
   const char* c_str() const { return text_.c_str(); }
+  /// The name of a file in this folder; "" is the current folder, as parent_path() of a bare name has it.
+  std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
     const std::string name = text_.substr(text_.find_last_of('/') + 1);

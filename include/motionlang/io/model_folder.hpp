@@ -70,7 +70,7 @@ inline ModelFolder parse_model_config(std::string_view text, const std::string& 
 
 /// Throws io_error 401 if there is no config.json, and as parse_model_config.
 inline ModelFolder read_model_folder(const FilePath& folder) {
-  const std::string path = folder.string() + "/" + detail::model_config_file;
+  const std::string path = folder.inside(detail::model_config_file);
   return parse_model_config(read_file(path), path);
 }
 
@@ -103,7 +103,7 @@ inline std::string model_config_text(const ModelFolder& m, const std::string& na
 inline void write_model_folder(const FilePath& path, const ModelFolder& model, std::span<const TensorView> tensors,
                                std::span<const std::filesystem::path> text_encoder_files = {}) {
   namespace fs = std::filesystem;
-  const std::string config = model_config_text(model, path.string() + "/" + detail::model_config_file);
+  const std::string config = model_config_text(model, path.inside(detail::model_config_file));
   fs::path target = fs::path(path.string()).lexically_normal();
   if (!target.has_filename()) target = target.parent_path();
   if (std::error_code ignored; fs::exists(target, ignored))

@@ -99,6 +99,17 @@ TEST_CASE("a text that is not UTF-8 is refused before it is encoded; what is wri
   for (const std::string& t : texts) CHECK(same(read, cache, t));
 }
 
+TEST_CASE("a folder without a name is the current one, as parent_path() of a bare name has it") {
+  const TemporaryFolder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path);
+  cache_of(texts).write("", "sizes/m");
+  const auto read = ml::EmbeddingCache::read("", "sizes/m");
+  std::filesystem::current_path(before);
+  CHECK(std::filesystem::exists(folder / "sizes/m.npy"));
+  for (const std::string& t : texts) CHECK(same(read, cache_of(texts), t));
+}
+
 TEST_CASE("one vector for each text needs no slices; other types of numbers are converted") {
   const TemporaryFolder folder;
   ml::EmbeddingCache cache(3);
