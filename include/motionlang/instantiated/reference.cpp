@@ -5,4 +5,6 @@
 
 template struct motionlang::ReferenceBackend<float>;
 template struct motionlang::ReferenceBackend<double>;
+#ifndef __clang__  // see backend/usual.hpp
 template struct motionlang::Autodiff<motionlang::ReferenceBackend<double>>;
+#endif
