@@ -32,6 +32,7 @@ void add_doctor(CLI::App& app);
 void add_index(CLI::App& app);
 void add_search(CLI::App& app);
 void add_embed(CLI::App& app);
+void add_describe(CLI::App& app);
 void add_pack(CLI::App& app);
 
 /// The weights that come with the repository, unless MOTIONLANG_MODEL names others.

@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   program::add_index(app);
   program::add_search(app);
   program::add_embed(app);
+  program::add_describe(app);
   program::add_pack(app);
   try {
     require_known_subcommand(app, argc, argv);

@@ -76,7 +76,7 @@ TEST_CASE("TM2T: what is missing, what does not fit") {
   official::write_text(run / "opt.txt", options);
   config.text_to_motion.symbols = 14;
   official::write_tm2t_runs(folder.path, config);
-  CHECK_ERROR(load(), "writes 14 symbols");
+  CHECK_ERROR(load(), "has 14 motion symbols");
 }
 
 TEST_CASE("MDM for actions: args.json and a checkpoint; motions of 60 frames of rotations") {

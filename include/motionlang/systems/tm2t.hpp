@@ -37,6 +37,13 @@ Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& wri
   return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
 }
 
+/// What may be said about a motion, and the logarithm of the probability that the model says it: of its words, and of its end where it
+/// has one.
+struct Description {
+  std::string text;
+  double log_probability = 0;
+};
+
 /// The members of the published checkpoints, each of which has a file of its own.
 template <Backend B>
 struct Tm2t {
@@ -90,24 +97,47 @@ struct Tm2t {
   /// A description of each motion, the best of some beams: lemmas with blanks between them.
   /// Differs from the published program, which takes the last word off a description that has no end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
+    return first_of(descriptions(features, glove, options));
+  }
+  /// All beams, the best first, where they differ in words.
+  std::vector<std::vector<Description>> descriptions(const Sequences<B>& features, const GloVe& glove,
+                                                     BeamOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    std::vector<std::string> out;
+    std::vector<std::vector<Description>> out(static_cast<std::size_t>(memory.count()));
     for (Index i = 0; i < memory.count(); ++i) {
-      Seq2SeqWriter<B> writer(m2t_transformer, {memory[i], Offsets{memory.offsets.length(i)}});
-      out.push_back(sentence(beam_search(writer, options).ids, glove));
+      const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
+      const BeamSearch found = beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options);
+      for (const std::size_t b : found.order) {
+        const auto ids = std::span(found.beams[b]).first(static_cast<std::size_t>(found.lengths[b]));
+        add(out[static_cast<std::size_t>(i)], ids, own, glove);
+      }
     }
     return out;
   }
   /// Descriptions that are drawn word by word.
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
+    return first_of(descriptions_at_random(features, glove, rng, 1, options));
+  }
+  /// `draws` of them for each motion, where they differ in words.
+  std::vector<std::vector<Description>> descriptions_at_random(const Sequences<B>& features, const GloVe& glove,
+                                                               const Philox& rng, Index draws,
+                                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    const auto words =
-        decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
-    std::vector<std::string> out;
-    for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
+    std::vector<std::vector<Description>> out(static_cast<std::size_t>(memory.count()));
+    for (Index k = 0; k < draws; ++k) {
+      const auto uniform = uniform_of(k == 0 ? rng : rng.split(static_cast<std::uint64_t>(k)));
+      auto drawn = decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform);
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        auto& ids = drawn.ids[i];
+        ids.resize(static_cast<std::size_t>(1 + drawn.lengths[i]));
+        if (drawn.lengths[i] < options.max_steps) ids.push_back(options.end);
+        const auto at = static_cast<Index>(i);
+        add(out[i], ids, {memory[at], Offsets{memory.offsets.length(at)}}, glove);
+      }
+    }
     return out;
   }
 
@@ -135,6 +165,19 @@ struct Tm2t {
  private:
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
+  }
+  static std::vector<std::string> first_of(const std::vector<std::vector<Description>>& all) {
+    std::vector<std::string> out;
+    for (const auto& own : all) out.push_back(own.front().text);
+    return out;
+  }
+  /// What symbols with their marks say about the motion of a memory, unless it is said already.
+  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory, const GloVe& glove) const {
+    std::string text = sentence(ids, glove);
+    if (std::any_of(to.begin(), to.end(), [&](const Description& d) { return d.text == text; })) return;
+    const auto written = IdSequences::one(ids);
+    const auto loss = next_symbol_loss(m2t_transformer.logits(written.without_ends(0, 1), memory), written);
+    to.push_back({std::move(text), -static_cast<double>(loss.item())});
   }
   /// Words without marks.
   static std::string sentence(std::span<const Index> ids, const GloVe& glove) {
