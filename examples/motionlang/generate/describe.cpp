@@ -1,4 +1,5 @@
-// motionlang describe: what motions show, in words. TM2T from motions to texts, of train-tm2t or as its repository leaves it.
+// motionlang describe: what motions show, in words. TM2T from motions to texts, of train-tm2t or as its repository
+// leaves it.
 #include <cstdio>
 #include <map>
 
@@ -67,7 +68,8 @@ class Describer {
         run_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})),
         features_(ml::motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
     if (features_.width != run_.width())
-      ml::raise<ml::config_error>(102, o_.model, ": a tokenizer of ", run_.width(), " numbers a frame; known are 263 and 251");
+      ml::raise<ml::config_error>(102, o_.model, ": a tokenizer of ", run_.width(),
+                                  " numbers a frame; known are 263 and 251");
   }
 
   void run() {
@@ -101,8 +103,8 @@ class Describer {
     for (const MotionPlace& p : places) {
       const auto [other, is_new] = of_clip.emplace(p.clip, p.path);
       if (!is_new)
-        ml::raise<ml::config_error>(102, "--out: ", other->second.string(), " and ", p.path.string(), " would both be '", p.clip,
-                                    "' in the table");
+        ml::raise<ml::config_error>(102, "--out: ", other->second.string(), " and ", p.path.string(),
+                                    " would both be '", p.clip, "' in the table");
     }
   }
   void describe(const MotionPlace& place, const ml::Philox& rng) {
@@ -177,8 +179,8 @@ class Describer {
     std::printf("%s\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   }
 
-  /// Of captions, as index and train-* read it; what nothing was said about is left out, and so are files of several motions, which the
-  /// table cannot tell apart.
+  /// Of captions, as index and train-* read it; what nothing was said about is left out, and so are files of several
+  /// motions, which the table cannot tell apart.
   void write_table() {
     std::string parts;
     for (const std::string_view part : ml::body_part_names) parts += (parts.empty() ? "" : ", ") + std::string(part);
@@ -189,7 +191,8 @@ class Describer {
         if (!text.text.empty()) captions += (captions.empty() ? "" : " | ") + text.text;
       }
       if (captions.empty() || !d.name.empty()) {
-        problems_.push_back(d.place.path.string() + (captions.empty() ? ": no words" : " (" + d.name + "): one of several motions") +
+        problems_.push_back(d.place.path.string() +
+                            (captions.empty() ? ": no words" : " (" + d.name + "): one of several motions") +
                             ", not in the table");
         continue;
       }
@@ -211,28 +214,33 @@ void add_describe(CLI::App& app) {
   const auto o = std::make_shared<DescribeOptions>();
   CLI::App* c = app.add_subcommand("describe", "Says in words what motions show (TM2T from motions to texts)");
   c->add_option("input", o->inputs,
-                "Motions: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrma files, and folders of them; what lasts more than "
+                "Motions: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrma files, and folders of them; "
+                "what lasts more than "
                 "196 frames of the model's rate is described in parts")
       ->required()
       ->check(CLI::ExistingPath);
   c->add_option("--model", o->model, "Folder of the model: of train-tm2t, or M2T_... as published")
       ->required()
       ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer, "The folder of its motion tokenizer; looked for beside the model unless given")
+  c->add_option("--tokenizer", o->tokenizer,
+                "The folder of its motion tokenizer; looked for beside the model unless given")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->words,
                 "The folder of its words (our_vab_data.npy ...); looked for in the folders above unless given")
       ->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out,
-                "Also writes a table of captions, as index and the trainings read it; names of clips are their paths below the folder that was "
+                "Also writes a table of captions, as index and the trainings read it; names of clips are their paths "
+                "below the folder that was "
                 "given")
       ->check(not_empty());
   c->add_option("--top", o->top, "So many descriptions of each motion, where there are as many different ones")
       ->check(in_range(1, 100))
       ->capture_default_str();
-  CLI::Option* beams = c->add_option("--beams", o->beams, "Beams of the search, at least as many as --top; 1: word by word the most probable one")
-                           ->check(in_range(1, 100))
-                           ->capture_default_str();
+  CLI::Option* beams =
+      c->add_option("--beams", o->beams,
+                    "Beams of the search, at least as many as --top; 1: word by word the most probable one")
+          ->check(in_range(1, 100))
+          ->capture_default_str();
   CLI::Option* sample = c->add_flag("--sample", o->sample, "Draws words by their probability instead")->excludes(beams);
   c->add_option("--top-k", o->top_k, "Only so many of the most probable words are drawn")
       ->needs(sample)

@@ -17,9 +17,9 @@ struct Tm2tTokenizerConfig {
   std::vector<ml::Index> channels{1024, 1024};  // each halves the number of frames
   ml::Index codes = 1024, residual_blocks = 3;
   double beta = 1;
-  ml::Index window = 64;          // frames
-  double feature_bias = 5;        // by which the deviations of root and contacts are divided, twice as published
-  double adversarial = 0.5;       // weight of the discriminator; 0: none
+  ml::Index window = 64;            // frames
+  double feature_bias = 5;          // by which the deviations of root and contacts are divided, twice as published
+  double adversarial = 0.5;         // weight of the discriminator; 0: none
   ml::Index adversarial_from = 10;  // epoch
   ml::Index discriminator = 512;    // its first number of channels
 
@@ -37,15 +37,16 @@ struct Tm2tTokenizerConfig {
   }
   static constexpr auto fields() {
     using C = Tm2tTokenizerConfig;
-    return ml::fields("channels", &C::channels, "codes", &C::codes, "residual_blocks", &C::residual_blocks, "beta", &C::beta,
-                      "window", &C::window, "feature_bias", &C::feature_bias, "adversarial", &C::adversarial, "adversarial_from",
-                      &C::adversarial_from, "discriminator", &C::discriminator);
+    return ml::fields("channels", &C::channels, "codes", &C::codes, "residual_blocks", &C::residual_blocks, "beta",
+                      &C::beta, "window", &C::window, "feature_bias", &C::feature_bias, "adversarial", &C::adversarial,
+                      "adversarial_from", &C::adversarial_from, "discriminator", &C::discriminator);
   }
 };
 
 /// The transformer.
 struct Tm2tDescriberConfig {
-  ml::Index latent_dim = 512, ff_size = 2048, num_layers = 4, num_heads = 8;  // layers of the encoder, and of the decoder
+  ml::Index latent_dim = 512, ff_size = 2048, num_layers = 4,
+            num_heads = 8;  // layers of the encoder, and of the decoder
   double dropout = 0.1;
   double smoothing = 0;  // of labels; 0.1 in the published program, where it is off
 
@@ -66,13 +67,15 @@ struct Tm2tWriterConfig {
   ml::Index text_hidden = 512, motion_hidden = 1024, layers = 1;
   ml::Index word_width = 300;  // of word vectors that are drawn, where none are given
   bool late = false;           // attention after the recurrent network
-  double forced_first = 0.9, forced_last = 0.1;  // share of the batches that are shown the true tokens: in epoch 0, from forced_epochs on
+  double forced_first = 0.9,
+         forced_last = 0.1;  // share of the batches that are shown the true tokens: in epoch 0, from forced_epochs on
   ml::Index forced_epochs = 35;
   bool alignment = true;         // inverse alignment: a second update, by the describer
   ml::Index alignment_from = 0;  // epoch
 
   void require_sound() const {
-    for (const auto& [name, size] : {std::pair("text_hidden", text_hidden), {"motion_hidden", motion_hidden}, {"word_width", word_width}})
+    for (const auto& [name, size] :
+         {std::pair("text_hidden", text_hidden), {"motion_hidden", motion_hidden}, {"word_width", word_width}})
       require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
     require_value("layers", layers, layers >= 1 && layers <= 64, "1 to 64");
     for (const auto& [name, share] : {std::pair("forced_first", forced_first), {"forced_last", forced_last}})
@@ -81,9 +84,10 @@ struct Tm2tWriterConfig {
   }
   static constexpr auto fields() {
     using C = Tm2tWriterConfig;
-    return ml::fields("text_hidden", &C::text_hidden, "motion_hidden", &C::motion_hidden, "layers", &C::layers, "word_width",
-                      &C::word_width, "late", &C::late, "forced_first", &C::forced_first, "forced_last", &C::forced_last,
-                      "forced_epochs", &C::forced_epochs, "alignment", &C::alignment, "alignment_from", &C::alignment_from);
+    return ml::fields("text_hidden", &C::text_hidden, "motion_hidden", &C::motion_hidden, "layers", &C::layers,
+                      "word_width", &C::word_width, "late", &C::late, "forced_first", &C::forced_first, "forced_last",
+                      &C::forced_last, "forced_epochs", &C::forced_epochs, "alignment", &C::alignment, "alignment_from",
+                      &C::alignment_from);
   }
 };
 
@@ -103,12 +107,13 @@ struct Tm2tTrainingConfig {
   static constexpr auto fields() {
     using C = Tm2tTrainingConfig;
     return ml::fields("features", &C::features, "tokenizer", &C::tokenizer, "motion_to_text", &C::motion_to_text,
-                      "text_to_motion", &C::text_to_motion, "optimiser", &C::optimiser, "validation", &C::validation, "data",
-                      &C::data);
+                      "text_to_motion", &C::text_to_motion, "optimiser", &C::optimiser, "validation", &C::validation,
+                      "data", &C::data);
   }
 };
 
-/// "tm2t-published": spec tm2t.md 2, 4.1, 5, 6; "tm2t-published-kit": KIT's; "small": minutes to an hour. Throws config_error 103.
+/// "tm2t-published": spec tm2t.md 2, 4.1, 5, 6; "tm2t-published-kit": KIT's; "small": minutes to an hour. Throws
+/// config_error 103.
 inline Tm2tTrainingConfig tm2t_preset(const std::string& name, Tm2tStage stage) {
   Tm2tTrainingConfig c;
   const bool tokenizer = stage == Tm2tStage::tokenizer;
@@ -117,7 +122,12 @@ inline Tm2tTrainingConfig tm2t_preset(const std::string& name, Tm2tStage stage) 
     c.tokenizer = {.channels = {128, 128}, .codes = 128, .residual_blocks = 2, .adversarial = 0, .discriminator = 64};
     c.motion_to_text = {.latent_dim = 128, .ff_size = 256, .num_layers = 2, .num_heads = 4};
     c.text_to_motion = {.text_hidden = 64, .motion_hidden = 128, .word_width = 64};
-    c.optimiser = {.lr = 5e-4, .weight_decay = 0, .clip_norm = 1, .schedule = "cosine", .warmup = 100, .epochs = tokenizer ? 10 : 60};
+    c.optimiser = {.lr = 5e-4,
+                   .weight_decay = 0,
+                   .clip_norm = 1,
+                   .schedule = "cosine",
+                   .warmup = 100,
+                   .epochs = tokenizer ? 10 : 60};
     c.data.mirror = true;
     return c;
   }

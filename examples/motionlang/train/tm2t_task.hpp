@@ -1,5 +1,5 @@
-// Training of TM2T, stage by stage: the motion tokenizer, the transformer from motions to texts, the recurrent network from texts to
-// motions with inverse alignment.
+// Training of TM2T, stage by stage: the motion tokenizer, the transformer from motions to texts, the recurrent
+// network from texts to motions with inverse alignment.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,12 @@
 namespace program {
 
 /// Rows (frames, width) of several motions, one after the other, normalised.
-inline ml::Sequences<TrainingBackend> normalized_rows(const std::vector<float>& values, const std::vector<ml::Index>& lengths,
+inline ml::Sequences<TrainingBackend> normalized_rows(const std::vector<float>& values,
+                                                      const std::vector<ml::Index>& lengths,
                                                       const ml::Normalizer<TrainingBackend>& normalizer) {
   const ml::Offsets offsets(lengths);
-  return {normalizer.normalize(ml::Tensor<TrainingBackend, 2>::from(values, {offsets.rows(), normalizer.mean.size(0)})), offsets};
+  return {normalizer.normalize(ml::Tensor<TrainingBackend, 2>::from(values, {offsets.rows(), normalizer.mean.size(0)})),
+          offsets};
 }
 /// The same as constants of another backend.
 template <ml::Backend T>
@@ -28,8 +30,8 @@ ml::Sequences<T> constants(const ml::Sequences<TrainingBackend>& x) {
   return {ml::Tensor<T, 2>::from(std::vector<float>(numbers.begin(), numbers.end()), x.rows.shape()), x.offsets};
 }
 
-/// Mean and deviation as the tokenizer has them: those of the features, each deviation the mean of its group as HumanML3D has it, and then
-/// smaller for root and contacts.
+/// Mean and deviation as the tokenizer has them: those of the features, each deviation the mean of its group as
+/// HumanML3D has it, and then smaller for root and contacts.
 /// folder   with Mean.npy and Std.npy, whose groups are made already; empty: of these motions
 inline ml::Normalizer<TrainingBackend> tm2t_statistics(const std::vector<DescribedMotion>& motions, ml::Index width,
                                                        const std::filesystem::path& folder, double bias) {
@@ -43,10 +45,10 @@ inline ml::Normalizer<TrainingBackend> tm2t_statistics(const std::vector<Describ
   return out;
 }
 
-// ---- the tokenizer ----------------------------------------------------------------------------------------------------
+// ---- the tokenizer ------------------------------------------------------------------------------------------------
 
-/// Windows of all motions. Differs from the published program: parts of clips with texts of their own count as motions, the last batch of an
-/// epoch is kept, and whole motions are validated with.
+/// Windows of all motions. Differs from the published program: parts of clips with texts of their own count as
+/// motions, the last batch of an epoch is kept, and whole motions are validated with.
 class TokenizerTask
     : public EpochTask<Tm2tTrainingConfig, ml::MotionTokenizer<TrainingTape>, ml::MotionTokenizer<TrainingBackend>> {
  public:
@@ -62,7 +64,8 @@ class TokenizerTask
     for (const ml::Index i : which) {
       const ml::ClipWindow& w = windows_[static_cast<std::size_t>(i)];
       const auto& rows = data_->training[static_cast<std::size_t>(w.clip)].rows;
-      values.insert(values.end(), rows.begin() + w.start * data_->width, rows.begin() + (w.start + length) * data_->width);
+      values.insert(values.end(), rows.begin() + w.start * data_->width,
+                    rows.begin() + (w.start + length) * data_->width);
     }
     const auto x = constants<A>(normalized_rows(values, std::vector<ml::Index>(which.size(), length), statistics_));
     const auto result = learner_.model(x);
@@ -103,7 +106,8 @@ class TokenizerTask
     EpochTask::load(file, steps_done);
     if (!discriminator_) return;
     ml::load_module(*discriminator_, file, "discriminator.");
-    restore_moments(judge_, *discriminator_, file, "discriminator_adam.", std::max<ml::Index>(0, steps_done - first_adversarial()));
+    restore_moments(judge_, *discriminator_, file, "discriminator_adam.",
+                    std::max<ml::Index>(0, steps_done - first_adversarial()));
   }
 
  private:
@@ -129,7 +133,8 @@ class TokenizerTask
     for (const DescribedMotion& m : data.training) lengths.push_back(std::ssize(m.rows) / data.width);
     auto out = ml::tm2t_windows(lengths, config.tokenizer.window);
     if (out.empty())
-      ml::raise<ml::config_error>(102, "no motion to train on has more than tokenizer.window = ", config.tokenizer.window,
+      ml::raise<ml::config_error>(102,
+                                  "no motion to train on has more than tokenizer.window = ", config.tokenizer.window,
                                   " frames; the longest has ", *std::max_element(lengths.begin(), lengths.end()));
     return out;
   }
@@ -143,7 +148,7 @@ class TokenizerTask
   ml::AdamW<A> judge_{};
 };
 
-// ---- tokens and words -------------------------------------------------------------------------------------------------
+// ---- tokens and words ---------------------------------------------------------------------------------------------
 
 /// A text and the motion that it is about, as both are learnt.
 struct TokenizedText {
@@ -175,8 +180,9 @@ inline ml::GloVe words_of(const DescribedMotions& data, ml::Index width, ml::Phi
   return {all, std::move(vectors), width};
 }
 
-/// Tokens of every text's frames from each of the first four frames on that leave as many whole tokens, and its words. What is longer than
-/// 196 frames is cut. Differs from the published program, which draws the first frame five times for the whole clip.
+/// Tokens of every text's frames from each of the first four frames on that leave as many whole tokens, and its
+/// words. What is longer than 196 frames is cut. Differs from the published program, which draws the first frame
+/// five times for the whole clip.
 inline TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, const ml::Tm2t<TrainingBackend>& model,
                                   const ml::GloVe& words, ml::Progress progress) {
   const ml::Index width = model.statistics.mean.size(0);
@@ -192,7 +198,8 @@ inline TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, c
       for (ml::Index first = 0; !same && first < std::min<ml::Index>(4, frames.length - length + 1); ++first) {
         const auto begin = m.rows.begin() + (frames.first + first) * width;
         const std::vector<float> rows(begin, begin + length * width);
-        const ml::Sequences<TrainingBackend> x{ml::Tensor<TrainingBackend, 2>::from(rows, {length, width}), ml::Offsets{length}};
+        const ml::Sequences<TrainingBackend> x{ml::Tensor<TrainingBackend, 2>::from(rows, {length, width}),
+                                               ml::Offsets{length}};
         t.lines.push_back(model.tokens(x).ids);
       }
       out[i].push_back(std::move(t));
@@ -265,7 +272,8 @@ class TokenTask : public EpochTask<Tm2tTrainingConfig, Tape, Plain> {
   }
 
  protected:
-  TokenTask(std::string system, const Tm2tTrainingConfig& config, const DescribedMotions& data, const TokenizedData& tokens)
+  TokenTask(std::string system, const Tm2tTrainingConfig& config, const DescribedMotions& data,
+            const TokenizedData& tokens)
       : Base(std::move(system), config, data), tokens_(&tokens) {}
 
   TokenizedBatch batch(const ml::Philox& rng, ml::Index step) const {
@@ -287,9 +295,10 @@ class TokenTask : public EpochTask<Tm2tTrainingConfig, Tape, Plain> {
   const TokenizedData* tokens_;
 };
 
-// ---- motions to texts -------------------------------------------------------------------------------------------------
+// ---- motions to texts ---------------------------------------------------------------------------------------------
 
-inline ml::Seq2SeqConfig describer_sizes(const Tm2tDescriberConfig& c, const ml::MotionVocabulary& tokens, const ml::GloVe& words) {
+inline ml::Seq2SeqConfig describer_sizes(const Tm2tDescriberConfig& c, const ml::MotionVocabulary& tokens,
+                                         const ml::GloVe& words) {
   return {.source_symbols = tokens.size(),
           .target_symbols = words.size() + 1,
           .d_model = c.latent_dim,
@@ -306,28 +315,32 @@ class DescriberTask : public TokenTask<ml::Seq2SeqTransformer<TrainingTape>, ml:
   DescriberTask(const Tm2tTrainingConfig& config, const DescribedMotions& data, const TokenizedData& tokens)
       : TokenTask("tm2t motion-to-text", config, data, tokens) {
     auto init = ml::Philox{.seed = seed()}.split("init");
-    begin(ml::Seq2SeqTransformer<B>(describer_sizes(config_.motion_to_text, tokens.model.vocabulary(), tokens.words), init));
+    begin(ml::Seq2SeqTransformer<B>(describer_sizes(config_.motion_to_text, tokens.model.vocabulary(), tokens.words),
+                                    init));
   }
 
   /// As published the sum over the words of the batch.
   ml::LossTerms<A> loss(const ml::Philox& rng, ml::Index step, const ml::Context& context) const {
     const auto b = batch(rng, step);
     ml::LossTerms<A> out;
-    out.add("words", 1, ml::next_symbol_loss(logits_of(learner_.model, b, context), b.words, config_.motion_to_text.smoothing));
+    out.add("words", 1,
+            ml::next_symbol_loss(logits_of(learner_.model, b, context), b.words, config_.motion_to_text.smoothing));
     return out;
   }
   std::vector<Measure> validate() {
-    return measured("loss of a word", [&](const TokenizedBatch& b) { return std::pair(logits_of(learner_.average, b, {}), b.words); });
+    return measured("loss of a word",
+                    [&](const TokenizedBatch& b) { return std::pair(logits_of(learner_.average, b, {}), b.words); });
   }
 
  private:
   template <ml::Backend T>
-  static ml::Tensor<T, 2> logits_of(const ml::Seq2SeqTransformer<T>& model, const TokenizedBatch& b, const ml::Context& context) {
+  static ml::Tensor<T, 2> logits_of(const ml::Seq2SeqTransformer<T>& model, const TokenizedBatch& b,
+                                    const ml::Context& context) {
     return model.logits(b.words.without_ends(0, 1), model.encode(b.tokens, context), context);
   }
 };
 
-// ---- texts to motions -------------------------------------------------------------------------------------------------
+// ---- texts to motions ---------------------------------------------------------------------------------------------
 
 class WriterTask : public TokenTask<ml::Seq2SeqGru<TrainingTape>, ml::Seq2SeqGru<TrainingBackend>> {
  public:
@@ -350,15 +363,16 @@ class WriterTask : public TokenTask<ml::Seq2SeqGru<TrainingTape>, ml::Seq2SeqGru
                             init));
   }
 
-  /// As published an update by the tokens, made here, and another by what the describer says of what is written: the terms are both, the
-  /// gradient is that of the second. The describer has dropout and is not trained.
+  /// As published an update by the tokens, made here, and another by what the describer says of what is written: the
+  /// terms are both, the gradient is that of the second. The describer has dropout and is not trained.
   ml::LossTerms<A> loss(const ml::Philox& rng, ml::Index step, const ml::Context& context) {
     const auto& c = config_.text_to_motion;
     const auto b = batch(rng, step);
     const ml::TeacherForcing forcing{c.forced_first, c.forced_last, c.forced_epochs};
     const bool forced = rng.split("forced").uniform() < forcing(step / batches_.per_epoch());
     const auto words = vectors_of<A>(b.words);
-    const auto tokens = ml::next_symbol_loss(learner_.model.logits(words, b.tokens.without_ends(0, 1), forced), b.tokens);
+    const auto tokens =
+        ml::next_symbol_loss(learner_.model.logits(words, b.tokens.without_ends(0, 1), forced), b.tokens);
     ml::LossTerms<A> out;
     if (step < first_alignment()) {
       out.add("tokens", 1, tokens);
@@ -392,7 +406,9 @@ class WriterTask : public TokenTask<ml::Seq2SeqGru<TrainingTape>, ml::Seq2SeqGru
       rows.insert(rows.end(), vectors_.begin() + id * width, vectors_.begin() + (id + 1) * width);
     return {ml::Tensor<T, 2>::from(rows, {std::ssize(words.ids), width}), words.offsets};
   }
-  ml::Index first_alignment() const { return describer_ ? config_.text_to_motion.alignment_from * batches_.per_epoch() : steps(); }
+  ml::Index first_alignment() const {
+    return describer_ ? config_.text_to_motion.alignment_from * batches_.per_epoch() : steps();
+  }
 
   std::vector<float> vectors_;  // of the words by their ids
   std::optional<ml::Seq2SeqTransformer<A>> describer_;

@@ -18,7 +18,8 @@ struct Options {
   std::filesystem::path captions, annotations, statistics, tokenizer, describer, words;
 };
 
-/// What a stage has trained with what was trained before: a folder as `pack` makes it, which generate and describe read.
+/// What a stage has trained with what was trained before: a folder as `pack` makes it, which generate and describe
+/// read.
 struct Tm2tModel {
   const ml::MotionTokenizer<B>& tokenizer;
   const ml::Normalizer<B>& statistics;
@@ -38,7 +39,8 @@ void save_tm2t(const Options& o, const Tm2tTrainingConfig& config, const Describ
   model.features = "guoh3dfeats";
   model.fps = data.fps;
   model.text_encoder = m.words != nullptr ? "glove" : "";
-  if (m.describer != nullptr) model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // which no tensor shows
+  if (m.describer != nullptr)
+    model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // which no tensor shows
   model.others["training"] = config_json(config);
   if (m.words != nullptr) {
     std::filesystem::create_directories(folder / "text_encoder");
@@ -60,13 +62,16 @@ std::optional<TokenizedData> models_before(const Options& o, const Tm2tTrainingC
   ml::GloVe words({"sos", "eos", "unk"}, std::vector<float>(3), 1);
   if (!o.words.empty()) words = ml::read_glove(o.words / "our_vab");
   if (o.stage == Tm2tStage::text_to_motion && config.text_to_motion.alignment) {
-    const auto& folder = needed(o.describer, "--describer", "a model from motions to texts, for inverse alignment "
-                                                            "(--set text_to_motion.alignment=false: without)");
-    auto run = ml::load_tm2t_describer<B>(ml::find_run(folder), {.tokenizer = o.tokenizer.string(), .words = o.words.string()});
+    const auto& folder = needed(o.describer, "--describer",
+                                "a model from motions to texts, for inverse alignment "
+                                "(--set text_to_motion.alignment=false: without)");
+    auto run = ml::load_tm2t_describer<B>(ml::find_run(folder),
+                                          {.tokenizer = o.tokenizer.string(), .words = o.words.string()});
     return TokenizedData{std::move(run.model), std::move(run.words)};
   }
-  return TokenizedData{ml::load_tm2t_tokenizer<B>(ml::find_run(needed(o.tokenizer, "--tokenizer", "a motion tokenizer"))),
-                       std::move(words)};
+  return TokenizedData{
+      ml::load_tm2t_tokenizer<B>(ml::find_run(needed(o.tokenizer, "--tokenizer", "a motion tokenizer"))),
+      std::move(words)};
 }
 
 void run(const Options& o) {
@@ -75,16 +80,19 @@ void run(const Options& o) {
   if (const std::string found = ready_made_features(sources); !found.empty()) config.features = found;
   if (!configure(config, o.common)) return;
   auto before = models_before(o, config);
-  if (before) config.features = before->model.statistics.mean.size(0) == 251 ? "kit" : "guoh3d";  // what the tokenizer reads
+  if (before)
+    config.features = before->model.statistics.mean.size(0) == 251 ? "kit" : "guoh3d";  // what the tokenizer reads
   const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
   if (!before) {
-    Trainer trainer(TokenizerTask(config, data, tm2t_statistics(data.training, data.width, o.statistics, config.tokenizer.feature_bias)));
+    Trainer trainer(TokenizerTask(
+        config, data, tm2t_statistics(data.training, data.width, o.statistics, config.tokenizer.feature_bias)));
     trainer.run(o.common.run, [] {});
     return save_tm2t(o, config, data, {trainer.task().result(), trainer.task().statistics()});
   }
   const bool drawn_words = o.words.empty() && before->model.m2t_transformer.encoder.layer_stack.empty();
   if (drawn_words)
-    before->words = words_of(data, config.text_to_motion.word_width, ml::Philox{.seed = config.optimiser.seed}.split("words"));
+    before->words =
+        words_of(data, config.text_to_motion.word_width, ml::Philox{.seed = config.optimiser.seed}.split("words"));
   {
     ProgressBar bar("tokenizing");
     before->tokenize(data, bar);
@@ -99,16 +107,18 @@ void run(const Options& o) {
   Trainer trainer(WriterTask(config, data, *before));
   trainer.run(o.common.run, [] {});
   const bool describes = config.text_to_motion.alignment;
-  save_tm2t(o, config, data, {known.tokenizer, known.statistics, &before->words, describes ? &known.m2t_transformer : nullptr,
-                              &trainer.task().result()});
+  save_tm2t(o, config, data,
+            {known.tokenizer, known.statistics, &before->words, describes ? &known.m2t_transformer : nullptr,
+             &trainer.task().result()});
 }
 
 }  // namespace
 
 void add_train_tm2t(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand(
-      "train-tm2t", "Trains TM2T, which describes motions and makes them from texts, a stage at a time; Ctrl-C saves, the same command goes on");
+  CLI::App* c = app.add_subcommand("train-tm2t",
+                                   "Trains TM2T, which describes motions and makes them from texts, a stage at a time; "
+                                   "Ctrl-C saves, the same command goes on");
   const std::map<std::string, Tm2tStage> stages{{"tokenizer", Tm2tStage::tokenizer},
                                                 {"motion-to-text", Tm2tStage::motion_to_text},
                                                 {"text-to-motion", Tm2tStage::text_to_motion}};
@@ -121,16 +131,20 @@ void add_train_tm2t(CLI::App& app) {
   c->add_option("--annotations", o->annotations, "Unified annotation file (JSON); its paths lead into --data")
       ->check(CLI::ExistingFile);
   c->add_option("--statistics", o->statistics,
-                "Of the tokenizer: folder with Mean.npy and Std.npy of the features; those of the motions to train on unless given")
+                "Of the tokenizer: folder with Mean.npy and Std.npy of the features; those of the motions to train on "
+                "unless given")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer, "Of the other stages: folder of the tokenizer, of the first stage or as published")
+  c->add_option("--tokenizer", o->tokenizer,
+                "Of the other stages: folder of the tokenizer, of the first stage or as published")
       ->check(CLI::ExistingDirectory);
   c->add_option("--describer", o->describer,
-                "Of text-to-motion: folder of motion-to-text, or M2T_... as published, for inverse alignment; its words and, unless "
+                "Of text-to-motion: folder of motion-to-text, or M2T_... as published, for inverse alignment; its "
+                "words and, unless "
                 "--tokenizer names it, its tokenizer are taken")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->words,
-                "Folder of word vectors (our_vab_data.npy ...); the words of the texts, with vectors that are drawn, unless given")
+                "Folder of word vectors (our_vab_data.npy ...); the words of the texts, with vectors that are drawn, "
+                "unless given")
       ->check(CLI::ExistingDirectory);
   c->callback([o] { run(*o); });
 }
