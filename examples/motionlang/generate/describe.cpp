@@ -21,8 +21,6 @@ namespace fs = std::filesystem;
 using ml::Index;
 using B = ml::EigenBackend<float>;
 
-constexpr Index longest_part = 196;  // rows: the model is trained on no longer motions
-
 struct DescribeOptions {
   std::vector<std::string> inputs;
   std::string model, tokenizer, words, out;
@@ -122,13 +120,12 @@ class Describer {
                m == 0 ? rng : rng.split(static_cast<std::uint64_t>(m)));
     }
   }
-  /// The rows in as few equal parts as the model can take.
+  /// The rows in as few equal parts as are no longer than what such models are trained on.
   void describe(const Described& whole, const std::vector<float>& rows, const ml::Philox& rng) {
     if (!ml::detail::all_finite(std::span<const float>(rows)))
       ml::raise<ml::numeric_error>(301, whole.place.path.string(), ": features that are not finite");
     const Index frames = std::ssize(rows) / features_.width;
-    const Index positions = run_.model.m2t_transformer.encoder.position_enc.positional_encoding.size(0);
-    const Index longest = std::min(longest_part, 4 * (positions - 2)), parts = (frames + longest - 1) / longest;
+    const Index parts = (frames + ml::tm2t_longest - 1) / ml::tm2t_longest;
     std::vector<Index> lengths;
     for (Index p = 0; p < parts; ++p) lengths.push_back(frames * (p + 1) / parts - frames * p / parts);
     const ml::Sequences<B> x{ml::Tensor<B, 2>::from(rows, {frames, features_.width}), ml::Offsets(lengths)};

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <algorithm>
-#include <set>
 
 #include <motionlang/io/detail/content_hash.hpp>
 #include <motionlang/io/motion_tokens.hpp>
 #include <motionlang/systems/tm2t.hpp>
 
+#include "described_words.hpp"
 #include "epoch_task.hpp"
 #include "feature_statistics.hpp"
 #include "tm2t_config.hpp"
@@ -157,29 +157,6 @@ struct TokenizedText {
 };
 using TokenizedMotions = std::vector<std::vector<TokenizedText>>;  // texts of each motion
 
-/// Lemmas of a text: those of the data set, else by approximation.
-inline std::vector<ml::TaggedWord> words_of(const DescribedText& text, const ml::GloVe& words) {
-  return text.words.empty() ? words.tokens(text.text) : text.words;
-}
-/// The words of all texts to train on, behind the marks, with drawn vectors.
-inline ml::GloVe words_of(const DescribedMotions& data, ml::Index width, ml::Philox rng) {
-  const std::vector<std::string> marks{"sos", "eos", "unk"};
-  const ml::GloVe none(marks, std::vector<float>(3), 1);
-  std::set<std::string> found;
-  for (const DescribedMotion& m : data.training) {
-    for (const DescribedText& t : m.texts) {
-      for (const ml::TaggedWord& w : words_of(t, none)) found.insert(w.word);
-    }
-  }
-  std::vector<std::string> all = marks;
-  for (const std::string& word : found) {
-    if (std::find(marks.begin(), marks.end(), word) == marks.end()) all.push_back(word);
-  }
-  std::vector<float> vectors(all.size() * static_cast<std::size_t>(width));
-  rng.normal<float>(vectors);
-  return {all, std::move(vectors), width};
-}
-
 /// Tokens of every text's frames from each of the first four frames on that leave as many whole tokens, and its
 /// words. What is longer than 196 frames is cut. Differs from the published program, which draws the first frame
 /// five times for the whole clip.
@@ -194,7 +171,7 @@ inline TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, c
       TokenizedText t{{}, ml::marked_words(words, words_of(m.texts[k], words))};
       const bool same = k > 0 && m.texts[k - 1].frames == frames;
       if (same) t.lines = out[i].back().lines;
-      const ml::Index length = std::min<ml::Index>(frames.length / 4 * 4, 196);
+      const ml::Index length = std::min(frames.length / 4 * 4, ml::tm2t_longest);
       for (ml::Index first = 0; !same && first < std::min<ml::Index>(4, frames.length - length + 1); ++first) {
         const auto begin = m.rows.begin() + (frames.first + first) * width;
         const std::vector<float> rows(begin, begin + length * width);
