@@ -18,6 +18,7 @@
 #include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/body_arrays.hpp"
 #include "../support/denoised.hpp"
+#include "../support/glove_files.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"
@@ -981,6 +982,44 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   const auto made = ml::read_npy(clips / "made/a_person_turns_left.npy").shape;
   CHECK((made.size() == 3 && made[0] > 0 && made[0] % 4 == 0));
 
+  // measured against what people said: what it has learnt by heart, it says
+  const std::string scores = did({"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv", "--part", "training"});
+  for (const char* text : {"4 motions of the training part, 4 to describe", "BLEU-4  ROUGE-L    CIDEr", "  a text of the training part by lot"})
+    CHECK_MESSAGE(contains(scores, text), scores);
+  const auto described = scores.find("  described");
+  REQUIRE(described != scores.npos);
+  CHECK_MESSAGE(scores.substr(described, scores.find('\n', described) - described).find("  100.00") != scores.npos, scores);
+
+  // lemmas of a data set, and word vectors of a folder
+  const std::string set = (clips / "h3d").string();
+  for (const char* id : {"000000", "000001"}) {
+    add_walk(set, id, 60, "guoh3d", ml::humanml3d_form);
+    auto clip = ml::HumanMl3dFolder(set).load(id);
+    clip.captions.at(0).words = {{"person", "NOUN"}, {"walk", "VERB"}};
+    ml::write_humanml3d_clip(set, clip);
+  }
+  ml::write_ids(set + "/train.txt", std::vector<std::string>{"000000", "000001"});
+  const auto of_set = [&](const std::string& stage, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"train-tm2t", "--stage", stage, "--preset", "small", "--data", "h3d", "--out", "set_" + stage, "--fresh"};
+    for (const char* a : {"optimiser.epochs=1", "tokenizer.channels=[4, 4]", "tokenizer.codes=6", "motion_to_text.latent_dim=8",
+                          "motion_to_text.ff_size=8", "motion_to_text.num_layers=1", "text_to_motion.text_hidden=4",
+                          "text_to_motion.motion_hidden=8", "tokenizer.window=32"})
+      arguments.insert(arguments.end(), {"--set", a});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return did(arguments);
+  };
+  of_set("tokenizer", {});
+  const auto words_of = [&](const std::string& out) { return clips.checkpoint(out).metadata().at("words"); };
+  of_set("motion-to-text", {"--tokenizer", "set_tokenizer/model"});
+  CHECK(words_of("set_motion-to-text") == "sos\neos\nunk\nperson\nwalk\n");
+  const std::vector<std::string> known{"eos", "sos", "unk", "walk", "jump"};
+  std::filesystem::create_directories(clips / "words");
+  glove_files::write((clips / "words/our_vab").string(), known, known, std::vector<float>(15, 0.5f));
+  of_set("motion-to-text", {"--tokenizer", "set_tokenizer/model", "--text-encoder", "words"});
+  CHECK(words_of("set_motion-to-text") == "eos\nsos\nunk\nwalk\njump\n");
+  of_set("text-to-motion", {"--describer", "set_motion-to-text/model"});
+  CHECK(contains(did({"info", "set_text-to-motion/model"}), "word vectors of 3 numbers"));
+
   // without inverse alignment; what is missing and what does not fit
   const auto alone = train("text-to-motion", "alone", {"--tokenizer", "tokenizer/model", "--set", "text_to_motion.alignment=false",
                                                        "--set", "optimiser.epochs=2"});
@@ -994,6 +1033,9 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   refused("motion-to-text", {}, "[motionlang.config.102] --tokenizer is required");
   refused("text-to-motion", {"--tokenizer", "tokenizer/model"}, "[motionlang.config.102] --describer is required");
   refused("text-to-motion", {"--describer", "tokenizer/model"}, "not TM2T's transformer from motions to texts");
+  const auto unmeasured = run({"evaluate", "alone/model", "--data", ".", "--captions", "captions.tsv"}, clips.path);
+  CHECK(unmeasured.code == 1);
+  CHECK_MESSAGE(contains(unmeasured.text, "not TM2T's transformer from motions to texts"), unmeasured.text);
   refused("tokenizer", {"--set", "tokenizer.window=96"}, "no motion to train on has more than tokenizer.window = 96");
   refused("tokenizer", {"--set", "tokenizer.window=30"}, "window is 30, expected a multiple of 4");
   refused("tokenizer", {"--set", "features=rifke"}, "features 'rifke' is not guoh3d or kit");
