@@ -15,7 +15,8 @@ using B = TrainingBackend;
 struct Options {
   TrainingOptions common;
   Tm2tStage stage = Tm2tStage::tokenizer;
-  std::filesystem::path captions, annotations, statistics, tokenizer, describer, words;
+  CaptionOptions texts;
+  std::filesystem::path statistics, tokenizer, describer, words;
 };
 
 /// What a stage has trained with what was trained before: a folder as `pack` makes it, which generate and describe
@@ -75,7 +76,7 @@ std::optional<TokenizedData> models_before(const Options& o, const Tm2tTrainingC
 }
 
 void run(const Options& o) {
-  DataSources sources{o.common.data, o.captions, {}, o.annotations, o.common.splits};
+  DataSources sources = o.texts.sources(o.common);
   auto config = tm2t_preset(o.common.preset, o.stage);
   if (const std::string found = ready_made_features(sources); !found.empty()) config.features = found;
   if (!configure(config, o.common)) return;
@@ -126,10 +127,7 @@ void add_train_tm2t(CLI::App& app) {
       ->required()
       ->transform(CLI::CheckedTransformer(stages).description("tokenizer, motion-to-text or text-to-motion"));
   add_training_options(*c, o->common, {"tm2t-published", "tm2t-published-kit", "small"});
-  c->add_option("--captions", o->captions, "Table of the clips: clip, start, end, body parts, captions")
-      ->check(CLI::ExistingFile);
-  c->add_option("--annotations", o->annotations, "Unified annotation file (JSON); its paths lead into --data")
-      ->check(CLI::ExistingFile);
+  o->texts.add_to(*c);
   c->add_option("--statistics", o->statistics,
                 "Of the tokenizer: folder with Mean.npy and Std.npy of the features; those of the motions to train on "
                 "unless given")

@@ -34,6 +34,14 @@ struct LabelOptions {
   DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
 };
 
+/// Where the texts of train-tmr, train-temos and train-tm2t are from.
+struct CaptionOptions {
+  std::filesystem::path captions, annotations;
+
+  void add_to(CLI::App& command);
+  DataSources sources(const TrainingOptions& o) const { return {o.data, captions, {}, annotations, o.splits}; }
+};
+
 /// `presets` are their names; the first is taken unless another is named.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
 
