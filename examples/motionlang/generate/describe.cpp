@@ -86,12 +86,12 @@ class Describer {
         stopped = !bar(static_cast<std::ptrdiff_t>(i) + 1, std::ssize(places)) && i + 1 < places.size();
       }
     }
-    if (!o_.out.empty()) write_table();
-    o_.json ? say_json() : say();
+    if (!o_.out.empty() && !described_.empty()) write_table();
     for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
-    if (stopped) throw ml::cancelled();  // what was described is kept
-    if (described_.empty())
+    if (described_.empty() && !stopped)
       ml::raise<ml::config_error>(101, "describe: none of the ", places.size(), " files could be described");
+    o_.json ? say_json() : say();
+    if (stopped) throw ml::cancelled();  // what was described is kept
   }
 
  private:
