@@ -25,6 +25,7 @@ void add_train_tmr(CLI::App& app);
 void add_train_temos(CLI::App& app);
 void add_train_actor(CLI::App& app);
 void add_train_classifier(CLI::App& app);
+void add_train_tm2t(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_judge(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
@@ -32,6 +33,7 @@ void add_doctor(CLI::App& app);
 void add_index(CLI::App& app);
 void add_search(CLI::App& app);
 void add_embed(CLI::App& app);
+void add_describe(CLI::App& app);
 void add_pack(CLI::App& app);
 
 /// The weights that come with the repository, unless MOTIONLANG_MODEL names others.

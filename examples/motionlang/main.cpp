@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong;\n"
       "3 the timeline is wrong; 130 stopped by Ctrl-C (what was finished is kept)."
 #ifndef MOTIONLANG_TRAINING
-      "\nBuilt without train-tmr, train-temos, train-actor, train-classifier and evaluate (-DMOTIONLANG_TRAINING=ON has them)."
+      "\nBuilt without train-tmr, train-temos, train-actor, train-classifier, train-tm2t and evaluate (-DMOTIONLANG_TRAINING=ON has them)."
 #endif
   );
   program::add_generate(app);
@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   program::add_train_temos(app);
   program::add_train_actor(app);
   program::add_train_classifier(app);
+  program::add_train_tm2t(app);
   program::add_evaluate(app);
 #endif
   program::add_judge(app);
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
   program::add_index(app);
   program::add_search(app);
   program::add_embed(app);
+  program::add_describe(app);
   program::add_pack(app);
   try {
     require_known_subcommand(app, argc, argv);

@@ -742,6 +742,82 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
   CHECK(ml::read_file(w / "again/a_person_walks.bvh") == first);
 }
 
+TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and the trainings read, a packed folder") {
+  const Workplace w;
+  const std::string model = (official::write_tm2t_runs(w.path, official::small_tm2t()).parent_path() / "M2T_EL2_DL1_NH2_PS").string();
+  fs::create_directories(w / "clips/more");
+  ml::write_bvh(w / "clips/walk.bvh", synthetic::walk({.frames = 60}));
+  ml::write_bvh(w / "clips/more/long.bvh", synthetic::walk({.frames = 300, .turn = 0.5}));
+  ml::write_bvh(w / "clips/short.bvh", synthetic::walk({.frames = 3}));
+
+  const std::string said = w.did({"describe", "clips", "--model", model, "--beams", "3", "--top", "2", "-o", "captions.tsv"});
+  CHECK_MESSAGE(contains(said, "0.00    3.00 s  clips/walk.bvh"), said);
+  CHECK_MESSAGE(contains(said, "skipped: clips/short.bvh: [motionlang.shape.205]"), said);
+  CHECK_MESSAGE(contains(said, "table    captions.tsv"), said);
+  std::istringstream table(ml::read_file(w / "captions.tsv"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(table, line);) lines.push_back(line);
+  REQUIRE(lines.size() >= 2);
+  CHECK(lines[0].starts_with("# clip\tstart\tend\tparts\tcaptions, by "));
+
+  const auto json = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"describe", "clips/walk.bvh", "clips/more/long.bvh", "--model", model, "--json"});
+    const std::string text = w.did(more);
+    return nlohmann::json::parse(text.substr(text.find("[\n")));
+  };
+  const auto best = json({"--beams", "3", "--top", "2"});
+  REQUIRE(best.size() == 3);  // 300 frames at 20 a second are two parts
+  CHECK(best[0].at("path") == "clips/walk.bvh");
+  CHECK(best[1].at("start") == 0);
+  CHECK(best[1].at("end") == best[2].at("start"));
+  CHECK(best[2].at("end").get<double>() == doctest::Approx(15));
+  for (const auto& motion : best) {
+    const auto& texts = motion.at("descriptions");
+    CHECK((texts.size() == 1 || texts.size() == 2));
+    for (const auto& d : texts) CHECK(d.at("log_probability").get<double>() < 0);
+    for (std::size_t i = 1; i < texts.size(); ++i) CHECK(texts[i].at("text") != texts[0].at("text"));
+  }
+  // of drawn words only those of the vocabulary, the same for the same seed
+  const auto drawn = json({"--sample", "--top", "4", "--seed", "3"});
+  CHECK(drawn == json({"--sample", "--top", "4", "--seed", "3"}));
+  CHECK(drawn != json({"--sample", "--top", "4", "--seed", "4"}));
+  for (const auto& d : drawn[0].at("descriptions")) {
+    std::istringstream words(d.at("text").get<std::string>());
+    for (std::string word; words >> word;)
+      CHECK(std::find(official::tm2t_words.begin(), official::tm2t_words.end(), word) != official::tm2t_words.end());
+  }
+  CHECK(json({"--sample", "--top-k", "1"}) == json({"--sample", "--top-k", "1", "--seed", "9"}));  // nothing is left to draw
+
+  // features are read as they are, and a packed folder says the same with nothing beside it
+  w.did({"convert", "clips/walk.bvh", "rows.npy", "--features", "guoh3d"});
+  const auto of = [&](const std::string& file, const std::string& folder) {
+    const std::string text = w.did({"describe", file, "--model", folder, "--json"});
+    return nlohmann::json::parse(text.substr(text.find("[\n"))).at(0).at("descriptions").at(0);
+  };
+  CHECK(of("rows.npy", model).at("text") == of("clips/walk.bvh", model).at("text"));
+  w.did({"pack", model, "-o", "packed", "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"});
+  fs::rename(w / "glove", w / "words");
+  fs::rename(w / "checkpoints", w / "elsewhere");
+  CHECK(of("rows.npy", "packed").at("text").is_string());
+
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& message) {
+    const Outcome out = w.run(arguments);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused({"describe", "clips/short.bvh", "--model", "packed"}, "[motionlang.shape.205]");
+  refused({"describe", "clips", "clips", "--model", "packed", "-o", "x.tsv"}, "would both be 'more/long' in the table");
+  fs::create_directories(w / "nothing");
+  refused({"describe", "nothing", "--model", "packed"}, "describe: no motion file in nothing");
+  refused({"describe", "clips", "--model", "elsewhere/t2m/T2M_Seq2Seq"}, "not TM2T's transformer from motions to texts");
+  CHECK(w.run({"describe", "clips", "--model", "packed", "--sample", "--beams", "2"}).code == 2);
+  CHECK(w.run({"describe", "clips", "--model", "packed", "--top", "0"}).code == 2);
+  const std::string help = w.did({"describe", "--help"});
+  for (const char* option : {"input", "--model", "--tokenizer", "--text-encoder", "--out", "--top", "--beams", "--sample", "--top-k",
+                             "--seed", "--json", "--scale", "--rate", "--up", "--threads", "--precision"})
+    CHECK_MESSAGE(contains(help, option), option);
+}
+
 TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actions hold") {
   const Workplace w;
   const auto says = [&](const std::string& folder, std::initializer_list<const char*> lines) {
@@ -764,6 +840,8 @@ TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actio
   const fs::path golden = fs::path(__FILE__).parent_path().parent_path() / "golden/cases/containers";
   says((golden / "tmr_run").string(), {"system                   tmr", "not a whole model", "motion_encoder."});
   says((golden / "actor_run").string(), {"12 classes of humanact12", "encoder.muQuery"});
+  says((fs::path(run).parent_path() / "M2T_EL2_DL1_NH2_PS").string(),
+       {"from motions to texts", "transformer of width 8, 2 + 1 layers; writes 8 symbols"});
   says((fs::path(run).parent_path() / "VQVAEV3").string(), {"motion tokenizer", "263 numbers a frame", "10 codes, 2 halvings of the length, 2 residual blocks"});
 }
 

@@ -6,6 +6,7 @@
 #include "../support/official_tm2t.hpp"
 #include "../support/small_model.hpp"
 #include "../support/temporary_folder.hpp"
+#include "../support/tensors.hpp"
 
 namespace ml = motionlang;
 namespace fs = std::filesystem;
@@ -33,6 +34,45 @@ TEST_CASE("TM2T: the recurrent model, the tokenizer beside it, word vectors abov
   CHECK(small::is_finite(a.rows));
   for (std::size_t i = 0; i < a.rows.span().size(); ++i)
     CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-4));
+}
+
+TEST_CASE("TM2T: the transformer from motions to texts, its tokenizer, its words") {
+  const TemporaryFolder folder;
+  auto config = official::small_tm2t();
+  const fs::path t2m = official::write_tm2t_runs(folder.path, config), run = t2m.parent_path() / "M2T_EL2_DL1_NH2_PS";
+  CHECK(ml::is_tm2t_describer(ml::find_run(run)));
+  CHECK(!ml::is_tm2t_describer(ml::find_run(t2m)));
+  CHECK(!ml::is_tm2t_generator(ml::find_run(run)));
+  const auto loaded = ml::load_tm2t_describer<B>(ml::find_run(run));
+  CHECK((loaded.fps == 20 && loaded.width() == 263));
+  CHECK(loaded.model.m2t_transformer.encoder.layer_stack.at(1).slf_attn.heads == 2);
+  CHECK(!loaded.model.m2t_transformer.trg_word_prj);  // shared
+  const auto wanted = official::tm2t(config);
+  const ml::GloVe words(official::tm2t_words, official::tm2t_vectors(), 4);
+  const ml::Sequences<B> x(tensors::normal<B, 2>({40, 263}, 5), ml::Offsets{16, 24});
+  const auto found = loaded.model.descriptions(x, loaded.words, {.beams = 3}), same = wanted.descriptions(x, words, {.beams = 3});
+  REQUIRE(found.size() == 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    REQUIRE(found[i].size() == same[i].size());
+    CHECK(found[i][0].text == loaded.model.describe(x, loaded.words, {.beams = 3})[i]);
+    for (std::size_t k = 0; k < found[i].size(); ++k) {
+      CHECK(found[i][k].text == same[i][k].text);
+      CHECK(found[i][k].log_probability == doctest::Approx(same[i][k].log_probability).epsilon(1e-4));
+      CHECK(found[i][k].log_probability < 0);
+    }
+  }
+  CHECK_ERROR(ml::load_tm2t_describer<B>(ml::find_run(t2m)), "not TM2T's transformer from motions to texts");
+  CHECK_ERROR(ml::load_tm2t_tokenizer<B>(ml::find_run(t2m)), "not TM2T's motion tokenizer");
+  const std::string options = ml::read_file(run / "opt.txt");
+  official::write_text(run / "opt.txt", "---- Options\nn_head: 3\n---- End\n");
+  CHECK_ERROR(ml::load_tm2t_describer<B>(ml::find_run(run)), "n_head is 3, ");
+  official::write_text(run / "opt.txt", options);
+  config.motion_to_text.target_symbols = 9;
+  official::write_tm2t_runs(folder.path, config);
+  CHECK_ERROR(ml::load_tm2t_describer<B>(ml::find_run(run)), "writes 9 symbols, the words found are 7");
+  config.motion_to_text.source_symbols = 14;
+  official::write_tm2t_runs(folder.path, config);
+  CHECK_ERROR(ml::load_tm2t_describer<B>(ml::find_run(run)), "has 14 motion symbols");
 }
 
 TEST_CASE("TM2T: what is missing, what does not fit") {
@@ -76,7 +116,7 @@ TEST_CASE("TM2T: what is missing, what does not fit") {
   official::write_text(run / "opt.txt", options);
   config.text_to_motion.symbols = 14;
   official::write_tm2t_runs(folder.path, config);
-  CHECK_ERROR(load(), "writes 14 symbols");
+  CHECK_ERROR(load(), "has 14 motion symbols");
 }
 
 TEST_CASE("MDM for actions: args.json and a checkpoint; motions of 60 frames of rotations") {

@@ -56,34 +56,38 @@ Lines tmr(const ml::RunFolder& run, const ml::WeightFile& weights) {
           {"networks", ml::concat_text(transformer(c), c.vae ? "" : ", deterministic")}};
 }
 
-/// A folder of TM2T holds one of three models.
+/// A folder of TM2T holds one of its models; packed, and of our training, what that one was made with, too.
 Lines tm2t(const ml::RunFolder& run) {
   const ml::WeightFile weights = ml::detail::tm2t_weights(run);
+  Lines out;
+  const auto say = [&](const char* part, const char* key, std::string value, std::string networks) {
+    out.emplace_back("part", part);
+    if (key[0] != '\0') out.emplace_back(key, std::move(value));
+    out.emplace_back("networks", std::move(networks));
+  };
   if (weights.find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr) {
     const auto c = ml::detail::tm2t_gru_config(ml::detail::RunReader(run, weights, "t2m_model."));
-    return {{"part", "from texts to motions"},
-            {"texts", ml::concat_text("word vectors of ", c.word, " numbers")},
-            {"networks", ml::concat_text("recurrent, ", c.layers, " layers of ", c.motion_hidden, ", ",
-                                         c.late ? "late" : "early", " attention; writes ", c.symbols, " symbols")}};
+    say("from texts to motions", "texts", ml::concat_text("word vectors of ", c.word, " numbers"),
+        ml::concat_text("recurrent, ", c.layers, " layers of ", c.motion_hidden, ", ", c.late ? "late" : "early",
+                        " attention; writes ", c.symbols, " symbols"));
+  }
+  for (const char* name : {"m2t_transformer", "t2m_transformer"}) {
+    const ml::detail::RunReader r(run, weights, std::string(name) + ".");
+    if (!r.has("encoder.layer_stack.0.slf_attn.w_qs.weight")) continue;
+    const char* target = r.has("trg_word_prj.weight") ? "trg_word_prj.weight" : "decoder.trg_word_emb.weight";
+    say(name[0] == 'm' ? "from motions to texts" : "from texts to motions, by transformers", "", "",
+        ml::concat_text("transformer of width ", r.size(target, 1), ", ",
+                        r.count("encoder.layer_stack.", ".slf_attn.w_qs.weight", {}), " + ",
+                        r.count("decoder.layer_stack.", ".slf_attn.w_qs.weight", {}), " layers; writes ",
+                        r.size(target, 0), " symbols"));
   }
   if (weights.find("quantizer.embedding.weight") != nullptr) {
     const auto c = ml::detail::tm2t_tokenizer_config(ml::detail::RunReader(run, weights, ""));
-    return {{"part", "motion tokenizer"},
-            {"motions", ml::concat_text(c.features, " numbers a frame")},
-            {"networks", ml::concat_text(c.codes, " codes, ", c.channels.size(), " halvings of the length, ",
-                                         c.residual_blocks, " residual blocks")}};
+    say("motion tokenizer", "motions", ml::concat_text(c.features, " numbers a frame"),
+        ml::concat_text(c.codes, " codes, ", c.channels.size(), " halvings of the length, ", c.residual_blocks,
+                        " residual blocks"));
   }
-  for (const char* name : {"m2t_transformer", "t2m_transformer"}) {
-    const std::string prefix = std::string(name) + ".";
-    const ml::detail::RunReader r(run, weights, prefix);
-    if (!r.has("trg_word_prj.weight")) continue;
-    return {{"part", name[0] == 'm' ? "from motions to texts" : "from texts to motions, by transformers"},
-            {"networks", ml::concat_text("transformer of width ", r.size("trg_word_prj.weight", 1), ", ",
-                                         r.count("encoder.layer_stack.", ".slf_attn.w_qs.weight", {}), " + ",
-                                         r.count("decoder.layer_stack.", ".slf_attn.w_qs.weight", {}),
-                                         " layers; writes ", r.size("trg_word_prj.weight", 0), " symbols")}};
-  }
-  return {};
+  return out;
 }
 
 Lines mdm_of_actions(const ml::RunFolder& run) {

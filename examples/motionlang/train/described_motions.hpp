@@ -15,6 +15,7 @@
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/io/annotations.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/text/tagged_word.hpp>
 
 #include "config_json.hpp"
 
@@ -33,6 +34,7 @@ struct RowMaker {
 struct DescribedText {
   std::string text;
   ml::FrameSlice frames;  // of the rows, that it is about
+  std::vector<ml::TaggedWord> words{};  // of data sets that have them: lemmas with their parts of speech
 };
 struct DescribedMotion {
   std::string id, clip;     // motions of one clip are never split

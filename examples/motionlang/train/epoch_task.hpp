@@ -52,12 +52,14 @@ class EpochTask {
   }
 
  protected:
-  /// Throws config_error 103 for an unknown schedule.
   EpochTask(std::string system, Config config, const DescribedMotions& data)
+      : EpochTask(std::move(system), std::move(config), data, std::ssize(data.training)) {}
+  /// items: of an epoch, where they are not the motions. Throws config_error 103 for an unknown schedule.
+  EpochTask(std::string system, Config config, const DescribedMotions& data, ml::Index items)
       : system_(std::move(system)),
         config_(std::move(config)),
         data_(&data),
-        batches_(std::ssize(data.training), config_.optimiser.batch) {
+        batches_(items, config_.optimiser.batch) {
     config_.optimiser.rate(0, steps());
   }
   /// The weights that training begins with.

@@ -30,9 +30,11 @@ void run(const EvaluationOptions& o) {
     evaluate_actor(o);
   else if (system == "classifier")
     evaluate_classifier(o);
+  else if (system == "tm2t")
+    evaluate_tm2t(o);
   else
     ml::raise<ml::config_error>(103, o.model.string(), ": a model of '", system,
-                                "'; measured are tmr, temos and actor, also as published, and classifier");
+                                "'; measured are tmr, temos, actor and tm2t, also as published, and classifier");
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   std::printf("%.1f s\n", time.count());
 }
@@ -41,8 +43,8 @@ void run(const EvaluationOptions& o) {
 
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
-  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR or classifier of actions by the tables of its paper");
-  c->add_option("model", o->model, "Folder of the model: of our training, or TMR, TEMOS or ACTOR as published")
+  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR, TM2T (its descriptions) or classifier of actions by the tables of its paper");
+  c->add_option("model", o->model, "Folder of the model: of our training, or TMR, TEMOS, ACTOR or TM2T (M2T_...) as published")
       ->required()
       ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
@@ -62,10 +64,12 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::IsMember({"training", "validation", "test"}))
       ->capture_default_str();
   c->add_option("--text-encoder", o->text_encoder,
-                "As for training; of a published TEMOS the folder of its tokenizer (distilbert-base-uncased)")
+                "As for training; of a published TEMOS the folder of its tokenizer (distilbert-base-uncased), of TM2T that of its words")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->statistics,
                 "Of a published TEMOS: folder with mean and std of the features, if they are not in its own")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--tokenizer", o->tokenizer, "Of a published TM2T: folder of its motion tokenizer, if it is not beside it")
       ->check(CLI::ExistingDirectory);
   c->add_option("--sentence-encoder", o->sentence_encoder, "As for training")->check(CLI::ExistingPath);
   c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")

@@ -1,4 +1,4 @@
-// motionlang evaluate: what a trained ACTOR, TEMOS or TMR is worth.
+// motionlang evaluate: what a trained ACTOR, TEMOS, TMR or TM2T is worth.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier, generator, statistics;
+      strips, classifier, generator, statistics, tokenizer;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -35,6 +35,8 @@ void evaluate_published_temos(const EvaluationOptions& o);
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
+/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr.
+void evaluate_tm2t(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.
 void evaluate_moments(const EvaluationOptions& o);
 

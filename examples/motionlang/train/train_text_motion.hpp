@@ -9,12 +9,13 @@ namespace program {
 
 struct TextMotionOptions {
   TrainingOptions common;
-  std::filesystem::path captions, annotations, text_encoder, sentence_encoder, statistics;
+  CaptionOptions texts;
+  std::filesystem::path text_encoder, sentence_encoder, statistics;
 };
 
 template <template <class> class System>
 void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset) {
-  DataSources sources{o.common.data, o.captions, {}, o.annotations, o.common.splits};
+  DataSources sources = o.texts.sources(o.common);
   TextMotionConfig config = preset;
   config.features.clear();
   read_settings(config, o.common);
@@ -47,10 +48,7 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
   const auto o = std::make_shared<TextMotionOptions>();
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o->common, {published, "small"});
-  c->add_option("--captions", o->captions, "Table of the clips: clip, start, end, body parts, captions")
-      ->check(CLI::ExistingFile);
-  c->add_option("--annotations", o->annotations, "Unified annotation file (JSON); its paths lead into --data")
-      ->check(CLI::ExistingFile);
+  o->texts.add_to(*c);
   c->add_option("--text-encoder", o->text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->sentence_encoder,

@@ -44,6 +44,13 @@ void LabelOptions::add_to(CLI::App& command) {
       ->check(CLI::ExistingFile);
 }
 
+void CaptionOptions::add_to(CLI::App& command) {
+  command.add_option("--captions", captions, "Table of the clips: clip, start, end, body parts, captions")
+      ->check(CLI::ExistingFile);
+  command.add_option("--annotations", annotations, "Unified annotation file (JSON); its paths lead into --data")
+      ->check(CLI::ExistingFile);
+}
+
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config) {
   if (o.print_config) {
     std::printf("%s\n", config.dump(2).c_str());

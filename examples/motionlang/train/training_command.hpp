@@ -1,5 +1,5 @@
-// What the commands train-tmr, train-temos, train-actor and train-classifier have in common: options, configuration,
-// reading of data.
+// What the commands train-tmr, train-temos, train-actor, train-classifier and train-tm2t have in common: options,
+// configuration, reading of data.
 #pragma once
 
 #include <cstdio>
@@ -32,6 +32,14 @@ struct LabelOptions {
 
   void add_to(CLI::App& command);
   DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
+};
+
+/// Where the texts of train-tmr, train-temos and train-tm2t are from.
+struct CaptionOptions {
+  std::filesystem::path captions, annotations;
+
+  void add_to(CLI::App& command);
+  DataSources sources(const TrainingOptions& o) const { return {o.data, captions, {}, annotations, o.splits}; }
 };
 
 /// `presets` are their names; the first is taken unless another is named.

@@ -33,6 +33,9 @@ std::vector<S> tm2t_deviation(std::vector<S> std, Index joints = 22, double bias
   return std;
 }
 
+/// Frames of the longest motion that becomes tokens for training.
+inline constexpr Index tm2t_longest = 196;
+
 /// Windows of the tokenizer's training, as many as sum (length - window) over the clips that are longer than it.
 struct ClipWindow {
   Index clip = 0, start = 0;

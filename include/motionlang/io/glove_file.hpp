@@ -37,4 +37,41 @@ inline GloVe read_glove(const FilePath& stem) {
   return out;
 }
 
+namespace detail {
+
+/// A pickle of protocol 2: the list of the words, or a dictionary from each to its row.
+inline std::string pickled_words(std::span<const std::string> words, bool rows) {
+  std::string out = rows ? "\x80\x02}(" : "\x80\x02](";
+  const auto number = [&](std::size_t n) {  // four bytes, the lowest first
+    for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(n >> shift & 0xff);
+  };
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    out += 'X';
+    number(words[i].size());
+    out += words[i];
+    if (!rows) continue;
+    out += 'J';
+    number(i);
+  }
+  return out + (rows ? "u." : "e.");
+}
+
+}  // namespace detail
+
+/// The three files.
+/// Laws    read_glove of them has the same words in the same rows, and their vectors
+/// Throws  io_error 401
+inline void write_glove(const FilePath& stem, const GloVe& glove) {
+  const std::string base = stem.string();
+  const std::vector<std::string> words = glove.words();
+  std::vector<float> vectors;
+  for (const std::string& word : words) {
+    const auto row = glove.vector(word);
+    vectors.insert(vectors.end(), row.begin(), row.end());
+  }
+  write_npy(base + "_data.npy", NpyArray::of(std::span<const float>(vectors), {glove.size(), glove.width()}));
+  write_file(base + "_words.pkl", std::string_view(detail::pickled_words(words, false)));
+  write_file(base + "_idx.pkl", std::string_view(detail::pickled_words(words, true)));
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -85,7 +85,7 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
     detail::add_lightning(parts, run, options);
   } else if (run.system == "tmr") {
     detail::add_tmr(parts, run);
-  } else if (is_tm2t_generator(run)) {
+  } else if (is_tm2t_generator(run) || is_tm2t_describer(run)) {
     detail::add_tm2t(parts, run, options);
   } else if (is_mdm_action_run(run)) {
     parts.weights.push_back(detail::run_weights(run));

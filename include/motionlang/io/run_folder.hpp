@@ -16,7 +16,7 @@
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
 /// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the folder of a system; that
-///                system, with its options and weights.safetensors
+///                system, with its options and weights.safetensors. One of tm2t is packed, whoever trained it
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 #pragma once
@@ -130,7 +130,8 @@ inline std::vector<FileValue> options_of_config(const RunFolder& run) {
 /// Of a packed run the run.
 inline void unpack(RunFolder& run) {
   const FileValue *published = run.option("published"), *system = run.option("system");
-  if (run.system != "motionlang" || published == nullptr || system == nullptr || to_string(*published) != "true") return;
+  if (run.system != "motionlang" || system == nullptr) return;
+  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
   run.system = to_string(*system);
   if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
   run.options = options_of_config(run);

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// TM2T's model from texts to motions from the folders in which its repository leaves it.
+/// TM2T's models from texts to motions and from motions to texts from the folders in which its repository leaves them.
 ///
 ///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
 ///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
+///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
+///     const auto texts = other.model.describe(features, other.words);
 ///
-/// Three places: the folder of the recurrent model (opt.txt, model/finest.tar); the one of the motion tokenizer, beside it (its
-/// checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the motion tokenizer,
+/// beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
 ///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with
-/// Differs  from the published program: `model` has no transformer from motions to texts, which is in yet another folder
-/// Source   spec tm2t.md 1, 2, 5, 6
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for models of transformers; 406, 407 for tensors;
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The number of heads from
+///          the options, 8 unless they say it
+/// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
+/// Source   spec tm2t.md 1, 2, 4.1, 5, 6
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for tensors;
 ///          config_error 102 where the parts do not fit each other
 #pragma once
 
@@ -122,6 +125,32 @@ inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
   return c;
 }
 
+inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& weights) {
+  const std::string encoder = "encoder.layer_stack.", decoder = "decoder.layer_stack.",
+                    target = "decoder.trg_word_emb.weight", projection = "trg_word_prj.weight";
+  Seq2SeqConfig c{.source_symbols = r.size("encoder.src_word_emb.weight", 0),
+                  .target_symbols = r.size(target, 0),
+                  .d_model = r.size("encoder.src_word_emb.weight", 1, {"d_model"}),
+                  .d_inner = r.size(encoder + "0.pos_ffn.w_1.weight", 0),
+                  .heads = r.number({"n_head"}, 8, 4096),
+                  .encoder_layers = r.count(encoder, ".slf_attn.w_qs.weight", {"n_enc_layers"}),
+                  .decoder_layers = r.count(decoder, ".slf_attn.w_qs.weight", {"n_dec_layers"}),
+                  .source_positions = r.size("encoder.position_enc.positional_encoding", 0),
+                  .target_positions = r.size("decoder.position_enc.positional_encoding", 0)};
+  if (r.has(projection)) {
+    if (r.size(projection, 0) != c.target_symbols)
+      raise<io_error>(404, weights.name(), ": writes ", r.size(projection, 0), " words and reads vectors of ",
+                      r.size(target, 1), " numbers (m2t_v3), which cannot write word by word");
+    const auto numbers = [&](const std::string& name) { return values_of<float>(weights.tensor(r.prefix() + name)); };
+    c.shared_projection = numbers(projection) == numbers(target);
+  }
+  const Index width = r.size(encoder + "0.slf_attn.w_qs.weight", 0);
+  if (width % c.heads != 0)
+    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has queries of ", width, " numbers");
+  c.head_width = width / c.heads;
+  return c;
+}
+
 /// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
 template <Backend B>
 Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
@@ -131,11 +160,51 @@ Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, In
 
 }  // namespace detail
 
-/// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
+/// Whether a run folder holds the model from texts to motions, or the one from motions to texts.
 inline bool is_tm2t_generator(const RunFolder& run) {
   return run.system == "tm2t" && !run.weights.empty() &&
          detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
 }
+inline bool is_tm2t_describer(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         detail::tm2t_weights(run).find("m2t_transformer.encoder.src_word_emb.weight") != nullptr;
+}
+
+/// The tokenizer alone, with its statistics, of its own folder or of a packed one.
+template <Backend B>
+Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  if (weights.find("quantizer.embedding.weight") == nullptr)
+    raise<io_error>(404, weights.name(), ": not TM2T's motion tokenizer (vq_encoder, quantizer, vq_decoder)");
+  const MotionTokenizerConfig config = detail::tm2t_tokenizer_config(detail::RunReader(run, weights, ""));
+  Tm2t<B> out;
+  NoInit zeros;
+  out.tokenizer = MotionTokenizer<B>(config, zeros);
+  detail::load_run_module(out.tokenizer, weights, "", [](const std::string& name) {
+    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+  });
+  out.statistics = detail::tm2t_normalizer<B>(run, weights, config.features);
+  out.statistics.eps = 0;
+  prepare_loaded(out.tokenizer);
+  return out;
+}
+
+namespace detail {
+
+/// Everything but the model that the folder is named after, which knows so many symbols of motions.
+template <Backend B>
+Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
+  const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);
+  Tm2tRun<B> out{.model = load_tm2t_tokenizer<B>(tokenizer_run), .words = read_glove(tm2t_words(run, options))};
+  if (out.width() == 251) out.fps = 12.5;
+  const MotionVocabulary vocabulary = out.model.vocabulary();
+  if (symbols != vocabulary.size())
+    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(), " has ",
+                        vocabulary.codes, " codes and three marks");
+  return out;
+}
+
+}  // namespace detail
 
 template <Backend B>
 Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
@@ -144,31 +213,34 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
   const detail::RunReader r(run, weights, prefix);
   if (!r.has("motion_decoder_step.input_emb.weight"))
     raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
-  const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
-  const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
-  const MotionTokenizerConfig tokenizer =
-      detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
   const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
-  Tm2tRun<B> out{.model = {},
-                 .words = read_glove(detail::tm2t_words(run, options)),
-                 .fps = tokenizer.features == 251 ? 12.5 : 20.0};
-  if (gru.symbols != tokenizer.codes + 3)
-    raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
-                        tokenizer.codes, " codes and three marks");
+  auto out = detail::tm2t_around<B>(run, weights, gru.symbols, options);
   if (gru.word != out.words.width())
     raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
                         out.words.width());
   NoInit zeros;
-  out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
   out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
   detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
-  detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
-    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
-  });
-  out.model.statistics = detail::tm2t_normalizer<B>(tokenizer_run, tokenizer_weights, tokenizer.features);
-  out.model.statistics.eps = 0;
   prepare_loaded(out.model.t2m_model);
-  prepare_loaded(out.model.tokenizer);
+  return out;
+}
+
+template <Backend B>
+Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& options = {}) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  const std::string prefix = "m2t_transformer.";
+  const detail::RunReader r(run, weights, prefix);
+  if (!r.has("encoder.src_word_emb.weight"))
+    raise<io_error>(404, weights.name(), ": not TM2T's transformer from motions to texts (m2t_transformer)");
+  const Seq2SeqConfig config = detail::tm2t_describer_config(r, weights);
+  auto out = detail::tm2t_around<B>(run, weights, config.source_symbols, options);
+  if (config.target_symbols != out.words.size() + 1)
+    raise<config_error>(102, weights.name(), ": writes ", config.target_symbols, " symbols, the words found are ",
+                        out.words.size(), " and one for padding");
+  NoInit zeros;
+  out.model.m2t_transformer = Seq2SeqTransformer<B>(config, zeros);
+  detail::load_run_module(out.model.m2t_transformer, weights, prefix, [](const std::string&) { return false; });
+  prepare_loaded(out.model.m2t_transformer);
   return out;
 }
 

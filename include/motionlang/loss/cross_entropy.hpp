@@ -2,6 +2,7 @@
 /// The loss of classifiers.
 #pragma once
 
+#include <motionlang/tensor/id_sequences.hpp>
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
 
@@ -36,6 +37,12 @@ Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> 
 template <Backend B>
 Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   return mean(cross_entropies(logits, labels, smoothing));
+}
+
+/// The sum over all symbols of -log p, as TM2T has it not their mean. `logits`: of what comes after each symbol but the last one.
+template <Backend B>
+Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
+  return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

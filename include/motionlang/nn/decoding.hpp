@@ -177,6 +177,7 @@ struct BeamSearch {
   std::vector<std::vector<Index>> beams;  // (beams, max_length), filled up with the padding
   std::vector<double> scores;             // sums of log probabilities
   std::vector<Index> lengths;             // up to the first end
+  std::vector<std::size_t> order{};       // of the beams, the answer first
 };
 
 ///     answer = arg max of score / length^alpha over the beams
@@ -221,15 +222,16 @@ BeamSearch beam_search(Next&& next, const BeamOptions& o) {
     // As published the first step is not looked at: at least two symbols are written.
     if (length > 1 && std::all_of(out.beams.begin(), out.beams.end(), ended)) break;
   }
-  std::size_t best = 0;
   auto value = [&](std::size_t b) { return out.scores[b] / std::pow(static_cast<double>(out.lengths[b]), o.alpha); };
   for (std::size_t b = 0; b < out.beams.size(); ++b) {
     auto& beam = out.beams[b];
     const Index first_end = std::find(beam.begin(), beam.end(), o.end) - beam.begin() + 1;
     out.lengths.push_back(ended(beam) ? first_end : o.max_length);
     beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
-    if (value(b) > value(best)) best = b;
+    out.order.push_back(b);
   }
+  std::stable_sort(out.order.begin(), out.order.end(), [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
+  const std::size_t best = out.order.front();
   out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
   return out;
 }

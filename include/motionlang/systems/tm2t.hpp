@@ -31,11 +31,11 @@ struct Tm2tSampling {
   Index max_tokens = 49, top_k = 100;
 };
 
-/// The sum over all symbols of -log p, as published not their mean. `logits`: of what comes after each symbol but the last one.
-template <Backend B>
-Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
-  return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
-}
+/// What may be said about a motion, and the logarithm of the probability that the model says just that.
+struct Description {
+  std::string text;
+  double log_probability = 0;
+};
 
 /// The members of the published checkpoints, each of which has a file of its own.
 template <Backend B>
@@ -90,38 +90,55 @@ struct Tm2t {
   /// A description of each motion, the best of some beams: lemmas with blanks between them.
   /// Differs from the published program, which takes the last word off a description that has no end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
+    return first_of(descriptions(features, glove, options));
+  }
+  /// All beams, the best first, where they differ in words.
+  std::vector<std::vector<Description>> descriptions(const Sequences<B>& features, const GloVe& glove,
+                                                     BeamOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    std::vector<std::string> out;
+    std::vector<std::vector<Description>> out;
     for (Index i = 0; i < memory.count(); ++i) {
-      Seq2SeqWriter<B> writer(m2t_transformer, {memory[i], Offsets{memory.offsets.length(i)}});
-      out.push_back(sentence(beam_search(writer, options).ids, glove));
+      const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
+      const BeamSearch found = beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options);
+      auto& said = out.emplace_back();
+      for (const std::size_t b : found.order)
+        add(said, std::span(found.beams[b]).first(static_cast<std::size_t>(found.lengths[b])), own, glove);
     }
     return out;
   }
   /// Descriptions that are drawn word by word.
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
+    return first_of(descriptions_at_random(features, glove, rng, 1, options));
+  }
+  /// `draws` of them for each motion, where they differ in words.
+  std::vector<std::vector<Description>> descriptions_at_random(const Sequences<B>& features, const GloVe& glove,
+                                                               const Philox& rng, Index draws,
+                                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    const auto words =
-        decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
-    std::vector<std::string> out;
-    for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
+    std::vector<std::vector<Description>> out(static_cast<std::size_t>(memory.count()));
+    for (Index k = 0; k < draws; ++k) {
+      const auto uniform = uniform_of(k == 0 ? rng : rng.split(static_cast<std::uint64_t>(k)));
+      auto drawn = decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform);
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const auto at = static_cast<Index>(i);
+        auto& ids = drawn.ids[i];
+        ids.resize(static_cast<std::size_t>(1 + drawn.lengths[i]));
+        if (drawn.lengths[i] < options.max_steps) ids.push_back(options.end);
+        add(out[i], ids, {memory[at], Offsets{memory.offsets.length(at)}}, glove);
+      }
+    }
     return out;
   }
 
   /// The codes of a motion for each text. text: as GloVe::encode makes it; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     auto state = t2m_model.start(word_vectors(text));
-    return decode_batch(t2m_model.next(state), text.count(),
-                        {.begin = vocabulary().begin(),
-                         .end = vocabulary().end(),
-                         .pad = vocabulary().pad(),
-                         .max_steps = options.max_tokens,
-                         .top_k = options.top_k},
-                        uniform_of(rng))
-        .written();
+    const auto [begin, end, pad] = std::array{vocabulary().begin(), vocabulary().end(), vocabulary().pad()};
+    const DecodingOptions wanted{begin, end, pad, options.max_tokens, options.top_k};
+    return decode_batch(t2m_model.next(state), text.count(), wanted, uniform_of(rng)).written();
   }
   /// Their features. A text that the model has nothing to say about gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
@@ -135,6 +152,19 @@ struct Tm2t {
  private:
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
+  }
+  static std::vector<std::string> first_of(const std::vector<std::vector<Description>>& all) {
+    std::vector<std::string> out;
+    for (const auto& own : all) out.push_back(own.front().text);
+    return out;
+  }
+  /// What symbols with their marks say about the motion of a memory, unless it is said already.
+  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory, const GloVe& glove) const {
+    std::string text = sentence(ids, glove);
+    if (std::any_of(to.begin(), to.end(), [&](const Description& d) { return d.text == text; })) return;
+    const auto written = IdSequences::one(ids);
+    const auto logits = m2t_transformer.logits(written.without_ends(0, 1), memory);
+    to.push_back({std::move(text), -static_cast<double>(next_symbol_loss(logits, written).item())});
   }
   /// Words without marks.
   static std::string sentence(std::span<const Index> ids, const GloVe& glove) {

@@ -85,6 +85,12 @@ class GloVe {
     }
     raise<shape_error>(203, "GloVe: word ", id, " of ", size());
   }
+  /// All of them in the order of their rows.
+  std::vector<std::string> words() const {
+    std::vector<std::string> out(row_.size());
+    for (const auto& [word, row] : row_) out[row] = word;
+    return out;
+  }
   std::span<const float> vector(const std::string& word) const {
     return std::span(vectors_).subspan(static_cast<std::size_t>(id(word) * width_), static_cast<std::size_t>(width_));
   }

@@ -98,6 +98,16 @@ TEST_CASE("the three files") {
     return ml::read_glove(stem);
   };
   CHECK(write(words, words).vector("left")[0] == 12);
+  std::vector<std::string> many{"sos", "eos", "unk", std::string(300, 'a')};  // more than one byte for lengths and rows
+  while (many.size() < 400) many.push_back("word" + std::to_string(many.size()));
+  std::vector<float> rows(2 * many.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<float>(i);
+  const ml::GloVe large(many, rows, 2);
+  CHECK(large.words() == many);
+  ml::write_glove(stem, large);
+  const auto again = ml::read_glove(stem);
+  CHECK(again.words() == many);
+  CHECK(again.vector("word399")[1] == 799);
   auto other = words;
   other[4] = "woman";
   CHECK_ERROR(write(other, words), "[motionlang.io.403]");

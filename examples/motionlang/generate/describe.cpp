@@ -1,0 +1,257 @@
+// motionlang describe: what motions show, in words. TM2T from motions to texts, of train-tm2t or as its repository
+// leaves it.
+#include <cstdio>
+#include <map>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/tm2t_run.hpp>
+
+#include "../commands.hpp"
+#include "../files/motion_files.hpp"
+#include "../files/weights.hpp"
+#include "../machine_options.hpp"
+#include "../option_checks.hpp"
+#include "../progress_bar.hpp"
+
+namespace program {
+
+namespace {
+
+namespace fs = std::filesystem;
+using ml::Index;
+using B = ml::EigenBackend<float>;
+
+struct DescribeOptions {
+  std::vector<std::string> inputs;
+  std::string model, tokenizer, words, out;
+  Index top = 1, beams = 2, top_k = 100;
+  bool sample = false, json = false;
+  std::uint64_t seed = 0;
+  MotionReadOptions read;
+  MachineOptions machine;
+};
+
+/// A motion file and what a table of captions calls it.
+struct MotionPlace {
+  fs::path path;
+  std::string clip;
+};
+
+/// A motion, or a part of a long one, and what is said about it, the most probable first.
+struct Described {
+  MotionPlace place;
+  std::string name;  // of one motion of several in a file
+  double start = 0, end = 0;
+  std::vector<ml::Description> texts{};
+};
+
+std::vector<MotionPlace> places_of(const std::vector<std::string>& inputs) {
+  std::vector<MotionPlace> out;
+  for (const fs::path input : inputs) {
+    if (!fs::is_directory(input)) {
+      out.push_back({input, input.stem().string()});
+      continue;
+    }
+    for (const fs::path& file : motion_files_below(input))
+      out.push_back({file, file.lexically_relative(input).replace_extension().generic_string()});
+  }
+  if (out.empty()) ml::raise<ml::config_error>(101, "describe: no motion file in ", inputs.front());
+  return out;
+}
+
+class Describer {
+ public:
+  explicit Describer(const DescribeOptions& options)
+      : o_(options),
+        run_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})),
+        features_(ml::motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
+    if (features_.width != run_.width())
+      ml::raise<ml::config_error>(102, o_.model, ": a tokenizer of ", run_.width(),
+                                  " numbers a frame; known are 263 and 251");
+  }
+
+  void run() {
+    const auto places = places_of(o_.inputs);
+    if (!o_.out.empty()) require_names(places);
+    bool stopped = false;
+    {
+      ProgressBar bar("describing");
+      for (std::size_t i = 0; i < places.size() && !stopped; ++i) {
+        try {
+          describe(places[i], ml::Philox{.seed = o_.seed}.split(static_cast<std::uint64_t>(i)));
+        } catch (const ml::error& e) {
+          if (places.size() == 1) throw;
+          problems_.push_back(places[i].path.string() + ": " + e.what());
+        }
+        stopped = !bar(static_cast<std::ptrdiff_t>(i) + 1, std::ssize(places)) && i + 1 < places.size();
+      }
+    }
+    if (!o_.out.empty() && !described_.empty()) write_table();
+    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
+    if (described_.empty() && !stopped)
+      ml::raise<ml::config_error>(101, "describe: none of the ", places.size(), " files could be described");
+    o_.json ? say_json() : say();
+    if (stopped) throw ml::cancelled();  // what was described is kept
+  }
+
+ private:
+  /// A table could not tell clips of one name apart.
+  static void require_names(const std::vector<MotionPlace>& places) {
+    std::map<std::string, fs::path> of_clip;
+    for (const MotionPlace& p : places) {
+      const auto [other, is_new] = of_clip.emplace(p.clip, p.path);
+      if (!is_new)
+        ml::raise<ml::config_error>(102, "--out: ", other->second.string(), " and ", p.path.string(),
+                                    " would both be '", p.clip, "' in the table");
+    }
+  }
+  void describe(const MotionPlace& place, const ml::Philox& rng) {
+    if (kind_of(place.path) == ".npy") {
+      if (const auto shape = npy_shape(place.path); shape.size() == 2 && shape[1] == features_.width) {
+        const auto rows = ml::detail::read_rows(place.path, {features_.width}, /*any_number=*/true);
+        return describe({place, "", 0, static_cast<double>(shape[0]) / features_.fps}, rows, rng);
+      }
+    }
+    const auto motions = read_motions(place.path, o_.read);
+    for (std::size_t m = 0; m < motions.size(); ++m) {
+      const auto values = rows_of_motion(features_, motions[m], features_.fps);
+      const std::vector<float> rows(values.begin(), values.end());
+      describe({place, motions.size() > 1 ? motions[m].name : "", 0, motions[m].seconds()}, rows,
+               m == 0 ? rng : rng.split(static_cast<std::uint64_t>(m)));
+    }
+  }
+  /// The rows in as few equal parts as are no longer than what such models are trained on.
+  void describe(const Described& whole, const std::vector<float>& rows, const ml::Philox& rng) {
+    if (!ml::detail::all_finite(std::span<const float>(rows)))
+      ml::raise<ml::numeric_error>(301, whole.place.path.string(), ": features that are not finite");
+    const Index frames = std::ssize(rows) / features_.width;
+    const Index parts = (frames + ml::tm2t_longest - 1) / ml::tm2t_longest;
+    std::vector<Index> lengths;
+    for (Index p = 0; p < parts; ++p) lengths.push_back(frames * (p + 1) / parts - frames * p / parts);
+    const ml::Sequences<B> x{ml::Tensor<B, 2>::from(rows, {frames, features_.width}), ml::Offsets(lengths)};
+    const auto texts = said_of(x, rng);
+    for (Index p = 0; p < parts; ++p) {
+      Described part = whole;
+      part.start = static_cast<double>(x.offsets.begin(p)) / features_.fps;
+      if (p + 1 < parts) part.end = static_cast<double>(x.offsets.end(p)) / features_.fps;
+      part.texts = texts[static_cast<std::size_t>(p)];
+      described_.push_back(std::move(part));
+    }
+  }
+  std::vector<std::vector<ml::Description>> said_of(const ml::Sequences<B>& x, const ml::Philox& rng) const {
+    if (o_.sample) {
+      auto drawn = run_.model.descriptions_at_random(x, run_.words, rng, o_.top, {.top_k = o_.top_k});
+      for (auto& own : drawn)
+        std::stable_sort(own.begin(), own.end(), [](const ml::Description& a, const ml::Description& b) {
+          return a.log_probability > b.log_probability;
+        });
+      return drawn;
+    }
+    auto found = run_.model.descriptions(x, run_.words, {.beams = std::max(o_.beams, o_.top)});
+    for (auto& own : found) own.resize(std::min(own.size(), static_cast<std::size_t>(o_.top)));
+    return found;
+  }
+
+  void say() const {
+    for (const Described& d : described_) {
+      std::printf("%7.2f %7.2f s  %s%s\n", d.start, d.end, printable(d.place.path.string()).c_str(),
+                  d.name.empty() ? "" : (" (" + printable(d.name) + ")").c_str());
+      for (const ml::Description& text : d.texts)
+        std::printf("%9.2f  \"%s\"\n", text.log_probability, printable(text.text).c_str());
+    }
+    if (!o_.out.empty()) std::printf("table    %s\n", o_.out.c_str());
+  }
+  void say_json() const {
+    auto out = nlohmann::ordered_json::array();
+    for (const Described& d : described_) {
+      auto texts = nlohmann::ordered_json::array();
+      for (const ml::Description& text : d.texts)
+        texts.push_back({{"text", text.text}, {"log_probability", text.log_probability}});
+      out.push_back({{"path", d.place.path.string()},
+                     {"name", d.name},
+                     {"start", d.start},
+                     {"end", d.end},
+                     {"descriptions", std::move(texts)}});
+    }
+    std::printf("%s\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+
+  /// Of captions, as index and train-* read it; what nothing was said about is left out, and so are files of several
+  /// motions, which the table cannot tell apart.
+  void write_table() {
+    std::string parts;
+    for (const std::string_view part : ml::body_part_names) parts += (parts.empty() ? "" : ", ") + std::string(part);
+    std::string table = "# clip\tstart\tend\tparts\tcaptions, by " + o_.model + "\n";
+    for (const Described& d : described_) {
+      std::string captions;
+      for (const ml::Description& text : d.texts) {
+        if (!text.text.empty()) captions += (captions.empty() ? "" : " | ") + text.text;
+      }
+      if (captions.empty() || !d.name.empty()) {
+        problems_.push_back(d.place.path.string() +
+                            (captions.empty() ? ": no words" : " (" + d.name + "): one of several motions") +
+                            ", not in the table");
+        continue;
+      }
+      table += ml::concat_text(d.place.clip, "\t", d.start, "\t", d.end, "\t", parts, "\t", captions, "\n");
+    }
+    ml::write_file(o_.out, std::string_view(table));
+  }
+
+  const DescribeOptions& o_;
+  ml::Tm2tRun<B> run_;
+  const ml::MotionFeatures& features_;
+  std::vector<Described> described_;
+  std::vector<std::string> problems_;
+};
+
+}  // namespace
+
+void add_describe(CLI::App& app) {
+  const auto o = std::make_shared<DescribeOptions>();
+  CLI::App* c = app.add_subcommand("describe", "Says in words what motions show (TM2T from motions to texts)");
+  c->add_option("input", o->inputs,
+                "Motions: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrma files, and folders of them; "
+                "what lasts more than "
+                "196 frames of the model's rate is described in parts")
+      ->required()
+      ->check(CLI::ExistingPath);
+  c->add_option("--model", o->model, "Folder of the model: of train-tm2t, or M2T_... as published")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--tokenizer", o->tokenizer,
+                "The folder of its motion tokenizer; looked for beside the model unless given")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--text-encoder", o->words,
+                "The folder of its words (our_vab_data.npy ...); looked for in the folders above unless given")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("-o,--out", o->out,
+                "Also writes a table of captions, as index and the trainings read it; names of clips are their paths "
+                "below the folder that was "
+                "given")
+      ->check(not_empty());
+  c->add_option("--top", o->top, "So many descriptions of each motion, where there are as many different ones")
+      ->check(in_range(1, 100))
+      ->capture_default_str();
+  CLI::Option* beams =
+      c->add_option("--beams", o->beams,
+                    "Beams of the search, at least as many as --top; 1: word by word the most probable one")
+          ->check(in_range(1, 100))
+          ->capture_default_str();
+  CLI::Option* sample = c->add_flag("--sample", o->sample, "Draws words by their probability instead")->excludes(beams);
+  c->add_option("--top-k", o->top_k, "Only so many of the most probable words are drawn")
+      ->needs(sample)
+      ->check(in_range(1, 1000000))
+      ->capture_default_str();
+  c->add_option("--seed", o->seed, "Seed of what is drawn")->needs(sample)->check(seed_number())->capture_default_str();
+  c->add_flag("--json", o->json, "The result as JSON");
+  o->read.add_to(*c);
+  o->machine.add_to(*c);
+  c->callback([o] {
+    if (!o->out.empty()) require_folder_of(o->out);
+    o->machine.apply();
+    Describer(*o).run();
+  });
+}
+
+}  // namespace program
