@@ -560,6 +560,90 @@ TEST_CASE("a classifier learns from motions that a model samples, denoises or pu
                  "[motionlang.config.103] generated_kind 'noisy' is not sampled, denoised or interpolated"));
 }
 
+TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and tokenizer are the model's own") {
+  const Clips clips;
+  ml::Philox rng{.seed = 7};
+  const ml::BertConfig tiny{.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 2, .positions = 16};
+  const ml::DistilBert<ml::EigenBackend<float>> network(tiny, rng);
+  ml::TensorStore store;
+  store.add_module(network, "distilbert.");
+  std::filesystem::create_directories(clips / "bert");
+  ml::write_safetensors(clips / "bert/model.safetensors", store.views());
+  ml::write_file(clips / "bert/config.json", std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
+    "hidden_dim": 12, "vocab_size": 12, "max_position_embeddings": 16, "activation": "gelu"})"));
+  ml::write_file(clips / "bert/vocab.txt",
+                 std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
+
+  const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(), {"--set", "text.encoder=distilbert", "--text-encoder", "bert", "--set", "losses.threshold=0"});
+    return clips.train(command, out, more);
+  };
+  const std::string key = "textencoder.text_model.transformer.layer.1.attention.q_lin.weight";
+  for (const std::string command : {"train-tmr", "train-temos"}) {
+    CAPTURE(command);
+    const std::string frozen = command + "_frozen", whole = command + "_whole", halves = command + "_halves",
+                      model = whole + "/model";
+    REQUIRE(train(command, frozen, {}).code == 0);
+    CHECK(!contains(clips.weights(frozen), "text_model"));
+    const auto done = train(command, whole, {"--set", "text.finetune=true"});
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK(clips.losses(whole) != clips.losses(frozen));
+    const auto weights = ml::SafetensorsFile::open(clips / (model + "/weights.safetensors"));
+    CHECK(ml::values_of<float>(weights.tensor(key)) != network.layers[1].query.weight.to_vector());
+    CHECK(ml::values_of<float>(weights.tensor("textencoder.text_model.embeddings.word_embeddings.weight")) !=
+          network.words.weight.to_vector());
+
+    REQUIRE(train(command, halves, {"--set", "text.finetune=true", "--set", "optimiser.epochs=2"}).code == 0);
+    const auto rest = train(command, halves, {"--set", "text.finetune=true"});
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK(contains(rest.text, "going on at step 4 of 8"));
+    CHECK(clips.losses(halves) == clips.losses(whole));
+    CHECK(clips.weights(halves) == clips.weights(whole));
+
+    // it needs no --text-encoder, and what it says is what its own DistilBERT makes of a text
+    std::filesystem::rename(clips / "bert", clips / "elsewhere");
+    const auto used = [&](std::vector<std::string> arguments) {
+      const auto out = run(arguments, clips.path);
+      CHECK_MESSAGE(out.code == 0, out.text);
+      return out.text;
+    };
+    used({"generate", "--model", model, "--text", "a person turns left", "--seconds", "1", "--out", command + "_made"});
+    used({"evaluate", model, "--data", ".", "--captions", "captions.tsv"});
+    if (command == "train-tmr") {
+      used({"index", ".", "--model", model, "-o", "moves.index"});
+      CHECK(contains(used({"search", "moves.index", "a person turns left"}), ".bvh"));
+      used({"evaluate", model, "--data", ".", "--captions", "captions.tsv", "--moments", "2", "--joined", "2", "--part",
+            "training"});
+      const auto read = program::load_text_motion<ml::Tmr, ml::EigenBackend<float>>(
+          clips / model, program::read_text_motion_config(clips / model));
+      const std::vector<std::string> text{"someone walks"};
+      auto trained = network;
+      ml::load_module(trained, weights, "textencoder.text_model.");
+      const std::vector<ml::Index> ids{2, 7, 8, 3};
+      CHECK(read.tokens(text, nullptr).rows.to_vector() == trained({ids, {4}}).tokens.rows.to_vector());
+    }
+    std::filesystem::rename(clips / "elsewhere", clips / "bert");
+  }
+
+  const auto refused = [&](const std::string& set, const std::string& encoder, const std::string& message) {
+    std::vector<std::string> more{"--set", "text.finetune=true", "--set", set};
+    if (!encoder.empty()) more.insert(more.end(), {"--text-encoder", encoder});
+    const auto out = clips.train("train-tmr", "refused", more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::EmbeddingCache cache(8);
+  cache.add("a person walks ahead", std::vector<float>(16));
+  cache.write(clips / "states", "bert");
+  refused("text.encoder=distilbert", "states/bert.npy", "--text-encoder 'states/bert.npy', expected distilbert and its folder");
+  refused("text.encoder=word_pieces", "",
+          "[motionlang.config.102] text.finetune trains DistilBERT: text.encoder is 'word_pieces'");
+  std::filesystem::create_directories(clips / "strangers");
+  ml::write_file(clips / "strangers/config.json", std::string_view(R"({"model_type": "bert"})"));
+  refused("text.encoder=distilbert", "strangers",
+          "[motionlang.config.103] strangers/config.json: model_type 'bert', expected 'distilbert'");
+}
+
 TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {
   const Clips clips;
   const auto stopped = clips.train("train-tmr", "run", {"--set", "optimiser.epochs=20000"}, "training [");
