@@ -376,7 +376,48 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
   trained("train-actor", "skin", {"--body", "body.npz", "--set", "losses.points=vertices"});
   CHECK(clips.losses("skin") != clips.losses("first"));
-  CHECK(contains(clips.train("train-actor", "bare", {"--set", "losses.points=vertices"}).text, "--body belong together"));
+  trained("train-actor", "joints_of_skin", {"--body", "body.npz", "--set", "losses.points=smpl"});
+  CHECK(clips.losses("joints_of_skin") != clips.losses("skin"));
+  const auto no_points = [&](const std::string& points, std::vector<std::string> more, const std::string& message) {
+    more.insert(more.end(), {"--set", "losses.points=" + points});
+    const auto out = clips.train("train-actor", "bare", more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::write_npy(clips / "extra.npy", ml::NpyArray::of(std::span<const float>(std::vector<float>(9 * 6)), {9, 6}));
+  no_points("vertices", {}, "[motionlang.config.102] losses.points = vertices, and --body is ''");
+  no_points("joints", {"--joint-regressor", "extra.npy"}, "losses.points = joints has no use for --joint-regressor extra.npy");
+  no_points("smpl", {"--body", "body.npz", "--joint-regressor", "extra.npy"}, "'smpl' have no use for --joint-regressor extra.npy");
+  no_points("a2m", {"--body", "body.npz"}, "points 'a2m' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE");
+  no_points("vibe", {"--body", "body.npz", "--joint-regressor", "extra.npy"},
+            "body.npz: a body of 6 vertices; points 'vibe' are of SMPL's 6890");
+  no_points("coco", {"--body", "body.npz"}, "[motionlang.config.103]");
+
+  // points that have vertices of SMPL among them, and a regressor's
+  ml::write_npz(clips / "smpl.npz", body_arrays::chain(24, 6890, 10));
+  no_points("a2m", {"--body", "smpl.npz", "--joint-regressor", "extra.npy"},
+            "[motionlang.io.407] extra.npy: an array (9, 6), expected (9, 6890)");
+  const std::vector<float> shares(9 * 6890, 1.0f / 6890);
+  ml::write_npy(clips / "extra.npy", ml::NpyArray::of(std::span<const float>(shares), {9, 6890}));
+  std::vector<float> last;
+  for (const std::string points : {"a2m", "a2mpl", "vibe"}) {
+    CAPTURE(points);
+    trained("train-actor", points, {"--body", "smpl.npz", "--joint-regressor", "extra.npy", "--set", "losses.points=" + points, "--set",
+                                    "optimiser.epochs=1"});
+    CHECK(clips.losses(points) != last);
+    last = clips.losses(points);
+  }
+
+  // frames by lot
+  trained("train-actor", "scattered", {"--set", "clips.random_frames=true"});
+  CHECK(clips.losses("scattered") != clips.losses("first"));
+  const auto steps = clips.train("train-actor", "no", {"--set", "clips.random_frames=true", "--set", "clips.random_step=true"});
+  CHECK(steps.code == 1);
+  CHECK_MESSAGE(contains(steps.text, "clips.random_frames has no steps; clips.random_step is true, clips.sampling_step 1"),
+                steps.text);
+  const auto other = clips.train("train-actor", "no", {"--from", "first/model", "--set", "clips.camera=true"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "camera false; the settings say "), other.text);
 
   const auto learn = [&](const std::string& share, const std::string& out) {
     return clips.train("train-classifier", out, {"--generated", "first/model", "--set", "generated_share=" + share});
