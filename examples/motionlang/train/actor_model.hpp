@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include <motionlang/backend/eigen.hpp>
@@ -28,6 +29,8 @@ struct Classifier {
   std::optional<ml::GruClassifier<B>> gru;
   std::optional<ml::StGcn<B>> stgcn;
   bool drawn_state = false;  // of the GRU
+  /// The points that the GRU reads of windows, unless they are those of our own skeleton.
+  std::function<ml::Sequences<B>(const ml::Sequences<B>&, const ActorClipsConfig&)> points{};
 
   static constexpr auto fields() {
     return ml::fields("", &Classifier::gru, "", &Classifier::stgcn, "drawn_state", &Classifier::drawn_state);
@@ -66,11 +69,11 @@ struct Classifier {
 
  private:
   ml::Recognition<B> by_gru(const ml::Sequences<B>& x, const ActorClipsConfig& clips, const ml::Philox& rng) const {
-    const auto points = joint_points(x, clips);
-    if (!drawn_state) return (*gru)(points);
+    const auto read = points ? points(x, clips) : joint_points(x, clips);
+    if (!drawn_state) return (*gru)(read);
     auto own = rng.split("state");
     const auto h0 = gru->initial_state(x.count(), own);
-    return (*gru)(points, &h0);
+    return (*gru)(read, &h0);
   }
 };
 
