@@ -49,7 +49,8 @@ class ActionTask : public EpochTask<Config, Tape, Plain> {
 class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>, ml::Actor<TrainingBackend>> {
  public:
   /// from       a model to go on from, whose labels are taken
-  /// body       whose points are compared, unless losses.points is "joints"; `regressor`: J_regressor_extra.npy, for those that need it
+  /// body       whose points are compared, unless losses.points is "joints"
+  /// regressor  J_regressor_extra.npy, for points that need it
   ActorTask(const ActorTrainingConfig& config, const DescribedMotions& data, std::optional<ActorModel<B>> from,
             const std::filesystem::path& body, const std::filesystem::path& regressor)
       : ActionTask("actor", config, data, from ? from->file.labels : labels_of(data)) {
@@ -74,7 +75,8 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
       ml::zip(model, from->actor, [](const std::string& path, auto& to, const auto& given) {
         if constexpr (ml::is_tensor<std::remove_cvref_t<decltype(to)>>) {
           if (to.shape() != given.shape())
-            ml::raise<ml::config_error>(102, "--from: '", path, "' is ", given.shape(), ", the settings make it ", to.shape());
+            ml::raise<ml::config_error>(102, "--from: '", path, "' is ", given.shape(), ", the settings make it ",
+                                        to.shape());
           to = given;
         }
       });

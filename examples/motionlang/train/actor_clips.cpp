@@ -16,8 +16,8 @@ Index ActorClipsConfig::numbers() const { return is_xyz() ? 3 : ml::size(ml::par
 
 void ActorClipsConfig::require_sound() const {
   if (random_frames && (random_step || sampling_step != 1))
-    ml::raise<ml::config_error>(102, "clips.random_frames has no steps; clips.random_step is ", random_step ? "true" : "false",
-                                ", clips.sampling_step ", sampling_step);
+    ml::raise<ml::config_error>(102, "clips.random_frames has no steps; clips.random_step is ",
+                                random_step ? "true" : "false", ", clips.sampling_step ", sampling_step);
 }
 
 namespace {

@@ -28,7 +28,7 @@ struct ActorNetworkConfig {
   }
 };
 
-/// Points are the 24 joints of our own skeleton, or those of a body model that the user has (features/actor_points.hpp).
+/// Points are the 24 joints of our own skeleton, or those of a body that the user has (features/actor_points.hpp).
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
   std::string points = "joints";  // or, of the model that --body names, "vertices", "smpl", "a2m", "a2mpl", "vibe"

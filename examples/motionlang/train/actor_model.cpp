@@ -74,7 +74,8 @@ void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& cl
                            c.global ? "true" : "false", ", camera ", c.camera ? "true" : "false");
   };
   if (told(model) != told(clips))
-    ml::raise<ml::config_error>(102, "the model to go on from has other clips: ", told(model), "; the settings say ", told(clips));
+    ml::raise<ml::config_error>(102, "the model to go on from has other clips: ", told(model), "; the settings say ",
+                                told(clips));
 }
 
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier) {

@@ -14,27 +14,31 @@ struct BodyPoints {
   ml::BodyModel<B> body;
   std::optional<ml::Tensor<B, 2>> J_regressor_extra{};
 
-  /// name       "vertices", "smpl", "a2m", "a2mpl", "vibe"; the last three have vertices of SMPL among them, and what a regressor takes
-  ///            from all of them (spec actor.md 5.3)
+  /// name       "vertices", "smpl", "a2m", "a2mpl", "vibe"; the last three have vertices of SMPL among them, and what a
+  ///            regressor takes from all of them (spec actor.md 5.3)
   /// regressor  J_regressor_extra.npy (9, vertices), which SPIN and VIBE publish
-  /// Throws  config_error 103 for another name, 102 for a regressor that is missing or not read, and for a body without the vertices;
-  ///         io_error 407 for a regressor of another shape; what read_body throws
+  /// Throws  config_error 103 for another name, 102 for a regressor that is missing or not read, and for a body without
+  ///         the vertices; io_error 407 for a regressor of another shape; what read_body throws
   BodyPoints(const std::string& name, const std::filesystem::path& path, const std::filesystem::path& regressor)
       : points(ml::parse_actor_points(name)), body(ml::read_body<B>(path).model) {
     const bool regressed = points != ml::ActorPoints::vertices && points != ml::ActorPoints::smpl;
     if (regressed == regressor.empty())
-      ml::raise<ml::config_error>(102, "points '", name, regressed ? "' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE"
-                                                                   : "' have no use for --joint-regressor ", regressor.string());
+      ml::raise<ml::config_error>(102, "points '", name,
+                                  regressed ? "' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE"
+                                            : "' have no use for --joint-regressor ",
+                                  regressor.string());
     if (points != ml::ActorPoints::vertices && body.joints() != 24)
-      ml::raise<ml::config_error>(102, path.string(), ": a body of ", body.joints(), " joints; points '", name, "' are of SMPL's 24");
+      ml::raise<ml::config_error>(102, path.string(), ": a body of ", body.joints(), " joints; points '", name,
+                                  "' are of SMPL's 24");
     if (!regressed) return;
     const ml::Index vertices = body.vertices();
     if (body.extra.empty())
-      ml::raise<ml::config_error>(102, path.string(), ": a body of ", vertices, " vertices; points '", name, "' are of SMPL's 6890");
+      ml::raise<ml::config_error>(102, path.string(), ": a body of ", vertices, " vertices; points '", name,
+                                  "' are of SMPL's 6890");
     const ml::NpyArray array = ml::read_npy(regressor);
     if (const std::vector<ml::Index> wanted{9, vertices}; array.shape != wanted)
-      ml::raise<ml::io_error>(407, regressor.string(), ": an array ", ml::detail::shape_text(array.shape), ", expected ",
-                              ml::detail::shape_text(wanted));
+      ml::raise<ml::io_error>(407, regressor.string(), ": an array ", ml::detail::shape_text(array.shape),
+                              ", expected ", ml::detail::shape_text(wanted));
     J_regressor_extra = ml::Tensor<B, 2>::from(array.to<typename B::scalar>(), {9, vertices});
   }
   /// The same over another backend.

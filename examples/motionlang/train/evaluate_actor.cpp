@@ -41,10 +41,11 @@ struct Judge {
         classifier(file.config, std::ssize(file.labels), ml::Philox{}) {
     load_action_weights(classifier, folder);
   }
-  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the way of the root, or the 18 points of NTU-13
-  /// without it. It sees motions of the rate of the model and as they face, in the world of a camera.
+  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the way of the root, or the 18
+  /// points of NTU-13 without it. It sees motions of the rate of the model and as they face, in the world of a camera.
   /// body, regressor  of the user (body_points.hpp); without them a GRU is given the joints of our own skeleton
-  /// Throws  io_error 404 for another file, 407 for other joints, config_error 102 for a body that is missing or not read
+  /// Throws  io_error 404 for another file, 407 for other joints, config_error 102 for a body that is missing or not
+  ///         read
   Judge(const std::filesystem::path& path, const ActorClipsConfig& clips, const std::filesystem::path& body,
         const std::filesystem::path& regressor) {
     const ml::WeightFile weights = ml::open_weights(path);
@@ -55,7 +56,8 @@ struct Judge {
       classes = classifier.gru->linear2.out(), read = gates->shape[1], wanted = 24 * 3;
       if (read == 18 * 3) {
         if (body.empty())
-          ml::raise<ml::config_error>(102, path.string(), " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
+          ml::raise<ml::config_error>(102, path.string(),
+                                      " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
         wanted = 18 * 3;
       }
       if (!body.empty()) read_body_points(wanted == 18 * 3 ? "a2m" : "smpl", body, regressor);
@@ -69,8 +71,8 @@ struct Judge {
       ml::raise<ml::io_error>(407, path.string(), ": a classifier of ", read, " numbers a frame, expected ", wanted,
                               ": SMPL's 24 joints");
     if (!classifier.points && !(body.empty() && regressor.empty()))
-      ml::raise<ml::config_error>(102, path.string(), " has no use for --body '", body.string(), "', --joint-regressor '",
-                                  regressor.string(), "'");
+      ml::raise<ml::config_error>(102, path.string(), " has no use for --body '", body.string(),
+                                  "', --joint-regressor '", regressor.string(), "'");
     ml::prepare(classifier);
     file.config.clips = clips;
     file.config.clips.pose = "rot6d", file.config.clips.camera = true;
@@ -167,8 +169,8 @@ void evaluate_actor(const EvaluationOptions& o) {
   const ActorClipsConfig& clips = file.config.clips;
   const bool ours = std::filesystem::is_directory(o.classifier);
   if (ours && !(o.body.empty() && o.regressor.empty()))
-    ml::raise<ml::config_error>(102, "--body and --joint-regressor are for the file of a published GRU; ", o.classifier.string(),
-                                " is of our training");
+    ml::raise<ml::config_error>(102, "--body and --joint-regressor are for the file of a published GRU; ",
+                                o.classifier.string(), " is of our training");
   Judge who = ours ? Judge(o.classifier) : Judge(o.classifier, clips, o.body, o.regressor);
   const ActorClipsConfig& seen = who.file.config.clips;
   require_same_clips(clips, seen);

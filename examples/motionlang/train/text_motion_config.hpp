@@ -36,7 +36,8 @@ struct TextTokensConfig {
 
   static constexpr auto fields() {
     using C = TextTokensConfig;
-    return ml::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune", &C::finetune);
+    return ml::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",
+                      &C::finetune);
   }
 };
 

@@ -2,8 +2,8 @@
 // its configuration. How it is made, and its folder.
 //
 //     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces; "about"
-//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std, log_temperature;
-//                            of a DistilBERT that was trained with it textencoder.text_model.*, as TEMOS has it
+//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std,
+//                            log_temperature; textencoder.text_model.* of a DistilBERT that was trained with it, as in TEMOS
 //     text_encoder/          its config.json and tokenizer
 //
 // And TMR as it was published: HumanML3D's features, the states of DistilBERT, statistics in stats/mean.pt and stats/std.pt.
@@ -34,7 +34,8 @@ struct LanguageModelFiles {
   ml::BertConfig sizes;
   std::shared_ptr<const ml::AnyTokenizer> tokenizer;
 };
-/// From config.json and the tokenizer of a folder. Throws io_error 401, config_error 103 for another network, 102 if they do not fit.
+/// From config.json and the tokenizer of a folder. Throws io_error 401, config_error 103 for another network, 102 if they
+/// do not fit.
 LanguageModelFiles read_language_model_files(const std::filesystem::path& folder);
 
 /// DistilBERT that is trained with the model.
@@ -89,7 +90,8 @@ struct TextMotionModel {
 
   /// Whether it needs no states of a language model.
   bool reads_texts() const { return words || language; }
-  /// What the text encoder reads: rows of word pieces, or the states of a language model: its own, or `states`, which has all texts.
+  /// What the text encoder reads: rows of word pieces, or the states of a language model: its own, or `states`, which has
+  /// all texts.
   ml::Sequences<B> tokens(std::span<const std::string> texts, const ml::EmbeddingCache* states,
                           const ml::Context& context = {}) const {
     if (words) return (*words)(texts).tokens;

@@ -101,7 +101,8 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
   using Base::seed;
   static constexpr bool retrieves = std::is_same_v<System<B>, ml::Tmr<B>>;
 
-  /// `states` (null with word pieces or a language model) and `sentences` have all texts of `data`. All three outlive the task.
+  /// `states` (null with word pieces or a language model) and `sentences` have all texts of `data`. All three outlive the
+  /// task.
   /// statistics   a folder with those of the features; empty: of the motions to train on
   /// language     trained with the model
   TextMotionTask(TextMotionConfig config, const DescribedMotions& data, const ml::EmbeddingCache* states,

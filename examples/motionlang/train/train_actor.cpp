@@ -34,10 +34,13 @@ void add_train_actor(CLI::App& app) {
       "train-actor", "Trains ACTOR, which makes motions for actions; Ctrl-C saves, the same command goes on");
   add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
   o->labels.add_to(*c);
-  c->add_option("--from", o->from, "Model to begin with, also as published: motions of many lengths after those of 60 frames")
+  c->add_option("--from", o->from,
+                "Model to begin with, also as published: motions of many lengths after those of 60 frames")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--body", o->body, "SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")->check(CLI::ExistingFile);
-  c->add_option("--joint-regressor", o->regressor, "J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
+  c->add_option("--body", o->body, "SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
+      ->check(CLI::ExistingFile);
+  c->add_option("--joint-regressor", o->regressor,
+                "J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
       ->check(CLI::ExistingFile);
   c->callback([o] { run(*o); });
 }

@@ -39,7 +39,8 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
   std::optional<ml::EmbeddingCache> states;
   if (!pieces && !language) states = token_states(o.text_encoder, texts);
   const auto sentences = sentence_vectors(o.sentence_encoder, data);
-  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics, std::move(language)));
+  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics,
+                                         std::move(language)));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_text_motion(folder, trainer.task().result(), trainer.task().config(), about(o.common, data));
@@ -56,7 +57,8 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
       ->check(CLI::ExistingFile);
   c->add_option("--annotations", o->annotations, "Unified annotation file (JSON); its paths lead into --data")
       ->check(CLI::ExistingFile);
-  c->add_option("--text-encoder", o->text_encoder, "DistilBERT: a folder, which text.finetune trains, too, or the .npy file of an embedding cache")
+  c->add_option("--text-encoder", o->text_encoder,
+                "DistilBERT: a folder, which text.finetune trains, too, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->sentence_encoder,
                 "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the same frames are "

@@ -96,8 +96,8 @@ struct ActorFrameOptions {
 };
 
 /// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
-/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered frames are
-/// drawn by this generator, too; the published program has NumPy's for them.
+/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
+/// frames are drawn by this generator, too; the published program has NumPy's for them.
 /// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
 /// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
 inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {

@@ -5,8 +5,9 @@
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len, sampling,
-///          sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads, none, 60 consecutive frames, vertices
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len,
+///          sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads, none, 60
+///          consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
 ///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
