@@ -466,7 +466,8 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused("ntu13_gru.tar", "labels.tsv",
-          "[motionlang.config.102] ntu13_gru.tar reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
+          "[motionlang.config.102] ntu13_gru.tar reads 18 points of a body: --body SMPL, --joint-regressor "
+          "J_regressor_extra.npy");
 
   // on points of a body: those of SMPL's joints with the way of the root, Action2Motion's without it
   ml::write_npz(w / "smpl.npz", body_arrays::chain(24, 6890, 10));
@@ -477,17 +478,19 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   const auto body = ml::read_body<official::B>(w / "smpl.npz").model;
   const auto regressor = ml::Tensor<official::B, 2>::from(shares, {9, 6890});
   const auto on_body = [&](const std::string& classifier, std::vector<std::string> more) {
-    more.insert(more.begin(), {"evaluate", "actor", "--data", ".", "--labels", "judged.tsv", "--splits", "splits", "--part", "training",
-                               "--classifier", classifier, "--seeds", "1"});
+    more.insert(more.begin(), {"evaluate", "actor", "--data", ".", "--labels", "judged.tsv", "--splits", "splits",
+                               "--part", "training", "--classifier", classifier, "--seeds", "1"});
     return w.run(more);
   };
   for (const bool a2m : {false, true}) {
     CAPTURE(a2m);
-    ml::GruClassifier<official::B> judge({.input_size = a2m ? 54 : 72, .hidden_size = 16, .num_layers = 2, .num_classes = 12}, rng);
+    ml::GruClassifier<official::B> judge(
+        {.input_size = a2m ? 54 : 72, .hidden_size = 16, .num_layers = 2, .num_classes = 12}, rng);
     const auto logits = [&](const ml::Motion& m) {
       const auto rows = ml::actor_rows_of_motion(m);
-      const auto points = ml::actor_points<official::B>(sequence({rows.begin(), rows.end()}), body, &regressor,
-                                                        a2m ? ml::ActorPoints::a2m : ml::ActorPoints::smpl, {.translate = !a2m});
+      const auto points =
+          ml::actor_points<official::B>(sequence({rows.begin(), rows.end()}), body, &regressor,
+                                        a2m ? ml::ActorPoints::a2m : ml::ActorPoints::smpl, {.translate = !a2m});
       return judge(points).logits;
     };
     auto usual = logits(clips[0]) * (1.0 / 12);  // taken off, so that it tells clips apart
@@ -541,8 +544,8 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   // gone on from, with its actions and in its world
   const auto go_on = [&](const std::string& camera) {
     return train("train-actor", "further",
-                 {as_they_face, "clips.camera=" + camera, "optimiser.lr=0", once, "network.latent_dim=16", "network.ff_size=24",
-                  "network.num_layers=2"},
+                 {as_they_face, "clips.camera=" + camera, "optimiser.lr=0", once, "network.latent_dim=16",
+                  "network.ff_size=24", "network.num_layers=2"},
                  {"--from", "actor"});
   };
   CHECK(contains(go_on("false").text, "[motionlang.config.102] the model to go on from has other clips"));

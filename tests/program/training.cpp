@@ -386,9 +386,12 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   };
   ml::write_npy(clips / "extra.npy", ml::NpyArray::of(std::span<const float>(std::vector<float>(9 * 6)), {9, 6}));
   no_points("vertices", {}, "[motionlang.config.102] losses.points = vertices, and --body is ''");
-  no_points("joints", {"--joint-regressor", "extra.npy"}, "losses.points = joints has no use for --joint-regressor extra.npy");
-  no_points("smpl", {"--body", "body.npz", "--joint-regressor", "extra.npy"}, "'smpl' have no use for --joint-regressor extra.npy");
-  no_points("a2m", {"--body", "body.npz"}, "points 'a2m' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE");
+  no_points("joints", {"--joint-regressor", "extra.npy"},
+            "losses.points = joints has no use for --joint-regressor extra.npy");
+  no_points("smpl", {"--body", "body.npz", "--joint-regressor", "extra.npy"},
+            "'smpl' have no use for --joint-regressor extra.npy");
+  no_points("a2m", {"--body", "body.npz"},
+            "points 'a2m' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE");
   no_points("vibe", {"--body", "body.npz", "--joint-regressor", "extra.npy"},
             "body.npz: a body of 6 vertices; points 'vibe' are of SMPL's 6890");
   no_points("coco", {"--body", "body.npz"}, "[motionlang.config.103]");
@@ -402,8 +405,9 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   std::vector<float> last;
   for (const std::string points : {"a2m", "a2mpl", "vibe"}) {
     CAPTURE(points);
-    trained("train-actor", points, {"--body", "smpl.npz", "--joint-regressor", "extra.npy", "--set", "losses.points=" + points, "--set",
-                                    "optimiser.epochs=1"});
+    trained("train-actor", points,
+            {"--body", "smpl.npz", "--joint-regressor", "extra.npy", "--set", "losses.points=" + points, "--set",
+             "optimiser.epochs=1"});
     CHECK(clips.losses(points) != last);
     last = clips.losses(points);
   }
@@ -411,10 +415,12 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   // frames by lot
   trained("train-actor", "scattered", {"--set", "clips.random_frames=true"});
   CHECK(clips.losses("scattered") != clips.losses("first"));
-  const auto steps = clips.train("train-actor", "no", {"--set", "clips.random_frames=true", "--set", "clips.random_step=true"});
+  const auto steps =
+      clips.train("train-actor", "no", {"--set", "clips.random_frames=true", "--set", "clips.random_step=true"});
   CHECK(steps.code == 1);
-  CHECK_MESSAGE(contains(steps.text, "clips.random_frames has no steps; clips.random_step is true, clips.sampling_step 1"),
-                steps.text);
+  CHECK_MESSAGE(
+      contains(steps.text, "clips.random_frames has no steps; clips.random_step is true, clips.sampling_step 1"),
+      steps.text);
   const auto other = clips.train("train-actor", "no", {"--from", "first/model", "--set", "clips.camera=true"});
   CHECK(other.code == 1);
   CHECK_MESSAGE(contains(other.text, "camera false; the settings say "), other.text);
@@ -610,13 +616,16 @@ TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and t
   store.add_module(network, "distilbert.");
   std::filesystem::create_directories(clips / "bert");
   ml::write_safetensors(clips / "bert/model.safetensors", store.views());
-  ml::write_file(clips / "bert/config.json", std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
+  ml::write_file(clips / "bert/config.json",
+                 std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
     "hidden_dim": 12, "vocab_size": 12, "max_position_embeddings": 16, "activation": "gelu"})"));
-  ml::write_file(clips / "bert/vocab.txt",
-                 std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
+  ml::write_file(
+      clips / "bert/vocab.txt",
+      std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
 
   const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
-    more.insert(more.begin(), {"--set", "text.encoder=distilbert", "--text-encoder", "bert", "--set", "losses.threshold=0"});
+    more.insert(more.begin(),
+                {"--set", "text.encoder=distilbert", "--text-encoder", "bert", "--set", "losses.threshold=0"});
     return clips.train(command, out, more);
   };
   const std::string key = "textencoder.text_model.transformer.layer.1.attention.q_lin.weight";
@@ -676,7 +685,8 @@ TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and t
   ml::EmbeddingCache cache(8);
   cache.add("a person walks ahead", std::vector<float>(16));
   cache.write(clips / "states", "bert");
-  refused("text.encoder=distilbert", "states/bert.npy", "--text-encoder 'states/bert.npy', expected distilbert and its folder");
+  refused("text.encoder=distilbert", "states/bert.npy",
+          "--text-encoder 'states/bert.npy', expected distilbert and its folder");
   refused("text.encoder=word_pieces", "",
           "[motionlang.config.102] text.finetune trains DistilBERT: text.encoder is 'word_pieces'");
   std::filesystem::create_directories(clips / "strangers");
