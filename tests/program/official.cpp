@@ -1,12 +1,14 @@
 // The motionlang program on folders as the official repositories leave them: generate, evaluate, pack, info, embed.
 #include <doctest/doctest.h>
 
+#include <set>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/io/body_file.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -14,6 +16,7 @@
 #include <motionlang/metrics/ape_ave.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 
+#include "../support/body_arrays.hpp"
 #include "../support/denoised.hpp"
 #include "../support/official_tm2t.hpp"
 #include "../support/official_vaes.hpp"
@@ -463,7 +466,56 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused("ntu13_gru.tar", "labels.tsv",
-          "ntu13_gru.tar: a classifier of 54 numbers a frame, expected 72: SMPL's 24 joints");
+          "[motionlang.config.102] ntu13_gru.tar reads 18 points of a body: --body SMPL, --joint-regressor "
+          "J_regressor_extra.npy");
+
+  // on points of a body: those of SMPL's joints with the way of the root, Action2Motion's without it
+  ml::write_npz(w / "smpl.npz", body_arrays::chain(24, 6890, 10));
+  std::vector<float> shares(9 * 6890);
+  rng.uniform(std::span(shares));
+  for (float& s : shares) s /= 6890;
+  ml::write_npy(w / "extra.npy", ml::NpyArray::of(std::span<const float>(shares), {9, 6890}));
+  const auto body = ml::read_body<official::B>(w / "smpl.npz").model;
+  const auto regressor = ml::Tensor<official::B, 2>::from(shares, {9, 6890});
+  const auto on_body = [&](const std::string& classifier, std::vector<std::string> more) {
+    more.insert(more.begin(), {"evaluate", "actor", "--data", ".", "--labels", "judged.tsv", "--splits", "splits",
+                               "--part", "training", "--classifier", classifier, "--seeds", "1"});
+    return w.run(more);
+  };
+  for (const bool a2m : {false, true}) {
+    CAPTURE(a2m);
+    ml::GruClassifier<official::B> judge(
+        {.input_size = a2m ? 54 : 72, .hidden_size = 16, .num_layers = 2, .num_classes = 12}, rng);
+    const auto logits = [&](const ml::Motion& m) {
+      const auto rows = ml::actor_rows_of_motion(m);
+      const auto points =
+          ml::actor_points<official::B>(sequence({rows.begin(), rows.end()}), body, &regressor,
+                                        a2m ? ml::ActorPoints::a2m : ml::ActorPoints::smpl, {.translate = !a2m});
+      return judge(points).logits;
+    };
+    auto usual = logits(clips[0]) * (1.0 / 12);  // taken off, so that it tells clips apart
+    for (std::size_t i = 1; i < 12; ++i) usual = usual + logits(clips[i]) * (1.0 / 12);
+    judge.linear2.bias = judge.linear2.bias - ml::reshape<1>(usual, {12});
+    const Classes wanted = classes(clips, logits);
+    CHECK(std::set<ml::Index>(wanted.begin(), wanted.end()).size() > 2);
+    TorchArchive archive;
+    archive.begin("model");
+    official::add_module(archive, judge);
+    archive.end();
+    official::write_bytes(w / "points_gru.tar", archive.finish());
+    std::string table;  // every third label is wrong
+    for (std::size_t i = 0; i < 12; ++i)
+      table += ids[i] + "\t0\t3\t" + std::string(names[(wanted[i] + (i % 3 == 0 ? 1 : 0)) % 12]) + "\n";
+    ml::write_file(w / "judged.tsv", table);
+    const Outcome judged =
+        on_body("points_gru.tar", a2m ? std::vector<std::string>{"--body", "smpl.npz", "--joint-regressor", "extra.npy"}
+                                      : std::vector<std::string>{"--body", "smpl.npz"});
+    REQUIRE_MESSAGE(judged.code == 0, judged.text);
+    CHECK(numbers_of_row(judged.text, "recorded").at(0) == doctest::Approx(66.7).epsilon(1e-5));
+  }
+  CHECK(contains(on_body("uestc_rot6d_stgcn.tar", {"--body", "smpl.npz"}).text,
+                 "[motionlang.config.102] uestc_rot6d_stgcn.tar has no use for --body 'smpl.npz'"));
+  CHECK(contains(on_body("humanact12_gru.tar", {"--joint-regressor", "extra.npy"}).text, "has no use for --body ''"));
   refused("actor/checkpoint_5000.pth.tar", "labels.tsv",
           "[motionlang.io.404] actor/checkpoint_5000.pth.tar: neither the GRU");
 
@@ -488,6 +540,22 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
       train("train-classifier", "learnt", {as_they_face, once, "generated_share=1", "generated_kind=denoised"},
             {"--generated", "actor"});
   CHECK_MESSAGE(learnt.code == 0, learnt.text);
+
+  // gone on from, with its actions and in its world
+  const auto go_on = [&](const std::string& camera) {
+    return train("train-actor", "further",
+                 {as_they_face, "clips.camera=" + camera, "optimiser.lr=0", once, "network.latent_dim=16",
+                  "network.ff_size=24", "network.num_layers=2"},
+                 {"--from", "actor"});
+  };
+  CHECK(contains(go_on("false").text, "[motionlang.config.102] the model to go on from has other clips"));
+  const Outcome further = go_on("true");
+  REQUIRE_MESSAGE(further.code == 0, further.text);
+  const auto before = ml::load_actor_run<official::B>(ml::FilePath(w / "actor")).model;
+  const auto weights = ml::SafetensorsFile::open(w / "further/model/weights.safetensors");
+  CHECK(ml::values_of<float>(weights.tensor("encoder.muQuery")) == before.encoder->muQuery.to_vector());
+  CHECK(numbers_of_row(evaluate("humanact12_gru.tar", "labels.tsv", "further/model").text, "recorded") ==
+        numbers_of_row(evaluate("humanact12_gru.tar", "labels.tsv").text, "recorded"));
 }
 
 TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {

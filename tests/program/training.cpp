@@ -377,7 +377,54 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
   trained("train-actor", "skin", {"--body", "body.npz", "--set", "losses.points=vertices"});
   CHECK(clips.losses("skin") != clips.losses("first"));
-  CHECK(contains(clips.train("train-actor", "bare", {"--set", "losses.points=vertices"}).text, "--body belong together"));
+  trained("train-actor", "joints_of_skin", {"--body", "body.npz", "--set", "losses.points=smpl"});
+  CHECK(clips.losses("joints_of_skin") != clips.losses("skin"));
+  const auto no_points = [&](const std::string& points, std::vector<std::string> more, const std::string& message) {
+    more.insert(more.end(), {"--set", "losses.points=" + points});
+    const auto out = clips.train("train-actor", "bare", more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::write_npy(clips / "extra.npy", ml::NpyArray::of(std::span<const float>(std::vector<float>(9 * 6)), {9, 6}));
+  no_points("vertices", {}, "[motionlang.config.102] losses.points = vertices, and --body is ''");
+  no_points("joints", {"--joint-regressor", "extra.npy"},
+            "losses.points = joints has no use for --joint-regressor extra.npy");
+  no_points("smpl", {"--body", "body.npz", "--joint-regressor", "extra.npy"},
+            "'smpl' have no use for --joint-regressor extra.npy");
+  no_points("a2m", {"--body", "body.npz"},
+            "points 'a2m' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE");
+  no_points("vibe", {"--body", "body.npz", "--joint-regressor", "extra.npy"},
+            "body.npz: a body of 6 vertices; points 'vibe' are of SMPL's 6890");
+  no_points("coco", {"--body", "body.npz"}, "[motionlang.config.103]");
+
+  // points that have vertices of SMPL among them, and a regressor's
+  ml::write_npz(clips / "smpl.npz", body_arrays::chain(24, 6890, 10));
+  no_points("a2m", {"--body", "smpl.npz", "--joint-regressor", "extra.npy"},
+            "[motionlang.io.407] extra.npy: an array (9, 6), expected (9, 6890)");
+  const std::vector<float> shares(9 * 6890, 1.0f / 6890);
+  ml::write_npy(clips / "extra.npy", ml::NpyArray::of(std::span<const float>(shares), {9, 6890}));
+  std::vector<float> last;
+  for (const std::string points : {"a2m", "a2mpl", "vibe"}) {
+    CAPTURE(points);
+    trained("train-actor", points,
+            {"--body", "smpl.npz", "--joint-regressor", "extra.npy", "--set", "losses.points=" + points, "--set",
+             "optimiser.epochs=1"});
+    CHECK(clips.losses(points) != last);
+    last = clips.losses(points);
+  }
+
+  // frames by lot
+  trained("train-actor", "scattered", {"--set", "clips.random_frames=true"});
+  CHECK(clips.losses("scattered") != clips.losses("first"));
+  const auto steps =
+      clips.train("train-actor", "no", {"--set", "clips.random_frames=true", "--set", "clips.random_step=true"});
+  CHECK(steps.code == 1);
+  CHECK_MESSAGE(
+      contains(steps.text, "clips.random_frames has no steps; clips.random_step is true, clips.sampling_step 1"),
+      steps.text);
+  const auto other = clips.train("train-actor", "no", {"--from", "first/model", "--set", "clips.camera=true"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "camera false; the settings say "), other.text);
 
   const auto learn = [&](const std::string& share, const std::string& out) {
     return clips.train("train-classifier", out, {"--generated", "first/model", "--set", "generated_share=" + share});
@@ -559,6 +606,94 @@ TEST_CASE("a classifier learns from motions that a model samples, denoises or pu
 
   CHECK(contains(learn("no", "noisy").text,
                  "[motionlang.config.103] generated_kind 'noisy' is not sampled, denoised or interpolated"));
+}
+
+TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and tokenizer are the model's own") {
+  const Clips clips;
+  ml::Philox rng{.seed = 7};
+  const ml::BertConfig tiny{.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 2, .positions = 16};
+  const ml::DistilBert<ml::EigenBackend<float>> network(tiny, rng);
+  ml::TensorStore store;
+  store.add_module(network, "distilbert.");
+  std::filesystem::create_directories(clips / "bert");
+  ml::write_safetensors(clips / "bert/model.safetensors", store.views());
+  ml::write_file(clips / "bert/config.json",
+                 std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
+    "hidden_dim": 12, "vocab_size": 12, "max_position_embeddings": 16, "activation": "gelu"})"));
+  ml::write_file(
+      clips / "bert/vocab.txt",
+      std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
+
+  const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"--set", "text.encoder=distilbert", "--text-encoder", "bert", "--set", "losses.threshold=0"});
+    return clips.train(command, out, more);
+  };
+  const std::string key = "textencoder.text_model.transformer.layer.1.attention.q_lin.weight";
+  for (const std::string command : {"train-tmr", "train-temos"}) {
+    CAPTURE(command);
+    const std::string frozen = command + "_frozen", whole = command + "_whole", halves = command + "_halves",
+                      model = whole + "/model";
+    REQUIRE(train(command, frozen, {}).code == 0);
+    CHECK(!contains(clips.weights(frozen), "text_model"));
+    const auto done = train(command, whole, {"--set", "text.finetune=true"});
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK(clips.losses(whole) != clips.losses(frozen));
+    const auto weights = ml::SafetensorsFile::open(clips / (model + "/weights.safetensors"));
+    CHECK(ml::values_of<float>(weights.tensor(key)) != network.layers[1].query.weight.to_vector());
+    CHECK(ml::values_of<float>(weights.tensor("textencoder.text_model.embeddings.word_embeddings.weight")) !=
+          network.words.weight.to_vector());
+
+    REQUIRE(train(command, halves, {"--set", "text.finetune=true", "--set", "optimiser.epochs=2"}).code == 0);
+    const auto rest = train(command, halves, {"--set", "text.finetune=true"});
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK(contains(rest.text, "going on at step 4 of 8"));
+    CHECK(clips.losses(halves) == clips.losses(whole));
+    CHECK(clips.weights(halves) == clips.weights(whole));
+
+    // it needs no --text-encoder, and what it says is what its own DistilBERT makes of a text
+    std::filesystem::rename(clips / "bert", clips / "elsewhere");
+    const auto used = [&](std::vector<std::string> arguments) {
+      const auto out = run(arguments, clips.path);
+      CHECK_MESSAGE(out.code == 0, out.text);
+      return out.text;
+    };
+    used({"generate", "--model", model, "--text", "a person turns left", "--seconds", "1", "--out", command + "_made"});
+    used({"evaluate", model, "--data", ".", "--captions", "captions.tsv"});
+    if (command == "train-tmr") {
+      used({"index", ".", "--model", model, "-o", "moves.index"});
+      CHECK(contains(used({"search", "moves.index", "a person turns left"}), ".bvh"));
+      used({"evaluate", model, "--data", ".", "--captions", "captions.tsv", "--moments", "2", "--joined", "2", "--part",
+            "training"});
+      const auto read = program::load_text_motion<ml::Tmr, ml::EigenBackend<float>>(
+          clips / model, program::read_text_motion_config(clips / model));
+      const std::vector<std::string> text{"someone walks"};
+      auto trained = network;
+      ml::load_module(trained, weights, "textencoder.text_model.");
+      const std::vector<ml::Index> ids{2, 7, 8, 3};
+      CHECK(read.tokens(text, nullptr).rows.to_vector() == trained({ids, {4}}).tokens.rows.to_vector());
+    }
+    std::filesystem::rename(clips / "elsewhere", clips / "bert");
+  }
+
+  const auto refused = [&](const std::string& set, const std::string& encoder, const std::string& message) {
+    std::vector<std::string> more{"--set", "text.finetune=true", "--set", set};
+    if (!encoder.empty()) more.insert(more.end(), {"--text-encoder", encoder});
+    const auto out = clips.train("train-tmr", "refused", more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::EmbeddingCache cache(8);
+  cache.add("a person walks ahead", std::vector<float>(16));
+  cache.write(clips / "states", "bert");
+  refused("text.encoder=distilbert", "states/bert.npy",
+          "--text-encoder 'states/bert.npy', expected distilbert and its folder");
+  refused("text.encoder=word_pieces", "",
+          "[motionlang.config.102] text.finetune trains DistilBERT: text.encoder is 'word_pieces'");
+  std::filesystem::create_directories(clips / "strangers");
+  ml::write_file(clips / "strangers/config.json", std::string_view(R"({"model_type": "bert"})"));
+  refused("text.encoder=distilbert", "strangers",
+          "[motionlang.config.103] strangers/config.json: model_type 'bert', expected 'distilbert'");
 }
 
 TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {

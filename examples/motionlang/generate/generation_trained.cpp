@@ -27,9 +27,11 @@ std::unique_ptr<Generator> trained(const std::filesystem::path& folder, const Te
                                .fps = features.fps,
                                .tokens = {},
                                .longest = file.config.data.max_seconds};
-  parts.tokens = [words = std::move(model.words), states = std::make_shared<ml::EmbeddingCache>(0), folder,
-                  encoder = file.config.text.encoder, text_encoder](std::span<const std::string> texts) {
+  parts.tokens = [words = std::move(model.words), language = std::move(model.language),
+                  states = std::make_shared<ml::EmbeddingCache>(0), folder, encoder = file.config.text.encoder,
+                  text_encoder](std::span<const std::string> texts) {
     if (words) return (*words)(texts).tokens;
+    if (language) return (*language)(texts, {});
     if (text_encoder.empty())
       ml::raise<ml::config_error>(102, folder.string(), ": this model reads the states of ", encoder,
                                   ": --text-encoder names it");

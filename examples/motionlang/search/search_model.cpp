@@ -35,7 +35,7 @@ double SearchModel::fps() const { return parts_->fps; }
 std::vector<float> SearchModel::texts(std::span<const std::string> texts) const {
   const auto& model = parts_->model;
   std::optional<ml::EmbeddingCache> states;
-  if (!model.words && !text_encoder_.empty()) states = token_states(text_encoder_, texts);
+  if (!model.reads_texts() && !text_encoder_.empty()) states = token_states(text_encoder_, texts);
   constexpr std::size_t at_once = 128;
   std::vector<float> out;
   for (std::size_t begin = 0; begin < texts.size(); begin += at_once) {

@@ -3,11 +3,11 @@
 
 #include <functional>
 
-#include <motionlang/io/body_file.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/metrics/accuracy.hpp>
 
 #include "actor_model.hpp"
+#include "body_points.hpp"
 #include "epoch_task.hpp"
 
 namespace program {
@@ -48,25 +48,39 @@ class ActionTask : public EpochTask<Config, Tape, Plain> {
 
 class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>, ml::Actor<TrainingBackend>> {
  public:
-  /// `from` is a model to go on from (its labels are taken), or empty; `body` a body model for losses.points = "vertices".
-  ActorTask(const ActorTrainingConfig& config, const DescribedMotions& data, const std::filesystem::path& from,
-            const std::filesystem::path& body)
-      : ActionTask("actor", config, data,
-                   from.empty() ? labels_of(data) : read_action_config<ActorTrainingConfig>(from, "actor").labels) {
-    if (config_.losses.points != "joints" && config_.losses.points != "vertices")
-      ml::raise<ml::config_error>(103, "losses.points '", config_.losses.points, "' is not joints or vertices");
-    if ((config_.losses.points == "vertices") != !body.empty())
-      ml::raise<ml::config_error>(102, "losses.points = vertices and --body belong together");
+  /// from       a model to go on from, whose labels are taken
+  /// body       whose points are compared, unless losses.points is "joints"
+  /// regressor  J_regressor_extra.npy, for points that need it
+  ActorTask(const ActorTrainingConfig& config, const DescribedMotions& data, std::optional<ActorModel<B>> from,
+            const std::filesystem::path& body, const std::filesystem::path& regressor)
+      : ActionTask("actor", config, data, from ? from->file.labels : labels_of(data)) {
+    const std::string& points = config_.losses.points;
+    if ((points != "joints") != !body.empty())
+      ml::raise<ml::config_error>(102, "losses.points = ", points, ", and --body is '", body.string(),
+                                  "': points of a body need one, joints have none");
     if (config_.losses.vertstrans && body.empty())
-      ml::raise<ml::config_error>(102, "losses.vertstrans is of losses.points = vertices; joints follow the way anyway");
+      ml::raise<ml::config_error>(102, "losses.vertstrans is of points of a body; joints follow the way anyway");
     if (!body.empty()) {
-      if (config_.clips.is_xyz()) ml::raise<ml::config_error>(102, "vertices are made of rotations; clips.pose is xyz");
-      body_ = ml::read_body<B>(body).model;
-      taped_body_ = ml::convert<A>(*body_);
+      if (config_.clips.is_xyz())
+        ml::raise<ml::config_error>(102, "losses.points = ", points, " are made of rotations; clips.pose is xyz");
+      points_.emplace(points, body, regressor);
+      taped_points_.emplace(*points_);
+    } else if (!regressor.empty()) {
+      ml::raise<ml::config_error>(102, "losses.points = joints has no use for --joint-regressor ", regressor.string());
     }
     auto rng = ml::Philox{.seed = seed()}.split("init");
     ml::Actor<B> model(actor_sizes(config_, std::ssize(labels_)), rng);
-    if (!from.empty()) ml::load_module(model, ml::SafetensorsFile::open(from / "weights.safetensors"));
+    if (from) {
+      require_same_rows(from->file.config.clips, config_.clips);
+      ml::zip(model, from->actor, [](const std::string& path, auto& to, const auto& given) {
+        if constexpr (ml::is_tensor<std::remove_cvref_t<decltype(to)>>) {
+          if (to.shape() != given.shape())
+            ml::raise<ml::config_error>(102, "--from: '", path, "' is ", given.shape(), ", the settings make it ",
+                                        to.shape());
+          to = given;
+        }
+      });
+    }
     begin(std::move(model));
   }
 
@@ -96,25 +110,15 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
   }
   template <ml::Backend T>
   ml::Sequences<T> points_of(const ml::Sequences<T>& x) const {
-    if (!body_) return joint_points(x, config_.clips);
-    const ml::ActorPointOptions options{.features = {.rotations = ml::parse_pose_representation(config_.clips.pose),
-                                                     .translation = config_.clips.translation,
-                                                     .global = config_.clips.global},
-                                        .translate = config_.losses.vertstrans,
-                                        .global_rotation = {}};
-    const ml::Tensor<T, 2>* const none = nullptr;
-    return ml::actor_points(x, body<T>(), none, ml::ActorPoints::vertices, options);
-  }
-  template <ml::Backend T>
-  const ml::BodyModel<T>& body() const {
+    if (!points_) return joint_points(x, config_.clips);
     if constexpr (ml::AutodiffBackend<T>)
-      return *taped_body_;
+      return (*taped_points_)(x, config_.clips, config_.losses.vertstrans);
     else
-      return *body_;
+      return (*points_)(x, config_.clips, config_.losses.vertstrans);
   }
 
-  std::optional<ml::BodyModel<B>> body_;
-  std::optional<ml::BodyModel<A>> taped_body_;  // the same
+  std::optional<BodyPoints<B>> points_;
+  std::optional<BodyPoints<A>> taped_points_;  // the same
 };
 
 class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTape>, Classifier<TrainingBackend>> {

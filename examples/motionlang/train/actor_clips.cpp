@@ -14,6 +14,12 @@ using ml::Index;
 
 Index ActorClipsConfig::numbers() const { return is_xyz() ? 3 : ml::size(ml::parse_pose_representation(pose)); }
 
+void ActorClipsConfig::require_sound() const {
+  if (random_frames && (random_step || sampling_step != 1))
+    ml::raise<ml::config_error>(102, "clips.random_frames has no steps; clips.random_step is ",
+                                random_step ? "true" : "false", ", clips.sampling_step ", sampling_step);
+}
+
 namespace {
 
 ml::Motion turned(ml::Motion motion, const ml::Quaternion<double>& turn) {
@@ -69,8 +75,9 @@ std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsC
   if (wanted == -2)
     wanted = static_cast<Index>(random.randint(c.min_len, std::max(std::min(frames, c.max_len), c.min_len)));
   std::vector<float> out;
-  for (const Index f :
-       ml::actor_frames(frames, {.frames = wanted, .random_step = c.random_step, .step = c.sampling_step}, random)) {
+  const ml::ActorFrameOptions taken{
+      .frames = wanted, .random_step = c.random_step, .step = c.sampling_step, .scattered = c.random_frames};
+  for (const Index f : ml::actor_frames(frames, taken, random)) {
     const auto at = motion.rows.begin() + static_cast<std::ptrdiff_t>(f) * c.width();
     out.insert(out.end(), at, at + c.width());
   }

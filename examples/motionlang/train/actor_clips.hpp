@@ -23,19 +23,22 @@ struct ActorClipsConfig {
   bool translation = true;     // the way of the root is a row of its own; not of xyz
   bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not of xyz
   bool turned_ahead = true;    // every clip begins facing +Z
-  bool camera = false;  // rotations in the world of a camera, where figures stand on their heads: as published, not set
+  bool camera = false;  // rotations in the world of a camera, where figures stand on their heads, as published
   double fps = 30;
   ml::Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
   ml::Index sampling_step = 1;  // frames that are left out between; -1: as many as fit
   bool random_step = false;
+  bool random_frames = false;  // any frames of the clip, in their order
   ml::Index min_len = 60, max_len = 100;
 
+  /// Throws config_error 102 where one setting leaves nothing to another.
+  void require_sound() const;
   static constexpr auto fields() {
     using C = ActorClipsConfig;
     return ml::fields("pose", &C::pose, "translation", &C::translation, "global", &C::global, "turned_ahead",
-                      &C::turned_ahead, "fps", &C::fps, "num_frames", &C::num_frames, "sampling_step",
-                      &C::sampling_step, "random_step", &C::random_step, "min_len", &C::min_len, "max_len",
-                      &C::max_len);
+                      &C::turned_ahead, "camera", &C::camera, "fps", &C::fps, "num_frames", &C::num_frames,
+                      "sampling_step", &C::sampling_step, "random_step", &C::random_step, "random_frames",
+                      &C::random_frames, "min_len", &C::min_len, "max_len", &C::max_len);
   }
   bool is_xyz() const { return pose == "xyz"; }
   /// Joints of a frame that have a row, all its rows, and numbers of each.

@@ -28,11 +28,11 @@ struct ActorNetworkConfig {
   }
 };
 
-/// Points are the 24 joints of our own skeleton, or the vertices of a body model that the user has.
+/// Points are the 24 joints of our own skeleton, or those of a body that the user has (features/actor_points.hpp).
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
-  std::string points = "joints";  // or "vertices": --body names the model
-  bool vertstrans = false;        // vertices follow the way of the root, as joints do
+  std::string points = "joints";  // or, of the model that --body names, "vertices", "smpl", "a2m", "a2mpl", "vibe"
+  bool vertstrans = false;        // points of a body follow the way of the root, as joints do
 
   void require_sound() const {
     for (const auto& [name, value] : {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})

@@ -68,6 +68,16 @@ void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& s
     ml::raise<ml::config_error>(102, "model and classifier have other clips: ", told(model), " and ", told(seen));
 }
 
+void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips) {
+  const auto told = [](const ActorClipsConfig& c) {
+    return ml::concat_text("pose ", c.pose, ", translation ", c.translation ? "true" : "false", ", global ",
+                           c.global ? "true" : "false", ", camera ", c.camera ? "true" : "false");
+  };
+  if (told(model) != told(clips))
+    ml::raise<ml::config_error>(102, "the model to go on from has other clips: ", told(model), "; the settings say ",
+                                told(clips));
+}
+
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier) {
   if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
     ml::raise<ml::config_error>(102, "model and classifier have other labels: ", listed(actions), "; and ",
@@ -96,6 +106,9 @@ PublishedActor read_published_actor(const ml::RunFolder& run) {
   clips.translation = actor.features.translation;
   clips.turned_ahead = false, clips.camera = true, clips.fps = 20;
   clips.num_frames = sizes.num_frames;
+  clips.sampling_step = actor.frames.step;
+  clips.random_step = actor.frames.random_step, clips.random_frames = actor.frames.scattered;
+  out.file.config.losses.points = std::string(ml::actor_point_names[static_cast<std::size_t>(actor.points)]);
   out.file.config.data = actor_preset("actor-published").data;
   out.file.labels = actor.labels.empty() ? class_names("", sizes.num_classes) : std::move(actor.labels);
   return out;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include <motionlang/backend/eigen.hpp>
@@ -28,6 +29,8 @@ struct Classifier {
   std::optional<ml::GruClassifier<B>> gru;
   std::optional<ml::StGcn<B>> stgcn;
   bool drawn_state = false;  // of the GRU
+  /// The points that the GRU reads of windows, unless they are those of our own skeleton.
+  std::function<ml::Sequences<B>(const ml::Sequences<B>&, const ActorClipsConfig&)> points{};
 
   static constexpr auto fields() {
     return ml::fields("", &Classifier::gru, "", &Classifier::stgcn, "drawn_state", &Classifier::drawn_state);
@@ -66,11 +69,11 @@ struct Classifier {
 
  private:
   ml::Recognition<B> by_gru(const ml::Sequences<B>& x, const ActorClipsConfig& clips, const ml::Philox& rng) const {
-    const auto points = joint_points(x, clips);
-    if (!drawn_state) return (*gru)(points);
+    const auto read = points ? points(x, clips) : joint_points(x, clips);
+    if (!drawn_state) return (*gru)(read);
     auto own = rng.split("state");
     const auto h0 = gru->initial_state(x.count(), own);
-    return (*gru)(points, &h0);
+    return (*gru)(read, &h0);
   }
 };
 
@@ -172,6 +175,8 @@ struct ActorModel {
 };
 /// Throws config_error 102 if a classifier of these clips cannot judge or learn from the motions of a model.
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
+/// Throws config_error 102 if a model's frames are no rows that the settings of clips make.
+void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips);
 /// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
 std::vector<ml::Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);
 

@@ -54,6 +54,12 @@ void add_evaluate(CLI::App& app) {
                 "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, "
                 "uestc_rot6d_stgcn.tar)")
       ->check(CLI::ExistingPath);
+  c->add_option("--body", o->body,
+                "ACTOR: SMPL, whose points a published GRU is given: ntu13_gru.tar needs it, humanact12_gru.tar takes the "
+                "joints of our own skeleton without it")
+      ->check(CLI::ExistingFile);
+  c->add_option("--joint-regressor", o->regressor, "J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar")
+      ->check(CLI::ExistingFile);
   c->add_option("--seeds", o->seeds, "ACTOR, classifier: how often everything is drawn anew")
       ->check(in_range(1, 1000))
       ->capture_default_str();

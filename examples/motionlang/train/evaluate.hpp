@@ -10,7 +10,7 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier, generator, statistics, tokenizer;
+      strips, classifier, generator, statistics, tokenizer, body, regressor;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same

@@ -41,15 +41,26 @@ struct Judge {
         classifier(file.config, std::ssize(file.labels), ml::Philox{}) {
     load_action_weights(classifier, folder);
   }
-  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL. It sees motions of the rate of the
-  /// model and as they face, in the world of a camera. Throws io_error 404 for another file, 407 for other joints.
-  Judge(const std::filesystem::path& path, const ActorClipsConfig& clips) {
+  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the way of the root, or the 18
+  /// points of NTU-13 without it. It sees motions of the rate of the model and as they face, in the world of a camera.
+  /// body, regressor  of the user (body_points.hpp); without them a GRU is given the joints of our own skeleton
+  /// Throws  io_error 404 for another file, 407 for other joints, config_error 102 for a body that is missing or not
+  ///         read
+  Judge(const std::filesystem::path& path, const ActorClipsConfig& clips, const std::filesystem::path& body,
+        const std::filesystem::path& regressor) {
     const ml::WeightFile weights = ml::open_weights(path);
     Index classes = 0, read = 0, wanted = 0;  // numbers a frame
     if (const ml::TensorView* const gates = weights.find("recurrent.weight_ih_l0")) {
       classifier.gru = ml::load_gru_classifier<B>(weights);
       classifier.drawn_state = true;
       classes = classifier.gru->linear2.out(), read = gates->shape[1], wanted = 24 * 3;
+      if (read == 18 * 3) {
+        if (body.empty())
+          ml::raise<ml::config_error>(102, path.string(),
+                                      " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
+        wanted = 18 * 3;
+      }
+      if (!body.empty()) read_body_points(wanted == 18 * 3 ? "a2m" : "smpl", body, regressor);
     } else if (const ml::TensorView* const norm = weights.find("data_bn.weight")) {
       classifier.stgcn = ml::load_stgcn<B>(weights);
       classes = classifier.stgcn->fcn.out(), read = norm->shape[0], wanted = 24 * 6;
@@ -59,11 +70,30 @@ struct Judge {
     if (read != wanted)
       ml::raise<ml::io_error>(407, path.string(), ": a classifier of ", read, " numbers a frame, expected ", wanted,
                               ": SMPL's 24 joints");
+    if (!classifier.points && !(body.empty() && regressor.empty()))
+      ml::raise<ml::config_error>(102, path.string(), " has no use for --body '", body.string(),
+                                  "', --joint-regressor '", regressor.string(), "'");
     ml::prepare(classifier);
     file.config.clips = clips;
     file.config.clips.pose = "rot6d", file.config.clips.camera = true;
     file.config.clips.translation = classifier.gru.has_value();
     file.labels = class_names("humanact12", classes);
+  }
+
+ private:
+  /// One motion after the other, since a surface is large.
+  void read_body_points(const char* name, const std::filesystem::path& body, const std::filesystem::path& regressor) {
+    const auto points = std::make_shared<const BodyPoints<B>>(name, body, regressor);
+    const bool translate = points->points == ml::ActorPoints::smpl;
+    classifier.points = [points, translate](const ml::Sequences<B>& x, const ActorClipsConfig& clips) {
+      std::vector<float> values;
+      for (Index s = 0; s < x.count(); ++s) {
+        const auto one = (*points)({x[s], ml::Offsets{x.offsets.length(s)}}, clips, translate).rows;
+        values.insert(values.end(), one.span().begin(), one.span().end());
+      }
+      const Index frames = x.offsets.rows();
+      return x.with(ml::Tensor<B, 2>::from(values, {frames, std::ssize(values) / std::max<Index>(1, frames)}));
+    };
   }
 };
 
@@ -137,7 +167,11 @@ void evaluate_actor(const EvaluationOptions& o) {
   const ActorModel<B> model(o.model);
   const auto& file = model.file;
   const ActorClipsConfig& clips = file.config.clips;
-  Judge who = std::filesystem::is_directory(o.classifier) ? Judge(o.classifier) : Judge(o.classifier, clips);
+  const bool ours = std::filesystem::is_directory(o.classifier);
+  if (ours && !(o.body.empty() && o.regressor.empty()))
+    ml::raise<ml::config_error>(102, "--body and --joint-regressor are for the file of a published GRU; ",
+                                o.classifier.string(), " is of our training");
+  Judge who = ours ? Judge(o.classifier) : Judge(o.classifier, clips, o.body, o.regressor);
   const ActorClipsConfig& seen = who.file.config.clips;
   require_same_clips(clips, seen);
   who.numbers = numbers_of(file.labels, who.file.labels);

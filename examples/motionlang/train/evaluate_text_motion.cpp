@@ -50,7 +50,7 @@ struct Measured {
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
     if (encoder != nullptr)
       states = states_of(*encoder, first_texts(*part));
-    else if (!o.text_encoder.empty())
+    else if (!o.text_encoder.empty() && !file.language)
       states = token_states(o.text_encoder, all_texts(data));
     sentences = sentence_vectors(o.sentence_encoder, data);
     std::printf("%zu motions of the %s part\n", part->size(), o.part.c_str());
@@ -304,7 +304,7 @@ void evaluate_published_temos(const EvaluationOptions& o) {
   TextMotionFile file{"temos", run.fps, temos_preset("temos-published"), {}};
   file.config.features = published_temos_features(run.width()).name;
   const Measured m(o, file, &run.text_encoder);
-  measure_temos(o, file, m, {std::move(run.model), {}, std::move(run.normalizer)});
+  measure_temos(o, file, m, {.system = std::move(run.model), .motion_normalizer = std::move(run.normalizer)});
 }
 
 }  // namespace program

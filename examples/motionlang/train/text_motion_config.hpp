@@ -32,10 +32,12 @@ struct TextTokensConfig {
       "distilbert";            // states of a language model (a folder or a cache), or "word_pieces": learnt here
   ml::Index width = 768;       // of a token
   ml::Index vocabulary = 800;  // of word pieces
+  bool finetune = false;       // DistilBERT is trained, too
 
   static constexpr auto fields() {
     using C = TextTokensConfig;
-    return ml::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary);
+    return ml::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",
+                      &C::finetune);
   }
 };
 

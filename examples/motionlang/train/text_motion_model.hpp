@@ -2,7 +2,9 @@
 // its configuration. How it is made, and its folder.
 //
 //     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces; "about"
-//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std, log_temperature
+//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std,
+//                            log_temperature; textencoder.text_model.* of a DistilBERT that was trained with it, as in TEMOS
+//     text_encoder/          its config.json and tokenizer
 //
 // And TMR as it was published: HumanML3D's features, the states of DistilBERT, statistics in stats/mean.pt and stats/std.pt.
 #pragma once
@@ -15,6 +17,7 @@
 #include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/io/model_folder.hpp>
 #include <motionlang/io/module_file.hpp>
+#include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/io/text_motion_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 #include <motionlang/systems/temos.hpp>
@@ -25,17 +28,58 @@
 
 namespace program {
 
+/// What a DistilBERT needs besides its weights.
+struct LanguageModelFiles {
+  std::filesystem::path folder;
+  ml::BertConfig sizes;
+  std::shared_ptr<const ml::AnyTokenizer> tokenizer;
+};
+/// From config.json and the tokenizer of a folder. Throws io_error 401, config_error 103 for another network, 102 if they
+/// do not fit.
+LanguageModelFiles read_language_model_files(const std::filesystem::path& folder);
+
+/// DistilBERT that is trained with the model.
+template <ml::Backend B>
+struct LanguageModel {
+  ml::DistilBert<B> text_model;
+  LanguageModelFiles files;
+
+  static constexpr auto fields() {
+    using M = LanguageModel;
+    return ml::fields("text_model", &M::text_model, "files", &M::files);
+  }
+  LanguageModel() = default;
+  /// Without numbers; they are in a file.
+  explicit LanguageModel(LanguageModelFiles f) : files(std::move(f)) {
+    ml::NoInit zeros;
+    text_model = ml::DistilBert<B>(files.sizes, zeros);
+  }
+
+  ml::Sequences<B> operator()(std::span<const std::string> texts, const ml::Context& context) const {
+    return text_model(ml::tokenize(*files.tokenizer, texts), context).tokens;
+  }
+};
+/// A folder of Hugging Face. Throws what the readers throw.
+template <ml::Backend B>
+LanguageModel<B> read_language_model(const std::filesystem::path& folder) {
+  LanguageModel<B> m;
+  m.files = read_language_model_files(folder);
+  m.text_model = ml::load_text_network<ml::DistilBert<B>>(m.files.sizes, ml::open_weights(folder));
+  return m;
+}
+
 template <ml::Backend B, template <class> class System>
 struct TextMotionModel {
   System<B> system;
-  std::optional<ml::WordPieceTokens<B>> words;
+  std::optional<ml::WordPieceTokens<B>> words{};
+  std::optional<LanguageModel<B>> language{};
   ml::Normalizer<B> motion_normalizer;
   std::optional<ml::Tensor<B, 0>> log_temperature{};  // of the contrastive loss, where it is learned
 
   static constexpr auto fields() {
     using M = TextMotionModel;
-    return ml::fields("", &M::system, "words", &M::words, "motion_normalizer", &M::motion_normalizer,
-                      "log_temperature", &M::log_temperature);
+    return ml::fields("", &M::system, "words", &M::words, "textencoder", &M::language, "motion_normalizer",
+                      &M::motion_normalizer, "log_temperature", &M::log_temperature);
   }
   static std::string official_key(const std::string& path) {
     if constexpr (requires { System<B>::official_key(path); })
@@ -44,9 +88,14 @@ struct TextMotionModel {
       return path;
   }
 
-  /// What the text encoder reads: rows of word pieces, or the states of a language model, which has all texts.
-  ml::Sequences<B> tokens(std::span<const std::string> texts, const ml::EmbeddingCache* states) const {
+  /// Whether it needs no states of a language model.
+  bool reads_texts() const { return words || language; }
+  /// What the text encoder reads: rows of word pieces, or the states of a language model: its own, or `states`, which has
+  /// all texts.
+  ml::Sequences<B> tokens(std::span<const std::string> texts, const ml::EmbeddingCache* states,
+                          const ml::Context& context = {}) const {
     if (words) return (*words)(texts).tokens;
+    if (language) return (*language)(texts, context);
     if (states == nullptr)
       ml::raise<ml::config_error>(102, "this model reads the states of a language model: --text-encoder names it");
     return states->encode<B>(texts).tokens;
@@ -122,6 +171,7 @@ struct TextMotionFile {
   double fps = 0;
   TextMotionConfig config;
   std::optional<ml::WordPiece> pieces;
+  std::optional<LanguageModelFiles> language{};  // that was trained with it
   std::optional<ml::RunFolder> published{};  // where it is not of our training
 };
 /// Of a folder of train-tmr or train-temos, or of a published TMR. Throws io_error 401, 403, config_error 103, 107.
@@ -138,6 +188,7 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
   store.add_module(model);
   TextMotionFile file{system_name<System>(), ml::motion_features(config.features).fps, config, {}};
   if (model.words) file.pieces = model.words->tokenizer;
+  if (model.language) file.language = model.language->files;
   write_text_motion(folder, file, about, store);
 }
 /// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another width.
@@ -168,6 +219,7 @@ TextMotionModel<B, System> load_text_motion(const ml::TensorSet& weights, const 
   }
   auto model = make_text_motion<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
                                            ml::Philox{});
+  if (file.language) model.language.emplace(*file.language);
   ml::load_module(model, weights);
   ml::prepare(model);
   return model;

@@ -83,17 +83,22 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
   using Base::seed;
   static constexpr bool retrieves = std::is_same_v<System<B>, ml::Tmr<B>>;
 
-  /// `states` (null with word pieces) and `sentences` have all texts of `data`. All three outlive the task.
+  /// `states` (null with word pieces or a language model) and `sentences` have all texts of `data`. All three outlive the
+  /// task.
   /// statistics   a folder with those of the features; empty: of the motions to train on
+  /// language     trained with the model
   TextMotionTask(TextMotionConfig config, const DescribedMotions& data, const ml::EmbeddingCache* states,
-                 const ml::EmbeddingCache& sentences, const std::filesystem::path& statistics = {})
+                 const ml::EmbeddingCache& sentences, const std::filesystem::path& statistics = {},
+                 std::optional<LanguageModel<B>> language = {})
       : Base(system_name<System>(), std::move(config), data), states_(states), sentences_(&sentences) {
     losses(config_);
     if (config_.validation.watch != "loss" && !(retrieves && config_.validation.watch == "retrieval"))
       ml::raise<ml::config_error>(103, "validation.watch '", config_.validation.watch,
                                   retrieves ? "' is not loss or retrieval" : "' is not loss");
     std::optional<ml::WordPiece> pieces;
-    if (states_ == nullptr) {
+    if (language) {
+      config_.text.width = language->files.sizes.width;
+    } else if (states_ == nullptr) {
       std::vector<std::string> texts;
       for (const DescribedMotion& m : data.training) {
         for (const DescribedText& t : m.texts) texts.push_back(t.text);
@@ -103,6 +108,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       config_.text.width = states_->width();
     }
     auto model = make_text_motion<System, B>(config_, data.width, pieces, ml::Philox{.seed = seed()}.split("init"));
+    model.language = std::move(language);
     model.motion_normalizer =
         statistics.empty() ? statistics_of(data.training, data.width) : statistics_of(statistics, data.width);
     Base::begin(std::move(model));
@@ -193,7 +199,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
   ml::TextMotionBranches<T> branches_of(const TextMotionModel<T, System>& model, const TextMotionBatch<T>& batch,
                                         const ml::Philox& rng, const ml::Context& context) const {
     const auto noise = ml::TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
-    const auto tokens = model.tokens(batch.texts, states_);
+    const auto tokens = model.tokens(batch.texts, states_, context);
     if constexpr (retrieves)
       return model.system.branches(tokens, batch.motions, noise, context, config_.losses.recons > 0);
     else

@@ -9,7 +9,7 @@ namespace {
 struct Options {
   TrainingOptions common;
   LabelOptions labels;
-  std::filesystem::path from, body;
+  std::filesystem::path from, body, regressor;
 };
 
 void run(const Options& o) {
@@ -17,7 +17,9 @@ void run(const Options& o) {
   if (!configure(config, o.common)) return;
   config.losses.require_any();
   const auto data = read_data(o.common, o.labels.sources(o.common), config.data, actor_row_maker(config.clips));
-  Trainer trainer(ActorTask(config, data, o.from, o.body));
+  std::optional<ActorModel<TrainingBackend>> from;
+  if (!o.from.empty()) from.emplace(o.from);
+  Trainer trainer(ActorTask(config, data, std::move(from), o.body, o.regressor));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_action_model(folder, trainer.task().result(), "actor", trainer.task().file(), about(o.common, data));
@@ -32,9 +34,14 @@ void add_train_actor(CLI::App& app) {
       "train-actor", "Trains ACTOR, which makes motions for actions; Ctrl-C saves, the same command goes on");
   add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
   o->labels.add_to(*c);
-  c->add_option("--from", o->from, "Model to begin with: motions of many lengths after those of 60 frames")
+  c->add_option("--from", o->from,
+                "Model to begin with, also as published: motions of many lengths after those of 60 frames")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--body", o->body, "SMPL, for losses.points = vertices")->check(CLI::ExistingFile);
+  c->add_option("--body", o->body, "SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
+      ->check(CLI::ExistingFile);
+  c->add_option("--joint-regressor", o->regressor,
+                "J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
+      ->check(CLI::ExistingFile);
   c->callback([o] { run(*o); });
 }
 

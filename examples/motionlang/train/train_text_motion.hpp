@@ -29,13 +29,19 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
     ml::raise<ml::config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
                                             : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
                                               "without one: --set text.encoder=word_pieces");
+  if (config.text.finetune && (pieces || !std::filesystem::is_directory(o.text_encoder)))
+    ml::raise<ml::config_error>(102, "text.finetune trains DistilBERT: text.encoder is '", config.text.encoder,
+                                "', --text-encoder '", o.text_encoder.string(), "', expected distilbert and its folder");
+  std::optional<LanguageModel<TrainingBackend>> language;
+  if (config.text.finetune) language = read_language_model<TrainingBackend>(o.text_encoder);
   const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
   const auto texts = all_texts(data);
   std::printf("%zu different texts\n", texts.size());
   std::optional<ml::EmbeddingCache> states;
-  if (!pieces) states = token_states(o.text_encoder, texts);
+  if (!pieces && !language) states = token_states(o.text_encoder, texts);
   const auto sentences = sentence_vectors(o.sentence_encoder, data);
-  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics));
+  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics,
+                                         std::move(language)));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_text_motion(folder, trainer.task().result(), trainer.task().config(), about(o.common, data));
@@ -49,7 +55,8 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o->common, {published, "small"});
   o->texts.add_to(*c);
-  c->add_option("--text-encoder", o->text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
+  c->add_option("--text-encoder", o->text_encoder,
+                "DistilBERT: a folder, which text.finetune trains, too, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->sentence_encoder,
                 "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the same frames are "

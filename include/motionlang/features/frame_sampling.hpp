@@ -3,7 +3,7 @@
 /// resample clips of one's own use kinematics/motion_tools.hpp.
 #pragma once
 
-#include <algorithm>  // min, max
+#include <algorithm>  // min, max, sort
 #include <cmath>      // isfinite
 #include <span>       // frames
 #include <vector>     // indices
@@ -92,10 +92,12 @@ struct ActorFrameOptions {
   Index frames = 60;         // to take
   bool random_step = false;  // "random_conseq": the step is drawn, too
   Index step = 1;            // -1: the largest that fits
+  bool scattered = false;    // "random": any frames, in their order; there is no step
 };
 
 /// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
-/// others, every step-th frame from a random start on. The last possible start is never drawn, as published.
+/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
+/// frames are drawn by this generator, too; the published program has NumPy's for them.
 /// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
 /// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
 inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {
@@ -106,6 +108,11 @@ inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions&
   std::vector<Index> out;
   if (k > n) {
     for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
+    return out;
+  }
+  if (options.scattered) {
+    out = random.sample(n, k);
+    std::sort(out.begin(), out.end());
     return out;
   }
   const Index longest = (n - 1) / (k - 1);

@@ -5,14 +5,16 @@
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len. Without it
-///          the published values: 6D rotations, GELU, 4 heads, none, 60 frames
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len,
+///          sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads, none, 60
+///          consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
 ///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
 /// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
 #pragma once
 
+#include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/io/detail/run_reader.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/systems/actor.hpp>
@@ -114,6 +116,20 @@ inline Index actor_longest(const RunFolder& run, const TensorSet& weights, const
   };
   const Index stated = frames("num_frames", 60, -2), most = stated < 0 ? frames("max_len", -1, -1) : stated;
   return std::min(most < 0 ? config.max_len : most, config.max_len - 2);
+}
+
+/// How a run chose frames of a clip: sampling and sampling_step.
+inline ActorFrameOptions actor_frame_options(const RunFolder& run, const TensorSet& weights) {
+  const detail::RunReader r(run, weights, "");
+  const std::string sampling = r.one_of("sampling", "conseq", {"conseq", "random_conseq", "random"});
+  const Index step = r.number({"sampling_step"}, 1, 100'000, -1);
+  if (step == 0) raise<config_error>(101, r.place("sampling_step"), " is 0, not -1 or 1 ... 100000");
+  return {.random_step = sampling == "random_conseq", .step = step, .scattered = sampling == "random"};
+}
+
+/// The points of a body that the loss of a run compares: jointstype. Throws config_error 103.
+inline ActorPoints actor_loss_points(const RunFolder& run, const TensorSet& weights) {
+  return parse_actor_points(detail::RunReader(run, weights, "").text("jointstype", "vertices"));
 }
 
 /// How a run writes motions, for `actor_points`.

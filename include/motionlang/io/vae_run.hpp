@@ -25,6 +25,8 @@ template <Backend B>
 struct ActorRun {
   Actor<B> model;
   ActorFeatureOptions features{};
+  ActorPoints points = ActorPoints::vertices;  // that its loss compared
+  ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
   bool camera = true;               // the figure stands on its head: Y down, as cameras have it
   Index longest = 60;               // frames of motions that it learned from
   std::vector<std::string> labels;  // of the classes; empty if they are numbers
@@ -103,6 +105,8 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   out.model = load_actor<B>(weights, run);
   out.longest = actor_longest(run, weights, out.model.config);
   out.features = actor_point_options(run, weights).features;
+  out.points = actor_loss_points(run, weights);
+  out.frames = actor_frame_options(run, weights);
   const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",

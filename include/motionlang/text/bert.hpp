@@ -6,9 +6,10 @@
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
 /// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Loading a file packs the weights
-/// for the kernels; a network that was made otherwise is made ready with `prepare`.
+/// for the kernels; a network that was made otherwise is made ready with `prepare`. On an Autodiff backend it is trained.
 #pragma once
 
+#include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/nn/linear.hpp>
@@ -24,6 +25,7 @@ struct BertConfig {
   Index padding = 0;                    // the id of padding; positions of MPNet depend on it
   Activation activation = Activation::gelu;
   double eps = 1e-12;
+  double dropout = 0.1;  // of training
 };
 
 inline constexpr BertConfig distilbert_base{};
@@ -36,21 +38,24 @@ struct DistilBertKeys {
                               *key = "attention.k_lin", *value = "attention.v_lin", *attended = "attention.out_lin",
                               *attended_norm = "sa_layer_norm", *up = "ffn.lin1", *down = "ffn.lin2",
                               *norm = "output_layer_norm";
-  static constexpr bool token_types = false, relative_scores = false, positions_behind_padding = false;
+  static constexpr bool token_types = false, relative_scores = false, positions_behind_padding = false,
+                        attended_dropout = false;
 };
 struct BertKeys {
   static constexpr const char *model_type = "bert", *layers = "encoder.layer", *query = "attention.self.query",
                               *key = "attention.self.key", *value = "attention.self.value",
                               *attended = "attention.output.dense", *attended_norm = "attention.output.LayerNorm",
                               *up = "intermediate.dense", *down = "output.dense", *norm = "output.LayerNorm";
-  static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false;
+  static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false,
+                        attended_dropout = true;
 };
 struct MpnetKeys {
   static constexpr const char *model_type = "mpnet", *layers = "encoder.layer", *query = "attention.attn.q",
                               *key = "attention.attn.k", *value = "attention.attn.v", *attended = "attention.attn.o",
                               *attended_norm = "attention.LayerNorm", *up = "intermediate.dense",
                               *down = "output.dense", *norm = "output.LayerNorm";
-  static constexpr bool token_types = false, relative_scores = true, positions_behind_padding = true;
+  static constexpr bool token_types = false, relative_scores = true, positions_behind_padding = true,
+                        attended_dropout = true;
 };
 
 /// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later ones; up to a
@@ -66,6 +71,7 @@ constexpr Index mpnet_bucket(Index r) {
 }
 
 /// Post-norm:   x = LN(SA(x) + x);   x = LN(W2 act(W1 x) + x)
+/// Dropout (only with a context) on the attention weights and W2's result, of BERT and MPNet on SA's too.
 template <Backend B, class Keys>
 struct BertLayer {
   Linear<B> query, key, value, attended;
@@ -74,12 +80,14 @@ struct BertLayer {
   LayerNorm<B> norm;
   Index heads = 1;
   Activation activation = Activation::gelu;
+  double dropout_p = 0.1;
 
   static constexpr auto fields() {
     using M = BertLayer;
     return motionlang::fields(Keys::query, &M::query, Keys::key, &M::key, Keys::value, &M::value, Keys::attended,
                               &M::attended, Keys::attended_norm, &M::attended_norm, Keys::up, &M::up, Keys::down,
-                              &M::down, Keys::norm, &M::norm, "heads", &M::heads, "activation", &M::activation);
+                              &M::down, Keys::norm, &M::norm, "heads", &M::heads, "activation", &M::activation,
+                              "dropout_p", &M::dropout_p);
   }
   BertLayer() = default;
   BertLayer(const BertConfig& c, Rng auto& rng)
@@ -92,25 +100,33 @@ struct BertLayer {
         down(c.d_ff, c.width, rng),
         norm(c.width),
         heads(c.heads),
-        activation(c.activation) {
+        activation(c.activation),
+        dropout_p(c.dropout) {
     check_heads(c.width, c.heads);
     attended_norm.eps = norm.eps = c.eps;
   }
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores) const {
-    return reading(x, offsets, x, offsets, relative_scores);
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores,
+                          const Context& context = {}) const {
+    return reading(x, offsets, x, offsets, relative_scores, context);
   }
   /// `rows` attend to x, which need not contain them.
   Tensor<B, 2> reading(const Tensor<B, 2>& rows, const Offsets& of_rows, const Tensor<B, 2>& x, const Offsets& offsets,
-                       const Tensor<B, 2>* relative_scores = nullptr) const {
-    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets, {.heads = heads}, relative_scores);
+                       const Tensor<B, 2>* relative_scores = nullptr, const Context& context = {}) const {
+    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets,
+                             {.heads = heads, .dropout = next_dropout(dropout_p, context)}, relative_scores);
+    if (context.dropout) {
+      const auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
+      const auto y = attended_norm(Keys::attended_dropout ? drop(attended(a)) : attended(a), rows);
+      return norm(drop(down(up(y, activation))), y);
+    }
     const auto y = attended_norm(attended(a, Activation::none, &rows));
     return norm(down(up(y, activation), Activation::none, &y));
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. In evaluation mode,
-///         without pooler and heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. Without pooler and
+///         heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -118,13 +134,14 @@ struct BertNetwork {
   LayerNorm<B> norm;
   std::vector<BertLayer<B, Keys>> layers;
   Index padding = 0;
+  double dropout_p = 0.1;  // of the embeddings
 
   static constexpr auto fields() {
     using M = BertNetwork;
     return motionlang::fields("embeddings.word_embeddings", &M::words, "embeddings.position_embeddings", &M::positions,
                               "embeddings.token_type_embeddings", &M::token_types, "embeddings.LayerNorm", &M::norm,
                               Keys::layers, &M::layers, "encoder.relative_attention_bias", &M::relative_scores,
-                              "padding", &M::padding);
+                              "padding", &M::padding, "dropout_p", &M::dropout_p);
   }
   using Config = BertConfig;
   using keys = Keys;
@@ -134,7 +151,8 @@ struct BertNetwork {
       : words(c.vocabulary, c.width, rng, 0.02),
         positions(c.positions, c.width, rng, 0.02),
         norm(c.width),
-        padding(c.padding) {
+        padding(c.padding),
+        dropout_p(c.dropout) {
     norm.eps = c.eps;
     if (Keys::token_types) token_types.emplace(c.token_types, c.width, rng, 0.02);
     if (Keys::relative_scores) relative_scores.emplace(c.buckets, c.heads, rng, 0.02);
@@ -146,13 +164,13 @@ struct BertNetwork {
 
   /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long, shape_error 203 for
   /// an unknown id.
-  TextFeatures<B> operator()(const TokenBatch& batch) const {
+  TextFeatures<B> operator()(const TokenBatch& batch, const Context& context = {}) const {
     const Offsets offsets = token_offsets(batch);
     check_length(offsets.longest());
-    auto x = embedded(batch.ids, position_ids(batch));
+    auto x = dropout(embedded(batch.ids, position_ids(batch)), dropout_p, context);
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
-    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr);
+    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr, context);
     return {{x, offsets}};
   }
 

@@ -53,7 +53,7 @@ TEST_CASE("actor: frames of a training item") {
   CHECK(ml::actor_frames(3, {.frames = 5}, random) == Frames{0, 1, 2, 2, 2});
   CHECK(ml::actor_frames(4, {.frames = 4}, random) == Frames{0, 1, 2, 3});
   CHECK(ml::actor_frames(10, {.frames = 4, .step = -1}, random) == Frames{0, 3, 6, 9});
-  bool last_start = false, first_start = false, wide = false;
+  bool last_start = false, first_start = false, wide = false, uneven = false, last_of_any = false;
   for (int i = 0; i < 300; ++i) {
     const auto close = ml::actor_frames(10, {.frames = 4}, random);
     CHECK(close[3] == close[0] + 3);
@@ -62,7 +62,17 @@ TEST_CASE("actor: frames of a training item") {
     CHECK(drawn[3] <= 9);
     CHECK(drawn[1] - drawn[0] == drawn[3] - drawn[2]);
     wide |= drawn[1] - drawn[0] == 3;
+    const auto any = ml::actor_frames(10, {.frames = 4, .scattered = true}, random);
+    CHECK(any.size() == 4);
+    for (std::size_t k = 0; k + 1 < any.size(); ++k) CHECK(any[k] < any[k + 1]);
+    CHECK((any[0] >= 0 && any[3] <= 9));
+    uneven |= any[1] - any[0] != any[2] - any[1];
+    last_of_any |= any[3] == 9;
   }
+  CHECK(uneven);
+  CHECK(last_of_any);
+  CHECK(ml::actor_frames(4, {.frames = 4, .scattered = true}, random) == Frames{0, 1, 2, 3});
+  CHECK(ml::actor_frames(2, {.frames = 3, .scattered = true}, random) == Frames{0, 1, 1});
   CHECK(first_start);
   CHECK(!last_start);  // as published
   CHECK(wide);

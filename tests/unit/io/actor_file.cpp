@@ -90,6 +90,26 @@ TEST_CASE("ACTOR: how long the motions were that a run learned from") {
   CHECK_ERROR(longest({option("num_frames", -1), option("max_len", 0)}), "[motionlang.config.101]");
 }
 
+TEST_CASE("ACTOR: which frames a run took of clips, and which points its loss compared") {
+  const auto model = small_actor::model_of(small_actor::small());
+  ml::RunFolder run;
+  CHECK(ml::actor_loss_points(run, file_of(model)) == ml::ActorPoints::vertices);
+  const auto frames = [&](std::vector<ml::FileValue> options) {
+    run.options = std::move(options);
+    return ml::actor_frame_options(run, file_of(model));
+  };
+  CHECK(frames({}).step == 1);
+  const auto steps = frames({{"sampling", std::string("random_conseq")}, {"sampling_step", std::int64_t{-1}}});
+  CHECK((steps.random_step && !steps.scattered && steps.step == -1));
+  const auto any = frames({{"sampling", std::string("random")}, {"jointstype", std::string("a2mpl")}});
+  CHECK((any.scattered && !any.random_step && any.step == 1));
+  CHECK(ml::actor_loss_points(run, file_of(model)) == ml::ActorPoints::a2mpl);
+  CHECK_ERROR(frames({{"sampling", std::string("evenly")}}), "[motionlang.io.404]");
+  CHECK_ERROR(frames({{"sampling_step", std::int64_t{0}}}), "[motionlang.config.101]");
+  run.options = {{"jointstype", std::string("coco")}};
+  CHECK_ERROR(ml::actor_loss_points(run, file_of(model)), "[motionlang.config.103]");
+}
+
 TEST_CASE("ACTOR: what does not fit is refused") {
   const auto model = small_actor::model_of(small_actor::small());
   CHECK_ERROR(ml::load_actor<B>(file_of(model, {"encoder.extra"})), "[motionlang.io.406]");
