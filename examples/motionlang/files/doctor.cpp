@@ -100,9 +100,11 @@ class Doctor {
   void say() const {
     for (const ml::InspectedMotion& m : found_) {
       if (m.good() && !o_.all) continue;
-      std::string text = m.unreadable.empty() ? "" : "unreadable: " + m.unreadable;
-      for (const ml::Finding& f : m.findings)
-        text += (text.empty() ? "" : "; ") + std::string(ml::info(f.fault).name) + ": " + f.text;
+      const std::string text =
+          m.unreadable.empty()
+              ? ml::join_text(m.findings, "; ",
+                              [](const ml::Finding& f) { return ml::concat_text(ml::info(f.fault).name, ": ", f.text); })
+              : "unreadable: " + m.unreadable;
       std::printf("%s: %s\n", m.name.c_str(), text.empty() ? "good" : text.c_str());
     }
     const auto good = std::count_if(found_.begin(), found_.end(), [](const auto& m) { return m.good(); });
