@@ -652,6 +652,26 @@ TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are
   for (const char* name : {"pair.bvh a: ", "pair.bvh b: "}) CHECK_MESSAGE(contains(checked.text, name), checked.text);
 }
 
+TEST_CASE("convert: joints of a GLB file that move along their bones are told, also on a character") {
+  const Workplace w;
+  ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
+  ml::write_glb(w / "walk.glb", synthetic::walk({.frames = 40}));
+  CHECK(!contains(w.run({"convert", "walk.glb", "walk.bvh"}).text, "left out"));
+  std::string bytes = ml::read_file(w / "walk.glb");
+  const std::string_view root = R"("target":{"node":0,"path":"translation"})", spine = R"("target":{"node":3,"path":"translation"})";
+  REQUIRE(contains(bytes, std::string(root)));
+  ml::write_file(w / "stretched.glb", bytes.replace(bytes.find(root), root.size(), spine));
+  const std::string told =
+      "stretched.glb: left out is how 'spine1' moves away from the joint before: bones keep their length at rest\n";
+  for (const auto& command : {std::vector<std::string>{"convert", "stretched.glb", "out.bvh"},
+                              {"convert", "stretched.glb", "out.glb", "--rig", "rig.glb"},
+                              {"info", "stretched.glb"}}) {
+    const auto out = w.run(command);
+    CHECK(out.code == 0);
+    CHECK_MESSAGE(contains(out.text, told), out.text);
+  }
+}
+
 TEST_CASE("convert: options that would be left out are refused; it is said how joints follow") {
   const Workplace w;
   ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
@@ -882,8 +902,8 @@ TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC
   ml::write_file(w / "one/13_30.amc", amc);
   ml::write_file(w / "body.asf", asf);
   const std::string missing =
-      "there is no skeleton one/13.asf, nor just one other .asf file beside it: convert, strip, view and "
-      "doctor take it by --asf FILE";
+      "there is no skeleton one/13.asf, nor just one other .asf file beside it: convert, strip, view, doctor, "
+      "index and search take it by --asf FILE";
   CHECK(contains(w.run({"doctor", "one"}).text, "unreadable: [motionlang.io.401] one/13_30.amc: " + missing));
   const auto alone = w.run({"convert", "one/13_30.amc", "leg.bvh"});
   CHECK(alone.code == 1);
@@ -895,6 +915,14 @@ TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC
   ml::write_file(w / "two/body.asf", asf);  // the only one there
   const auto made = w.run({"convert", "two/13_30.amc", "leg.bvh", "--rate", "60"});
   CHECK_MESSAGE(contains(made.text, "leg.bvh: 2 frames at 60 per second, 0.03 s, 2 joints"), made.text);
+
+  std::string smaller = asf;  // for those that have none: others keep their own
+  smaller.replace(smaller.find("0.45"), 4, "0.90");
+  ml::write_file(w / "smaller.asf", smaller);
+  std::filesystem::rename(w / "one", w / "two/one");
+  REQUIRE(w.run({"convert", "two", "legs", "--as", ".bvh", "--asf", "smaller.asf"}).code == 0);
+  const auto height = [&](const char* file) { return ml::read_bvh_motion(w / file).root_at(0).y; };
+  CHECK(height("legs/13_30.bvh") == doctest::Approx(2 * height("legs/one/13_30.bvh")).epsilon(1e-3));
 }
 
 TEST_CASE("Ctrl-C while generating: 130, and no file") {

@@ -453,15 +453,36 @@ TEST_CASE("index and search: help names every option") {
   for (const auto& [command, names] : std::map<std::string, std::vector<std::string>>{
            {"index",
             {"folder", "--out", "--model", "--text-encoder", "--captions", "--license", "--windows", "--stride",
-             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--rate", "--up", "--threads"}},
+             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--rate", "--up", "--asf", "--threads"}},
            {"search",
             {"index", "text", "--like", "--from", "--to", "--moments", "--captions", "--top", "--overlap", "--html",
-             "--json", "--exact", "--model", "--text-encoder", "--scale", "--rate", "--up"}}}) {
+             "--json", "--exact", "--model", "--text-encoder", "--scale", "--rate", "--up", "--asf"}}}) {
     const auto help = ::run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
     CAPTURE(help.text);
     for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), name);
   }
+}
+
+TEST_CASE("index and search: --asf is the skeleton of AMC files without one") {
+  const Gallery g;
+  fs::create_directories(g / "amc");
+  ml::write_file(g / "amc/13_30.amc", ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 0 0 0 0\n2\nroot 0 1 0 0 0 0\n");
+  ml::write_file(g / "one.asf", ":version 1.10\n:name n\n:units\nmass 1.0\nlength 0.45\nangle deg\n:root\naxis XYZ\n"
+                                "order TX TY TZ RZ RY RX\nposition 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\n"
+                                "name thigh\ndirection 1 0 0\nlength 2\naxis 0 0 0 XYZ\nend\n:hierarchy\nbegin\n"
+                                "root thigh\nend\n");
+  const std::vector<std::string> index{"index", "amc", "--model", "model", "-o", "moves.index"},
+      like{"search", "moves.index", "--like", "amc/13_30.amc"};
+  const auto with_asf = [&](std::vector<std::string> command) {
+    command.insert(command.end(), {"--asf", "one.asf"});
+    return g.run(command);
+  };
+  const char *missing = "13_30.amc: there is no skeleton ", *unknown = "[motionlang.config.103]";
+  check_contains(g.run(index), 0, {missing, "index and search take it by --asf FILE"});
+  check_contains(with_asf(index), 0, {unknown});  // the skeleton is read, but no table knows its two joints
+  check_contains(g.run(like), 1, {missing});
+  check_contains(with_asf(like), 1, {unknown});
 }
 
 TEST_CASE("index and search: what is refused") {

@@ -85,11 +85,10 @@ class OwnBody : public ShownBody {
       if (common > 0) clip.parts.push_back(ml::concat_text("betas 1 to ", common, " (", sequence.gender, ")"));
       if (fit && has > common) clip.left_out.push_back(ml::concat_text("betas ", common + 1, " to ", has));
     }
-    std::string told;
-    for (const std::string& part : clip.parts) told += (told.empty() ? ": " : ", ") + part;
-    if (!clip.left_out.empty()) told += told.empty() ? ": left out are " : "; left out are ";
-    for (const std::string& part : clip.left_out) told += (&part == &clip.left_out.front() ? "" : ", ") + part;
-    if (!told.empty()) told = npz.string() + " on " + to_string(body_.kind) + told + "\n";
+    std::string told = ml::join_text(clip.parts);
+    if (!clip.left_out.empty())
+      told += (told.empty() ? "left out are " : "; left out are ") + ml::join_text(clip.left_out);
+    if (!told.empty()) told = npz.string() + " on " + to_string(body_.kind) + ": " + told + "\n";
     return {std::move(clip.motion), std::move(clip.betas), std::move(told), has_more};
   }
   std::string write(const fs::path& path, std::vector<ml::Motion> motions,

@@ -262,6 +262,7 @@ class FolderConversion {
     try {
       ConvertOptions one = o_;
       one.in = file.string();
+      one.read = options_in_folder(o_.read, file);
       if (o_.data_set == nullptr) {
         const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
         fs::create_directories(place.parent_path());
@@ -353,9 +354,6 @@ void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
       ->required()
       ->check(CLI::ExistingPath);
   o.read.add_to(c);
-  c.add_option("--asf", o.read.asf,
-               "Skeleton of an AMC file; the one of its subject beside it, or the only one there, unless given")
-      ->check(CLI::ExistingFile);
 }
 
 CLI::Option* add_body(CLI::App& c, ConvertOptions& o) {

@@ -19,10 +19,9 @@ inline constexpr DataSetForm data_set_forms[]{{"guoh3d", ml::humanml3d_form}, {"
 
 /// "guoh3d (263 numbers) or kit (251 numbers)"
 inline std::string known_data_sets() {
-  std::string out;
-  for (const DataSetForm& f : data_set_forms)
-    out += ml::concat_text(out.empty() ? "" : " or ", f.features, " (", f.form.width(), " numbers)");
-  return out;
+  return ml::join_text(data_set_forms, " or ", [](const DataSetForm& f) {
+    return ml::concat_text(f.features, " (", f.form.width(), " numbers)");
+  });
 }
 
 /// The form with rows of these features; null: there is none.

@@ -68,9 +68,7 @@ class Doctor {
   /// None of a file that cannot be read or whose numbers are none, which is noted.
   std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
-      MotionReadOptions read = o_.read;
-      if (kind_of(file) == ".amc" && fs::exists(asf_beside(file))) read.asf.clear();
-      return read_motions(file, read);
+      return read_motions(file, options_in_folder(o_.read, file));
     } catch (const ml::numeric_error& e) {
       found_.push_back({name, "", {}, {{ml::Fault::not_finite, e.what()}}, {}});
       return {};
@@ -102,9 +100,11 @@ class Doctor {
   void say() const {
     for (const ml::InspectedMotion& m : found_) {
       if (m.good() && !o_.all) continue;
-      std::string text = m.unreadable.empty() ? "" : "unreadable: " + m.unreadable;
-      for (const ml::Finding& f : m.findings)
-        text += (text.empty() ? "" : "; ") + std::string(ml::info(f.fault).name) + ": " + f.text;
+      const std::string text =
+          m.unreadable.empty()
+              ? ml::join_text(m.findings, "; ",
+                              [](const ml::Finding& f) { return ml::concat_text(ml::info(f.fault).name, ": ", f.text); })
+              : "unreadable: " + m.unreadable;
       std::printf("%s: %s\n", m.name.c_str(), text.empty() ? "good" : text.c_str());
     }
     const auto good = std::count_if(found_.begin(), found_.end(), [](const auto& m) { return m.good(); });
@@ -144,7 +144,6 @@ void add_doctor(CLI::App& app) {
       ->check(in_range(0, 100))
       ->capture_default_str();
   o->read.add_to(*c);
-  c->add_option("--asf", o->read.asf, "Skeleton of AMC files without one beside them")->check(CLI::ExistingFile);
   c->add_flag("--all", o->all, "Lists motions without a finding, too");
   c->callback([o] { Doctor(*o).run(); });
 }

@@ -93,9 +93,7 @@ void features(const std::string& name) {
   std::printf("numbers of the body parts\n");
   const ml::FeatureLayout layout = f.layout();
   for (const std::string_view part : ml::body_part_names) {
-    std::string numbers;
-    for (const ml::IndexRange& r : layout.ranges(*ml::parse_body_part(part)))
-      numbers += (numbers.empty() ? "" : ", ") + from_to(r);
+    const std::string numbers = ml::join_text(layout.ranges(*ml::parse_body_part(part)), ", ", from_to);
     std::printf("  %-10s %s\n", std::string(part).c_str(), numbers.c_str());
   }
   std::printf("joints and their parents\n");

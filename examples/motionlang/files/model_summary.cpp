@@ -103,11 +103,10 @@ Lines mdm_of_actions(const ml::RunFolder& run) {
 
 /// "latent_dim 64, ff_size 128, ..."
 std::string members(const nlohmann::ordered_json& object) {
-  std::string out;
-  for (const auto& [name, value] : object.items())
-    out += ml::concat_text(out.empty() ? "" : ", ", name, " ",
-                           value.is_string() ? value.get<std::string>() : value.dump());
-  return out;
+  return ml::join_text(object.items(), ", ", [](const auto& member) {
+    const auto& value = member.value();
+    return member.key() + " " + (value.is_string() ? value.template get<std::string>() : value.dump());
+  });
 }
 
 /// Of a training of ours: what its configuration says.
@@ -115,11 +114,8 @@ Lines trained(const ml::RunFolder& run) {
   const ml::ModelFolder model = ml::read_model_folder(run.folder);
   Lines out{{"motions", ml::concat_text(model.features, ", ", model.fps, " frames per second")},
             {"text encoder", model.text_encoder}};
-  if (model.others.contains("labels")) {
-    std::string labels;
-    for (const auto& l : model.others.at("labels")) labels += (labels.empty() ? "" : ", ") + l.get<std::string>();
-    out.emplace_back("actions", labels);
-  }
+  if (model.others.contains("labels"))
+    out.emplace_back("actions", ml::join_text(model.others.at("labels").get<std::vector<std::string>>()));
   for (const char* part : {"clips", "network", "losses"}) {
     if (model.config.contains(part) && model.config.at(part).is_object())
       out.emplace_back(part, members(model.config.at(part)));

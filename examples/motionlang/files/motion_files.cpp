@@ -29,6 +29,15 @@ void MotionReadOptions::add_to(CLI::App& command) {
       ->check(positive());
   command.add_option("--up", up, "Axis that points up in .npy files with joints; found unless given")
       ->check(CLI::IsMember({"y", "z"}));
+  command.add_option("--asf", asf,
+                     "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
+                     "subject beside it or the only one there")
+      ->check(CLI::ExistingFile);
+}
+
+MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file) {
+  if (kind_of(file) == ".amc" && std::filesystem::exists(asf_beside(file))) options.asf.clear();
+  return options;
 }
 
 std::string kind_of(const std::filesystem::path& path) {
@@ -115,14 +124,6 @@ std::filesystem::path asf_beside(const std::filesystem::path& amc) {
 
 namespace {
 
-std::vector<ml::Motion> every_animation(const std::filesystem::path& path, double fps) {
-  const auto file = ml::GlbFile::open(path);
-  std::vector<ml::Motion> motions;
-  for (ml::Index i = 0; i < std::ssize(file.animation_names()); ++i) motions.push_back(file.motion(i, fps));
-  if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no animation");
-  return motions;
-}
-
 /// "arm", "hand" and 3 more
 std::string listed(const std::vector<std::string>& names) {
   std::string out;
@@ -132,6 +133,29 @@ std::string listed(const std::vector<std::string>& names) {
   return shown < names.size() ? ml::concat_text(out, " and ", names.size() - shown, " more") : out;
 }
 
+/// What is told of joints that move along their bones; nothing of none.
+std::string left_out(const std::filesystem::path& path, const std::vector<std::string>& joints, const char* kept) {
+  if (joints.empty()) return {};
+  return ml::concat_text(path.string(), ": left out is how ", listed(joints), joints.size() == 1 ? " moves" : " move",
+                         " away from the joint before: bones keep their ", kept, "\n");
+}
+
+/// Each joint that some animation stretches is told once.
+std::vector<ml::Motion> every_animation(const std::filesystem::path& path, double fps, std::string* told) {
+  const auto file = ml::GlbFile::open(path);
+  std::vector<ml::Motion> motions;
+  std::vector<std::string> stretched;
+  for (ml::Index i = 0; i < std::ssize(file.animation_names()); ++i) {
+    motions.push_back(file.motion(i, fps));
+    for (std::string& joint : file.stretched_joints(i)) {
+      if (std::ranges::find(stretched, joint) == stretched.end()) stretched.push_back(std::move(joint));
+    }
+  }
+  if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no animation");
+  if (told != nullptr) *told += left_out(path, stretched, "length at rest");
+  return motions;
+}
+
 /// One motion of each ROOT, with its name.
 std::vector<ml::Motion> every_root(const std::filesystem::path& path, double scale, std::string* told) {
   const ml::Bvh file = ml::read_bvh(path);
@@ -139,12 +163,7 @@ std::vector<ml::Motion> every_root(const std::filesystem::path& path, double sca
   for (int root = 0; root < ml::bvh_roots(file); ++root) {
     motions.push_back(ml::to_motion(file, {.scale = scale, .root = root}));
     motions.back().name = motions.back().skeleton.name(0);
-    if (told == nullptr) continue;
-    const auto joints = ml::stretched_joints(file, root);
-    if (joints.empty()) continue;
-    const char* move = joints.size() == 1 ? " moves" : " move";
-    *told += ml::concat_text(path.string(), ": left out is how ", listed(joints), move,
-                             " away from the joint before: bones keep their mean length\n");
+    if (told != nullptr) *told += left_out(path, ml::stretched_joints(file, root), "mean length");
   }
   return motions;
 }
@@ -153,8 +172,8 @@ ml::Motion read_amc(const std::filesystem::path& path, const MotionReadOptions& 
   const auto asf = options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf))
     ml::raise<ml::io_error>(401, path.string(), ": there is no skeleton ", asf.string(),
-                            ", nor just one other .asf file beside it: convert, strip, view and doctor take it by "
-                            "--asf FILE");
+                            ", nor just one other .asf file beside it: convert, strip, view, doctor, index and "
+                            "search take it by --asf FILE");
   return ml::read_amc(path, ml::read_asf(asf),
                       options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{});
 }
@@ -176,7 +195,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
                                                                   : options.up == "z" ? ml::UpAxis::z
                                                                                       : ml::UpAxis::found}));
   else if (is_gltf(path))
-    motions = every_animation(path, options.fps);
+    motions = every_animation(path, options.fps, told);
   else
     ml::raise<ml::config_error>(103, path.string(),
                                 ": motions are read from .bvh, .amc, .npz, .npy, .glb, .gltf, .vrm and .vrma, not '",

@@ -29,9 +29,11 @@ struct MotionReadOptions {
   std::string up{};     // axis of an .npy file with positions, "y" or "z"; "": found
   std::string asf{};    // skeleton of an AMC file; "": asf_beside
 
-  /// --scale, --rate, --up
+  /// --scale, --rate, --up, --asf
   void add_to(CLI::App& command);
 };
+/// The same for one of many files: an AMC file with a skeleton beside it is read with that one.
+MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file);
 
 /// Extension of a file, in lower case: ".bvh".
 std::string kind_of(const std::filesystem::path& path);

@@ -13,18 +13,16 @@ namespace program {
 
 namespace {
 
-/// Of BABEL's files those with texts, of which the file of the test has none.
+/// Of BABEL's entries those with texts, of which the file of the test has none.
 std::vector<ml::AnnotatedMotion> read_annotated(const std::filesystem::path& path) {
   std::vector<ml::AnnotatedMotion> motions;
   const auto members = ml::JsonMembers::open(path);
-  const bool babel = !members.keys().empty() && members.load(members.keys().front()).contains("babel_sid");
-  if (babel) {
-    const ml::BabelFile file(members);
-    for (const std::string& id : file.ids()) motions.push_back(ml::annotated_motion(file.load(id)));
-    std::erase_if(motions, [](const ml::AnnotatedMotion& m) { return m.annotations.empty(); });
-  } else {
-    const ml::AnnotationFile file(members);
-    for (const std::string& id : file.ids()) motions.push_back(file.load(id));
+  for (const std::string& id : members.keys()) {
+    const nlohmann::json document = members.load(id);
+    const ml::JsonView entry(document, members.place(id));
+    const bool babel = ml::BabelFile::is_entry(entry);
+    motions.push_back(babel ? ml::annotated_motion(ml::BabelFile::parse(id, entry)) : ml::AnnotationFile::parse(id, entry));
+    if (babel && motions.back().annotations.empty()) motions.pop_back();
   }
   if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no texts");
   return motions;

@@ -1,5 +1,6 @@
 // motionlang check: what a timeline says, who moves what when, and what is wrong with it.
 #include <cstdio>
+#include <vector>
 
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/io/stmc_file.hpp>
@@ -30,13 +31,12 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     if (pieces != texts) std::printf(" cut into %zu", pieces);
     std::printf("\n");
     for (const auto& i : plan.timeline.intervals) {
-      std::string parts;
+      std::vector<ml::BodyPart> parts;
       for (int p = 0; p < ml::body_part_count; ++p) {
-        if (i.parts.has(static_cast<ml::BodyPart>(p)))
-          parts += (parts.empty() ? "" : ", ") + ml::to_string(static_cast<ml::BodyPart>(p));
+        if (i.parts.has(static_cast<ml::BodyPart>(p))) parts.push_back(static_cast<ml::BodyPart>(p));
       }
       std::printf("  %6.2f - %6.2f s  %-40s %s\n", static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps,
-                  i.text.empty() ? "(no text: moves freely)" : i.text.c_str(), parts.c_str());
+                  i.text.empty() ? "(no text: moves freely)" : i.text.c_str(), ml::join_text(parts).c_str());
     }
     for (int p = 0; p < ml::body_part_count; ++p) {
       std::printf("  %-10s", ml::body_part_names[static_cast<std::size_t>(p)].data());

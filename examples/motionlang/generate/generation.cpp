@@ -66,8 +66,7 @@ ml::Index action_of(const std::string& text, std::span<const std::string> labels
   ml::Index number = -1;
   const char* const end = text.data() + text.size();
   if (std::from_chars(text.data(), end, number).ptr == end && number >= 0 && number < classes) return number;
-  std::string known;
-  for (const std::string& label : labels) known += (known.empty() ? "; they are called " : ", ") + label;
+  const std::string known = labels.empty() ? "" : "; they are called " + ml::join_text(labels);
   ml::raise<ml::config_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
 }
 void require_no_noise(const GenerationSettings& settings) {

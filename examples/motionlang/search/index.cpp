@@ -324,7 +324,7 @@ class Indexer {
   /// Of a file the whole motions, or the parts of its motion that the table of captions names.
   std::vector<Prepared> prepare(const FileState& file) const {
     std::vector<Prepared> out;
-    const auto motions = read_motions(file.path, o_.read);
+    const auto motions = read_motions(file.path, options_in_folder(o_.read, file.path));
     const auto found = lines_of_.find(named_as(file.path));
     const std::string content = checksum(file.path), lines = found != lines_of_.end() ? checksum(found->second) : "";
     const auto take = [&](const ml::Motion& m, const ClipLine* line) {

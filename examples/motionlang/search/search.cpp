@@ -132,7 +132,7 @@ class Search {
     if (!o_.json) std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).c_str());
   }
   ml::Motion motion_of(const ml::FoundMotion& f) const {
-    for (const ml::Motion& m : read_motions(f.clip.path, o_.read)) {
+    for (const ml::Motion& m : read_motions(f.clip.path, options_in_folder(o_.read, f.clip.path))) {
       if (f.clip.name.empty() || m.name == f.clip.name) return part_of(m, f.start, f.end);
     }
     ml::raise<ml::config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");

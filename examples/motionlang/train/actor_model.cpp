@@ -8,17 +8,11 @@ using ml::Index;
 
 namespace {
 
-std::string listed(const auto& names) {
-  std::string out;
-  for (const auto& name : names) out += ml::concat_text(out.empty() ? "" : ", ", name);
-  return out;
-}
-
 /// The number of a name in a list. Throws config_error 103.
 template <class E, std::size_t N>
 E choice(const std::string& name, const char* key, const std::array<const char*, N>& names) {
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) ml::raise<ml::config_error>(103, key, " '", name, "' is none of ", listed(names));
+  if (found == names.end()) ml::raise<ml::config_error>(103, key, " '", name, "' is none of ", ml::join_text(names));
   return static_cast<E>(found - names.begin());
 }
 
@@ -80,8 +74,8 @@ void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& cl
 
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier) {
   if (!std::is_permutation(actions.begin(), actions.end(), classifier.begin(), classifier.end()))
-    ml::raise<ml::config_error>(102, "model and classifier have other labels: ", listed(actions), "; and ",
-                                listed(classifier));
+    ml::raise<ml::config_error>(102, "model and classifier have other labels: ", ml::join_text(actions), "; and ",
+                                ml::join_text(classifier));
   std::vector<Index> out;
   for (const std::string& action : actions)
     out.push_back(std::find(classifier.begin(), classifier.end(), action) - classifier.begin());

@@ -146,13 +146,11 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
     lines.push_back({place, id, clip, start, end, {}, std::move(own)});
   };
   const auto members = ml::JsonMembers::open(annotations);
-  const ml::AnnotationFile unified(members);
-  const ml::BabelFile babel(members);
   for (const std::string& id : members.keys()) {
     const nlohmann::json document = members.load(id);
     const ml::JsonView view(document, members.place(id));
-    if (view.contains("feat_p")) {
-      const ml::BabelSequence s = babel.load(id);
+    if (ml::BabelFile::is_entry(view)) {
+      const ml::BabelSequence s = ml::BabelFile::parse(id, view);
       const std::string clip = babel_clip(data, s.feat_p);
       for (const ml::BabelAnnotation& a : s.frame_annotations.empty() ? s.sequence_annotations : s.frame_annotations) {
         for (const ml::BabelLabel& l : a.labels)
@@ -160,7 +158,7 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
       }
       continue;
     }
-    const ml::AnnotatedMotion motion = unified.load(id);
+    const ml::AnnotatedMotion motion = ml::AnnotationFile::parse(id, view);
     const ml::JsonView list = view["annotations"];
     for (ml::Index i = 0; i < list.size(); ++i) {
       const ml::Annotation& a = motion.annotations[static_cast<std::size_t>(i)];

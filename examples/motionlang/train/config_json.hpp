@@ -68,10 +68,9 @@ void read_config(C& config, const ml::JsonView& view) {
   ml::detail::each_field(collect, ml::detail::walk(config));
   for (const std::string& name : view.keys()) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    std::string like = ml::nearest_name(name, known), all;
-    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+    const std::string like = ml::nearest_name(name, known);
     ml::raise<ml::config_error>(103, view.path(), ": has no member '", name, "'; ",
-                                like.empty() ? "there are " + all : "did you mean '" + like + "'?");
+                                like.empty() ? "there are " + ml::join_text(known) : "did you mean '" + like + "'?");
   }
   detail::ConfigReader read{view};
   ml::detail::each_field(read, ml::detail::walk(config));

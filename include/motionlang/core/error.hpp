@@ -160,6 +160,23 @@ std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
+/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+template <class R, class F>
+std::string join_text(const R& items, std::string_view between, F text) {
+  std::string out;
+  bool first = true;
+  for (const auto& item : items) {
+    if (!first) out += between;
+    first = false;
+    detail::append(out, text(item));
+  }
+  return out;
+}
+template <class R>
+std::string join_text(const R& items, std::string_view between = ", ") {
+  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+}
+
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS

@@ -263,12 +263,11 @@ inline Motion motion_of_rows(const MotionFeatures& features, std::span<const dou
 
 /// Throws config_error 103.
 inline const MotionFeatures& motion_features(std::string_view name) {
-  std::string known;
   for (const MotionFeatures& f : all_motion_features) {
     if (f.name == name) return f;
-    known += concat_text(known.empty() ? "" : ", ", f.name);
   }
-  raise<config_error>(103, "motion_features: '", name, "' is none of ", known);
+  raise<config_error>(103, "motion_features: '", name, "' is none of ",
+                      join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

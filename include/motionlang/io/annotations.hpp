@@ -61,7 +61,10 @@ class AnnotationFile {
   /// malformed JSON (with line and column) and for times that are none.
   AnnotatedMotion load(const std::string& id) const {
     const nlohmann::json document = members_.load(id);
-    const JsonView view(document, members_.place(id));
+    return parse(id, JsonView(document, members_.place(id)));
+  }
+  /// The motion of an entry. Throws what load throws for its values.
+  static AnnotatedMotion parse(const std::string& id, const JsonView& view) {
     AnnotatedMotion motion{id, view["path"].as<std::string>(), view["duration"].as<double>(), {}};
     detail::require_times(view["duration"].path(), 0, motion.duration);
     const JsonView list = view["annotations"];

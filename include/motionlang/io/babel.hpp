@@ -69,7 +69,12 @@ class BabelFile {
   /// malformed JSON (with line and column) and for times that are none.
   BabelSequence load(const std::string& id) const {
     const nlohmann::json document = members_.load(id);
-    const JsonView view(document, members_.place(id));
+    return parse(id, JsonView(document, members_.place(id)));
+  }
+  /// Whether an entry is one of BABEL, and not one of the annotation JSON.
+  static bool is_entry(const JsonView& view) { return view.contains("babel_sid"); }
+  /// The sequence of an entry. Throws what load throws for its values.
+  static BabelSequence parse(const std::string& id, const JsonView& view) {
     BabelSequence out{id,
                       view["babel_sid"].as<std::int64_t>(),
                       view.value_or("url", ""),

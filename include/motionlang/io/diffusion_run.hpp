@@ -159,20 +159,20 @@ inline constexpr const char* clip_places[] = {"text_encoder", "clip", "ViT-B-32.
 inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-uncased"};
 
 inline std::filesystem::path find_text_encoder(const std::filesystem::path& model, const std::string& kind) {
-  std::string tried;
+  std::vector<std::string> tried;
   const auto places = kind == "clip" ? std::span<const char* const>(clip_places) : bert_places;
   for (const auto& folder : {model, model.parent_path()}) {
     for (const char* name : places) {
       std::error_code ignored;
       if (std::filesystem::exists(folder / name, ignored)) return folder / name;
-      tried += concat_text(tried.empty() ? "" : ", ", (folder / name).string());
+      tried.push_back((folder / name).string());
     }
   }
   raise<io_error>(401, model.string(), ": its text encoder is not in the folder: give ",
                   kind == "clip" ? "CLIP ViT-B/32 (ViT-B-32.pt with bpe_simple_vocab_16e6.txt.gz, or the folder "
                                    "clip-vit-base-patch32)"
                                  : "the folder distilbert-base-uncased",
-                  "; looked for ", tried);
+                  "; looked for ", join_text(tried));
 }
 
 /// The vocabulary of a model that has CLIP in its checkpoint.

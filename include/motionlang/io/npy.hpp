@@ -176,14 +176,6 @@ struct NpyArray {
 
 namespace detail {
 
-/// "(2, 3)"; a negative size stands for any.
-inline std::string shape_text(std::span<const Index> shape) {
-  std::string out = "(";
-  for (std::size_t i = 0; i < shape.size(); ++i)
-    out += concat_text(i > 0 ? ", " : "", shape[i] < 0 ? "any" : concat_text(shape[i]));
-  return out + ")";
-}
-
 /// Reorders elements whose first index is the fastest to C order. Visits them in C order with an odometer of indices.
 inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, std::span<const Index> shape,
                                                  std::size_t item_size) {
@@ -294,9 +286,8 @@ inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view fil
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.
 inline std::vector<std::byte> npy_bytes(const NpyArray& array) {
-  std::string header = concat_text("{'descr': '", array.type(), "', 'fortran_order': False, 'shape': (");
-  for (std::size_t d = 0; d < array.shape.size(); ++d) header += concat_text(d > 0 ? ", " : "", array.shape[d]);
-  header += array.shape.size() == 1 ? ",), }" : "), }";
+  std::string header = concat_text("{'descr': '", array.type(), "', 'fortran_order': False, 'shape': (",
+                                   join_text(array.shape), array.shape.size() == 1 ? ",), }" : "), }");
   constexpr std::size_t before = 10, alignment = 64;
   header.append(alignment - 1 - (before + header.size()) % alignment, ' ');
   header += '\n';

@@ -213,9 +213,8 @@ inline std::string safetensors_header(std::span<const TensorView* const> order,
   for (const TensorView* t : order) {
     separate();
     append_json_string(json, t->name);
-    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[");
-    for (int axis = 0; axis < t->shape.rank(); ++axis) json += concat_text(axis == 0 ? "" : ",", t->shape[axis]);
-    json += concat_text("],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
+    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[", join_text(t->shape.sizes(), ","),
+                        "],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
     at += t->bytes.size();
   }
   json += '}';

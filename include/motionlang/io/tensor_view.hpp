@@ -83,6 +83,7 @@ class FileShape {
   int rank() const { return static_cast<int>(sizes_.size()); }
   Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
   Index count() const {
     if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
@@ -104,11 +105,7 @@ class FileShape {
 };
 
 /// "(2, 60, 512)"
-inline std::string to_string(const FileShape& s) {
-  std::string out = "(";
-  for (int i = 0; i < s.rank(); ++i) out += concat_text(i ? ", " : "", s[i]);
-  return out + ")";
-}
+inline std::string to_string(const FileShape& s) { return detail::shape_text(s.sizes()); }
 
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {

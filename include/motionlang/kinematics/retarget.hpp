@@ -32,9 +32,7 @@ struct RetargetReport {
 };
 inline std::string to_string(const RetargetReport& r) {
   auto list = [](const std::vector<std::string>& names) {
-    std::string out;
-    for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-    return out.empty() ? std::string("none") : out;
+    return names.empty() ? std::string("none") : join_text(names);
   };
   auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
   std::vector<std::string> pairs;

@@ -34,6 +34,7 @@ enum class Fault : int {
   lead_in,
   scale,
   up_axis,
+  root_unit,
   swapped_sides,
   spike,
   jump,
@@ -45,7 +46,7 @@ struct FaultInfo {
   bool mendable;
 };
 /// By Fault.
-inline constexpr std::array<FaultInfo, 12> fault_info{{
+inline constexpr std::array<FaultInfo, 13> fault_info{{
     {"no motion", "fewer than two frames", false},
     {"not finite", "a value is NaN or infinite, or a rotation has length 0", false},
     {"frame rate", "no rate that cameras, engines or data sets use", false},
@@ -53,6 +54,7 @@ inline constexpr std::array<FaultInfo, 12> fault_info{{
     {"T-pose", "an inserted T-pose at the start that nobody performed", true},
     {"scale", "the figure is not as tall as a person", true},
     {"up axis", "the figure does not stand along +Y", true},
+    {"root unit", "the root moves in another unit than the bones", true},
     {"sides", "left and right are exchanged: names against the way the toes point", false},
     {"spike", "one frame stands out from both of its neighbours", true},
     {"jump", "a joint goes a way between two frames that nobody can go", false},
@@ -73,6 +75,7 @@ struct Cure {
   Index lead_in = 0;                       // frames that are cut off at the start
   Quaternion<double> upright{1, 0, 0, 0};  // turns the up axis of the clip to +Y
   double scale = 1;
+  double root = 1;  // by which the root's positions are to be multiplied, besides
   double lift = 0;  // metres, after scaling
   double fps = 0;   // the true frame rate; 0: as it is
 };
@@ -130,6 +133,10 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {1000, "metres where millimetres were expected"},
 }};
 
+/// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
+inline constexpr std::array<double, 16> root_factors{100,  0.01,     1000,  0.001,     10,     0.1,        2.54,        1 / 2.54,
+                                                     25.4, 1 / 25.4, 30.48, 1 / 30.48, 0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
+
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
 /// From the ankles to the head in the rest pose; length 1.
@@ -181,6 +188,7 @@ class MotionInspector {
     if (body_) {
       check_scale();
       check_up_axis();
+      check_root_unit();
       check_sides();
       check_falls();
     }
@@ -314,6 +322,33 @@ class MotionInspector {
       out_.cure.upright = rotation_between(a.direction, Vec{0, 1, 0});
       for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
       return;
+    }
+  }
+
+  /// The bones are a person's by now. A root in another unit holds the feet far off the floor, and they slide; by the
+  /// right factor they come to the floor and stand there. Both must be so: feet that are far off may hang, and those
+  /// that slide tread on the spot.
+  void check_root_unit() {
+    constexpr std::size_t fewest = 2;  // contacts
+    const double off = sole_height({0, 1, 0});
+    if (std::abs(off) <= limits_.standing) return;
+    const std::vector<double> slides = contact_speeds();
+    if (!slides.empty() && quantile(slides, 0.5) <= limits_.slide) return;
+    const std::vector<Vec> as_read = positions_;
+    for (const double factor : root_factors) {
+      for (Index f = 0; f < frames(); ++f) {
+        const Vec way = (factor - 1) * at(f, 0);
+        for (Index j = 0; j < columns_; ++j) at(f, j) = at(f, j) + way;
+      }
+      const double sole = sole_height({0, 1, 0});
+      const std::vector<double> speeds = contact_speeds();
+      if (on_floor(sole) && speeds.size() >= fewest && quantile(speeds, 0.5) <= limits_.slide) {
+        add(Fault::root_unit, first_, "the feet are ", hundredths(std::abs(off)), " m ", off < 0 ? "below" : "above",
+            " y = 0; the root x ", std::round(factor * 1e4) / 1e4, " puts them there, where they stand");
+        out_.cure.root = factor;
+        return;
+      }
+      positions_ = as_read;
     }
   }
 
@@ -528,6 +563,8 @@ class MotionInspector {
     return quantile(lowest_feet(up), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
   }
 
+  bool on_floor(double sole) const { return sole >= -limits_.below && sole <= limits_.above; }
+
   /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
   /// stays below, so that treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::span<const double> stands, std::vector<double>& speeds) {
@@ -561,16 +598,13 @@ class MotionInspector {
       high = {std::max(high.x, p.x), 0, std::max(high.z, p.z)};
     }
     const bool in_place = norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot;
-    const bool on_floor = sole >= -limits_.below && sole <= limits_.above;
-    if (on_floor || (!in_place && std::abs(sole) <= limits_.standing)) check_contacts(in_place);
-    if (on_floor) return;
+    if (on_floor(sole) || (!in_place && std::abs(sole) <= limits_.standing)) check_contacts(in_place);
+    if (on_floor(sole)) return;
     add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
         " y = 0");
     out_.cure.lift = -sole;
   }
-  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
-  /// off at all.
-  void check_contacts(bool in_place) {
+  std::vector<double> contact_speeds() {
     std::vector<BodyJoints::Pair> joints{body_->ankle};
     if (body_->toe.known()) joints.push_back(body_->toe);
     std::vector<double> stands;  // at which height the lower of a pair stands: a foot that stays higher hangs
@@ -585,7 +619,12 @@ class MotionInspector {
       for (const BodyJoints::Pair& p : joints) feet.push_back(p.*side);
       add_contacts(feet, stands, speeds);
     }
-    if (const double speed = quantile(speeds, 0.5); speed > limits_.slide) {
+    return speeds;
+  }
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
+  /// off at all.
+  void check_contacts(bool in_place) {
+    if (const double speed = quantile(contact_speeds(), 0.5); speed > limits_.slide) {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
           in_place ? "; a clip in place" : "");
     }
@@ -635,7 +674,7 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
   const auto& up = cure.upright;
   const auto body = find_body_joints(out.skeleton);
   const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
-  for (Vec3<double>& r : out.root) r = cure.scale * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
+  for (Vec3<double>& r : out.root) r = cure.scale * cure.root * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
   for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
     for (Vec3<double>& o : *bones) o = cure.scale * (turn_rest ? rotate(up, o) : o);
   }

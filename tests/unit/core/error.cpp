@@ -36,6 +36,14 @@ TEST_CASE("ids are unique, ascending, and each has a meaning") {
   }
 }
 
+TEST_CASE("lists: what stands between, and how an item is written") {
+  CHECK(ml::join_text(std::vector<std::string>{}) == "");
+  CHECK(ml::join_text(std::vector<std::string>{"", "b"}) == ", b");
+  CHECK(ml::join_text(std::vector<int>{1, 2, 3}, ";") == "1;2;3");
+  CHECK(ml::join_text(std::vector<ml::Shape>{{1}, {2, 3}}, " or ") == "(1) or (2, 3)");
+  CHECK(ml::join_text(std::vector<int>{1, 2}, ", ", [](int n) { return ml::concat_text("no. ", n); }) == "no. 1, no. 2");
+}
+
 TEST_CASE("a message begins with family and id") {
   CHECK(family_of<ml::config_error>(101) == "[motionlang.config.101] text");
   CHECK(family_of<ml::shape_error>(201) == "[motionlang.shape.201] text");

@@ -290,6 +290,23 @@ TEST_CASE("hips that move below a root on the floor become the root; control bon
   CHECK(ml::norm(motion.root_at(1) - ml::Vec3{0.0, 0.8, 2.0}) < 1e-6);
 }
 
+TEST_CASE("joints below the root that move along their bones are named") {
+  Builder b = two_joints();
+  b.document["nodes"][1]["children"] = {2};
+  b.node({{"name", "c"}, {"translation", {0, 1, 0}}});
+  b.skin({0, 1, 2});
+  b.document["skins"].erase(0);
+  const int times = b.floats({0, 1}, "SCALAR");
+  b.animate(0, "translation", times, b.floats({0, 0, 0, 0, 0, 2}, "VEC3"));
+  CHECK(b.file().stretched_joints(0).empty());
+  b.animate(2, "translation", times, b.floats({0, 1, 0, 0, 1.005f, 0}, "VEC3"));  // noise
+  CHECK(b.file().stretched_joints(0).empty());
+  b.document["animations"][0]["samplers"][2]["output"] = b.floats({0, 1, 0, 0, 1.5f, 0}, "VEC3");
+  CHECK(b.file().stretched_joints(0) == std::vector<std::string>{"c"});
+  CHECK(b.file().motion(0).skeleton.offset(2) == ml::Vec3{0.0, 1.0, 0.0});
+  CHECK_THROWS_WITH_AS(b.file().stretched_joints(1), doctest::Contains("animation 1 of 1"), ml::config_error);
+}
+
 TEST_CASE("skins with several roots, repeated and missing names, no skin at all") {
   Builder b = two_joints();
   b.document["nodes"][1]["name"] = "a";

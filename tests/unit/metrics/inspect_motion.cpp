@@ -79,6 +79,24 @@ TEST_CASE("a scale that is not human: the factor that fits, and its unit") {
   CHECK(ml::inspect_motion(scaled(walk(), 3.9)).cure.scale == Approx(1.7 / (1.728 * 3.9)).epsilon(0.001));
 }
 
+TEST_CASE("a root in another unit than the bones") {
+  for (const double factor : {100.0, 0.01, 1000.0, 0.001, 39.37, 1 / 39.37, 30.48, 2.54}) {
+    CAPTURE(factor);
+    auto broken = walk();
+    for (Vec& r : broken.root) r = factor * r;
+    CHECK(faults(broken) == only(ml::Fault::root_unit));
+    CHECK(ml::inspect_motion(broken).cure.root == Approx(1 / factor).epsilon(1e-4));
+    CHECK(difference_when_mended(broken, walk()) < 1e-3);
+    CHECK(faults(scaled(broken, 0.01)) == std::vector{ml::Fault::scale, ml::Fault::root_unit});
+    CHECK(difference_when_mended(scaled(broken, 0.01), walk()) < 1e-3);
+  }
+  auto in_the_air = walk(), treading = walk(), odd = walk();
+  for (Vec& r : in_the_air.root) r.y += 5;
+  for (Vec& r : treading.root) r = {0, 0, 0};
+  for (Vec& r : odd.root) r = 17.0 * r;  // no unit is so long
+  for (const auto& m : {in_the_air, treading, odd}) CHECK(!ml::inspect_motion(m).has(ml::Fault::root_unit));
+}
+
 TEST_CASE("a figure that is drawn small, with short legs, is not made a person") {
   auto dwarf = walk();
   for (const char* joint : {"left_knee", "right_knee", "left_ankle", "right_ankle"}) {

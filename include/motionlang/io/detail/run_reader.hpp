@@ -2,6 +2,8 @@
 /// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
 #pragma once
 
+#include <algorithm>  // find
+
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/io/text_network_file.hpp>
@@ -78,12 +80,8 @@ class RunReader {
   }
   std::string one_of(const char* key, const char* otherwise, std::initializer_list<std::string_view> known) const {
     const std::string found = text(key, otherwise);
-    std::string list;
-    for (const std::string_view k : known) {
-      if (k == found) return found;
-      list += concat_text(list.empty() ? "" : ", ", k);
-    }
-    raise<io_error>(404, place(key), " is '", found, "', known are ", list);
+    if (std::ranges::find(known, found) != known.end()) return found;
+    raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
   }
   std::string place(const char* key) const { return concat_text(run_->options_file.string(), ": ", key); }
 
