@@ -60,7 +60,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const TemporaryFolder folder;
   const auto all = run({"--help"}, folder.path);
   CHECK(all.code == 0);
-  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "doctor", "strip", "view", "Exit codes: 0 ",
+  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "doctor", "strip", "view", "describe", "Exit codes: 0 ",
                            "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
