@@ -1,7 +1,11 @@
 // Text networks: batches, order of words, lengths; pooling; encoders made of a tokenizer and a network.
 #include <doctest/doctest.h>
 
+#include <map>
+
+#include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/reference.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
@@ -66,6 +70,58 @@ TEST_CASE("a text has the same bits alone and in a batch; words have an order; l
   check_batches(tiny_clip_text<B>());
   CHECK(tiny<B, ml::DistilBertKeys>().longest() == 16);
   CHECK(tiny<B, ml::MpnetKeys>().longest() == 14);  // rows 0 and 1 are of padding
+}
+
+TEST_CASE_TEMPLATE("networks of the BERT family are trained: gradients are central differences", Keys, ml::DistilBertKeys,
+                   ml::BertKeys) {
+  using D = ml::ReferenceBackend<double>;
+  using A = ml::Autodiff<D>;
+  auto network = tiny<D, Keys>();
+  const ml::TokenBatch batch{{2, 5, 6, 3, 2, 9, 3}, {4, 3}};
+  const auto weights = tensors::normal<D, 2>({7, tiny_bert.width}, 3).to_vector();
+  const auto loss = [&]<class C>(const ml::BertNetwork<C, Keys>& n) {
+    const auto rows = n(batch).tokens.rows;
+    return ml::sum(rows * ml::Tensor<C, 2>::from(weights, rows.shape()));
+  };
+  ml::BertNetwork<A, Keys> taped;
+  ml::detail::convert_module(taped, network);
+  const auto gradients = ml::backward(loss(taped));
+  std::map<std::string, std::vector<double>> found;
+  ml::visit_tensors(taped, [&](const std::string& path, const auto& t) { found[path] = gradients[t].to_vector(); });
+  ml::visit_tensors(network, [&]<int R>(const std::string& path, ml::Tensor<D, R>& t) {
+    CAPTURE(path);
+    const auto here = t;
+    const auto values = t.to_vector();
+    double largest = 0;
+    for (std::size_t i = 0; i < values.size(); i += 7) {
+      const auto moved = [&](double h) {
+        auto v = values;
+        v[i] += h;
+        t = ml::Tensor<D, R>::from(v, here.shape());
+        return loss(network).item();
+      };
+      const double difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+      CHECK(found[path][i] == doctest::Approx(difference).epsilon(1e-5));
+      largest = std::max(largest, std::abs(difference));
+    }
+    t = here;
+    if (path != "embeddings.position_embeddings.weight" && !path.ends_with("bias")) CHECK(largest > 1e-6);
+  });
+}
+
+TEST_CASE("dropout of the BERT family: only with a context, and by its generator alone") {
+  const auto network = tiny<B, ml::DistilBertKeys>();
+  const ml::TokenBatch batch{{2, 5, 6, 3}, {4}};
+  const auto rows = [&](const ml::Context& context) { return network(batch, context).tokens.rows; };
+  const ml::Philox first{.seed = 1}, second{.seed = 2};
+  CHECK(same_bits(rows({}), network(batch).tokens.rows));
+  CHECK(same_bits(rows({.dropout = first}), rows({.dropout = first})));
+  CHECK(tensors::distance(rows({.dropout = first}), rows({})) > 1e-3);
+  CHECK(tensors::distance(rows({.dropout = first}), rows({.dropout = second})) > 1e-3);
+  auto certain = network;
+  certain.dropout_p = 0;
+  for (auto& layer : certain.layers) layer.dropout_p = 0;
+  CHECK(tensors::distance(certain(batch, {.dropout = first}).tokens.rows, rows({})) < 1e-6);
 }
 
 TEST_CASE("MPNet counts positions by ids: padding inside of a text has none") {
