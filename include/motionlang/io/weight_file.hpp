@@ -623,8 +623,8 @@ inline WeightFile WeightFile::from_run(const RunFolder& run, const WeightOptions
   return out;
 }
 
-/// Whether this is a folder, or a file that begins as open_weights expects it or is no text, so that open_weights can say best what
-/// is wrong with it; older pickles, which are text, are not seen.
+/// Whether this is a folder, or a file that begins as open_weights expects it or is no text, so that open_weights can
+/// say best what is wrong with it; older pickles, which are text, are not seen.
 inline bool may_be_weights(const FilePath& path) {
   std::error_code ignored;
   return std::filesystem::is_directory(path.string(), ignored) ||
