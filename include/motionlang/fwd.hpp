@@ -65,6 +65,7 @@ struct Pose;
 
 // features
 struct FeatureLayout;
+struct IndexRange;
 template <Backend B>
 struct Normalizer;
 

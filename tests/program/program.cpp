@@ -658,7 +658,8 @@ TEST_CASE("convert: joints of a GLB file that move along their bones are told, a
   ml::write_glb(w / "walk.glb", synthetic::walk({.frames = 40}));
   CHECK(!contains(w.run({"convert", "walk.glb", "walk.bvh"}).text, "left out"));
   std::string bytes = ml::read_file(w / "walk.glb");
-  const std::string_view root = R"("target":{"node":0,"path":"translation"})", spine = R"("target":{"node":3,"path":"translation"})";
+  const std::string_view root = R"("target":{"node":0,"path":"translation"})",
+                         spine = R"("target":{"node":3,"path":"translation"})";
   REQUIRE(contains(bytes, std::string(root)));
   ml::write_file(w / "stretched.glb", bytes.replace(bytes.find(root), root.size(), spine));
   const std::string told =

@@ -47,6 +47,8 @@ TEST_CASE("info: tensors, values and skipped classes of files in every format") 
     CHECK(page.code == 1);
     check_contains(page.text, {"[motionlang.io.404]", "not a file of weights"});
   }
+  ml::write_file(folder / "bytes.dat", std::string_view("some\0bytes", 10));  // no timeline has a zero
+  check_contains(run({"info", "bytes.dat"}, folder.path).text, {"[motionlang.io.404]", "not a file of weights"});
 }
 
 TEST_CASE("convert: weights of any format become safetensors") {

@@ -101,10 +101,9 @@ class Doctor {
     for (const ml::InspectedMotion& m : found_) {
       if (m.good() && !o_.all) continue;
       const std::string text =
-          m.unreadable.empty()
-              ? ml::join_text(m.findings, "; ",
-                              [](const ml::Finding& f) { return ml::concat_text(ml::info(f.fault).name, ": ", f.text); })
-              : "unreadable: " + m.unreadable;
+          !m.unreadable.empty() ? "unreadable: " + m.unreadable : ml::join_text(m.findings, "; ", [](const auto& f) {
+            return ml::concat_text(ml::info(f.fault).name, ": ", f.text);
+          });
       std::printf("%s: %s\n", m.name.c_str(), text.empty() ? "good" : text.c_str());
     }
     const auto good = std::count_if(found_.begin(), found_.end(), [](const auto& m) { return m.good(); });

@@ -59,12 +59,6 @@ void timelines(const std::string& path) {
   }
 }
 
-/// Whether a file begins with bytes that no text has: what its reader refuses is said as of weights.
-bool is_binary(const std::string& path) {
-  const auto file = ml::MappedFile::open(path);
-  return ml::detail::as_text(file->bytes()).substr(0, 4096).find('\0') != std::string_view::npos;
-}
-
 void features_line(const ml::MotionFeatures& f) {
   const std::string name(f.name);
   std::printf("%s: %td numbers in a frame, %g frames per second, skeleton of %d joints\n", name.c_str(), f.width, f.fps,
@@ -104,9 +98,7 @@ void run(const std::string& path) {
   if (path == standard_input) return timelines(path);
   const std::string kind = kind_of(path);
   if (kind == ".npy" && holds_joints(path)) return joints(path);
-  const bool motion_file = kind == ".npz" && holds_motion(path);
-  if (!motion_file && !is_gltf(path) && is_weights(path)) return show_weights(path);
-  if (kind == ".bvh" || motion_file || is_gltf(path) || kind == ".amc") {
+  if (kind == ".bvh" || kind == ".amc" || is_gltf(path) || (kind == ".npz" && holds_motion(path))) {
     std::string told;
     const auto motions = read_motions(path, {}, &told);
     std::printf("%s", told.c_str());
@@ -121,7 +113,7 @@ void run(const std::string& path) {
     if (kind == drawn)
       ml::raise<ml::config_error>(103, path, ": shown are weights, motions and timelines, not '", kind, "'");
   }
-  is_binary(path) ? show_weights(path) : timelines(path);
+  is_weights(path) ? show_weights(path) : timelines(path);
 }
 
 /// CLI::ExistingPath, or standard input.

@@ -21,7 +21,8 @@ std::vector<ml::AnnotatedMotion> read_annotated(const std::filesystem::path& pat
     const nlohmann::json document = members.load(id);
     const ml::JsonView entry(document, members.place(id));
     const bool babel = ml::BabelFile::is_entry(entry);
-    motions.push_back(babel ? ml::annotated_motion(ml::BabelFile::parse(id, entry)) : ml::AnnotationFile::parse(id, entry));
+    motions.push_back(babel ? ml::annotated_motion(ml::BabelFile::parse(id, entry))
+                            : ml::AnnotationFile::parse(id, entry));
     if (babel && motions.back().annotations.empty()) motions.pop_back();
   }
   if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no texts");

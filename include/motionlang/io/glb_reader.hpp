@@ -4,8 +4,8 @@
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
-/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales, and
-/// translations of other joints (stretched_joints), are dropped.
+/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
+/// translations of other joints are dropped (stretched_joints names these).
 #pragma once
 
 #include <algorithm>  // max
@@ -39,13 +39,15 @@ class GlbFile {
   double duration(Index animation) const { return at(animation).duration(); }
 
   /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
-  /// of the bone: motion() leaves this out. Throws config_error 103 if there is no such animation.
+  /// of the bone, or by the scale of the joint before: motion() leaves this out. Throws config_error 103 if there is no
+  /// such animation.
   std::vector<std::string> stretched_joints(Index animation) const {
     const detail::GltfAnimation& a = at(animation);
     std::vector<std::string> names;
     for (std::size_t j = 1; j < joints_.nodes.size(); ++j) {
-      const int node = joints_.nodes[j];
-      if (a.moves_away(node, nodes_[static_cast<std::size_t>(node)].rest.translation)) {
+      const int node = joints_.nodes[j], before = joints_.nodes[static_cast<std::size_t>(skeleton().parents[j])];
+      const bool stretched = before >= 0 && a.grows(before, nodes_[static_cast<std::size_t>(before)].rest.scale);
+      if (stretched || a.moves_away(node, nodes_[static_cast<std::size_t>(node)].rest.translation)) {
         names.push_back(skeleton().names[j]);
       }
     }

@@ -54,13 +54,13 @@ inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions&
                                 std::string_view name = "array") {
   if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
     raise<config_error>(101, name, ": ", options.fps, " frames per second");
-  const std::vector<double> v = array.to<double>();
   const auto& shape = array.shape;
   const bool rows = shape.size() == 2;
   const bool joints = shape.size() == 3 && shape[2] == 3 && (shape[1] == 24 || shape[1] == 22 || shape[1] == 21);
-  if (!rows && !joints) {
+  if ((!rows && !joints) || array.is_text()) {
     raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
   }
+  const std::vector<double> v = array.to<double>();
   const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
   if (odd != v.end()) {
     const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();

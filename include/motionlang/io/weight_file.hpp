@@ -460,12 +460,12 @@ inline bool has_header_length(std::span<const std::byte> bytes) {
   return length <= SafetensorsFile::max_header && length <= bytes.size() - sizeof length;
 }
 
-/// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
+/// Whether bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));  // a wrong length
   return is_safetensors(bytes) || damaged || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
-         text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes);
+         text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes) || text.substr(0, 4096).find('\0') != text.npos;
 }
 
 /// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
@@ -623,7 +623,8 @@ inline WeightFile WeightFile::from_run(const RunFolder& run, const WeightOptions
   return out;
 }
 
-/// Whether this is a folder, or a file that begins as open_weights expects it; text is not looked at, so older pickles are not seen.
+/// Whether this is a folder, or a file that begins as open_weights expects it or is no text, so that open_weights can
+/// say best what is wrong with it; older pickles, which are text, are not seen.
 inline bool may_be_weights(const FilePath& path) {
   std::error_code ignored;
   return std::filesystem::is_directory(path.string(), ignored) ||

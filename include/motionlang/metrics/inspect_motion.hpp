@@ -134,8 +134,9 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
 }};
 
 /// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
-inline constexpr std::array<double, 16> root_factors{100,  0.01,     1000,  0.001,     10,     0.1,        2.54,        1 / 2.54,
-                                                     25.4, 1 / 25.4, 30.48, 1 / 30.48, 0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
+inline constexpr std::array<double, 16> root_factors{
+    100,  0.01,     1000,  0.001,     10,     0.1,        2.54,        1 / 2.54,
+    25.4, 1 / 25.4, 30.48, 1 / 30.48, 0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 

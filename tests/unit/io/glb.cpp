@@ -303,6 +303,8 @@ TEST_CASE("joints below the root that move along their bones are named") {
   CHECK(b.file().stretched_joints(0).empty());
   b.document["animations"][0]["samplers"][2]["output"] = b.floats({0, 1, 0, 0, 1.5f, 0}, "VEC3");
   CHECK(b.file().stretched_joints(0) == std::vector<std::string>{"c"});
+  b.document["animations"][0]["channels"][2]["target"] = {{"node", 0}, {"path", "scale"}};  // what a carries
+  CHECK(b.file().stretched_joints(0) == std::vector<std::string>{"b"});
   CHECK(b.file().motion(0).skeleton.offset(2) == ml::Vec3{0.0, 1.0, 0.0});
   CHECK_THROWS_WITH_AS(b.file().stretched_joints(1), doctest::Contains("animation 1 of 1"), ml::config_error);
 }
@@ -311,10 +313,11 @@ TEST_CASE("skins with several roots, repeated and missing names, no skin at all"
   Builder b = two_joints();
   b.document["nodes"][1]["name"] = "a";
   b.node({{"translation", {2, 0, 0}}});
-  b.document["skins"][0]["joints"] = {0, 1, 2};
+  b.node({{"name", ""}});
+  b.document["skins"][0]["joints"] = {0, 1, 2, 3};
   const ml::Skeleton s = b.file().skeleton();
-  CHECK(s.names == std::vector<std::string>{"root", "a", "a_2", "node_2"});
-  CHECK(s.parents == std::vector<int>{-1, 0, 1, 0});
+  CHECK(s.names == std::vector<std::string>{"root", "a", "a_2", "node_2", "node_3"});
+  CHECK(s.parents == std::vector<int>{-1, 0, 1, 0, 0});
   b.document.erase("skins");  // only node 1 is animated then
   CHECK(b.file().skeleton().names == std::vector<std::string>{"a"});
 }

@@ -110,6 +110,8 @@ TEST_CASE("arrays from files; what is refused") {
   CHECK_ERROR(ml::read_motion_npy(folder / "odd.npy"), "odd.npy: rows of 20 numbers are no features");
   CHECK_ERROR(ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {1, 20, 3})),
               "[motionlang.io.407] array: neither (frames, numbers)");
+  ml::write_npy(folder / "words.npy", ml::NpyArray{'U', 4, {1, 2}, std::vector<std::byte>(8)});
+  CHECK_ERROR(ml::read_motion_npy(folder / "words.npy"), "words.npy: neither (frames, numbers)");
   CHECK_ERROR(ml::read_motion_npy(folder / "none.npy"), "[motionlang.io.401]");
   for (const double fps : {-5.0, std::nan(""), std::numeric_limits<double>::infinity()})
     CHECK_ERROR(ml::motion_from_array(ml::NpyArray::of(std::span<const double>(numbers), {1, 20, 3}), {.fps = fps}),

@@ -71,8 +71,8 @@ class GltfAnimation {
       if (!target.contains("node")) continue;
       const std::string path = target["path"].as<std::string>();
       const int node = document.node_number(target["node"]);
-      if (path != "translation" && path != "rotation") continue;  // scale and weights: not of a skeleton
-      auto& place = path == "rotation" ? rotations_ : translations_;
+      if (path != "translation" && path != "rotation" && path != "scale") continue;  // weights: not of a skeleton
+      auto& place = path == "rotation" ? rotations_ : path == "scale" ? scales_ : translations_;
       const JsonView sampler = samplers[channels[i]["sampler"].as<Index>()];
       if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second) {
         raise<io_error>(403, target.path(), ": a second channel for the ", path, " of node ", node);
@@ -85,7 +85,7 @@ class GltfAnimation {
   double duration() const { return duration_; }
   bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
 
-  /// Transform of a node, from its transform at rest.
+  /// Transform of a node, from its transform at rest; the scale stays.
   GltfTransform at(int node, GltfTransform transform, double time) const {
     if (const auto c = translations_.find(node); c != translations_.end()) {
       const auto v = c->second.at(time);
@@ -99,16 +99,19 @@ class GltfAnimation {
     return transform;
   }
   /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
-  bool moves_away(int node, const Vec3<double>& rest) const {
-    const auto c = translations_.find(node);
-    if (c == translations_.end()) return false;
+  bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
+  /// Whether its scale ever is another than at rest, by more than a hundredth.
+  bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
+
+ private:
+  static bool leaves(const std::map<int, GltfChannel>& channels, int node, const Vec3<double>& rest) {
+    const auto c = channels.find(node);
+    if (c == channels.end()) return false;
     return std::any_of(c->second.times->begin(), c->second.times->end(), [&](double t) {
       const auto v = c->second.at(t);
       return norm(Vec3<double>{v[0], v[1], v[2]} - rest) > 1e-2 * std::max(norm(rest), 1e-3);
     });
   }
-
- private:
   GltfChannel channel(SharedAccessors& keys, const JsonView& sampler, std::size_t components) {
     const std::string mode = sampler.value_or("interpolation", "LINEAR");
     GltfChannel c;
@@ -134,7 +137,7 @@ class GltfAnimation {
   }
 
   std::string name_;
-  std::map<int, GltfChannel> translations_, rotations_;
+  std::map<int, GltfChannel> translations_, rotations_, scales_;
   double duration_ = 0;
 };
 

@@ -247,7 +247,8 @@ class GltfDocument {
     nodes_.resize(static_cast<std::size_t>(count("nodes")));
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       const JsonView n = element("nodes", static_cast<Index>(i));
-      nodes_[i].name = n.value_or("name", concat_text("node_", i));
+      nodes_[i].name = n.value_or("name", "");
+      if (nodes_[i].name.empty()) nodes_[i].name = concat_text("node_", i);
       nodes_[i].rest = n.contains("matrix")
                            ? decomposed(n)
                            : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
