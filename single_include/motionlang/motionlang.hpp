@@ -246,6 +246,23 @@ std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
+/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+template <class R, class F>
+std::string join_text(const R& items, std::string_view between, F text) {
+  std::string out;
+  bool first = true;
+  for (const auto& item : items) {
+    if (!first) out += between;
+    first = false;
+    detail::append(out, text(item));
+  }
+  return out;
+}
+template <class R>
+std::string join_text(const R& items, std::string_view between = ", ") {
+  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+}
+
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -312,6 +329,7 @@ class Shape {
   constexpr int rank() const { return rank_; }
   constexpr Index operator[](int axis) const { return size_[static_cast<std::size_t>(axis)]; }
   constexpr Index& operator[](int axis) { return size_[static_cast<std::size_t>(axis)]; }
+  constexpr std::span<const Index> sizes() const { return {size_.data(), static_cast<std::size_t>(rank_)}; }
   constexpr Index back() const { return size_[static_cast<std::size_t>(rank_ - 1)]; }
 
   /// Number of elements.
@@ -348,12 +366,17 @@ class Shape {
   int rank_ = 0;
 };
 
-/// "(2, 60, 512)"
-inline std::string to_string(const Shape& s) {
-  std::string out = "(";
-  for (int i = 0; i < s.rank(); ++i) detail::append(out, i ? ", " : ""), detail::append(out, s[i]);
-  return out + ")";
+namespace detail {
+
+/// "(2, 60, 512)"; a negative size stands for any.
+inline std::string shape_text(std::span<const Index> sizes) {
+  return "(" + join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }) + ")";
 }
+
+}  // namespace detail
+
+/// "(2, 60, 512)"
+inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
 /// Axis counted from the end when negative; an error when out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
@@ -538,6 +561,7 @@ struct Pose;
 
 // features
 struct FeatureLayout;
+struct IndexRange;
 template <Backend B>
 struct Normalizer;
 
@@ -8338,9 +8362,7 @@ struct RetargetReport {
 };
 inline std::string to_string(const RetargetReport& r) {
   auto list = [](const std::vector<std::string>& names) {
-    std::string out;
-    for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-    return out.empty() ? std::string("none") : out;
+    return names.empty() ? std::string("none") : join_text(names);
   };
   auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
   std::vector<std::string> pairs;
@@ -9967,6 +9989,7 @@ struct BeamSearch {
   std::vector<std::vector<Index>> beams;  // (beams, max_length), filled up with the padding
   std::vector<double> scores;             // sums of log probabilities
   std::vector<Index> lengths;             // up to the first end
+  std::vector<std::size_t> order{};       // of the beams, the answer first
 };
 
 ///     answer = arg max of score / length^alpha over the beams
@@ -10011,15 +10034,16 @@ BeamSearch beam_search(Next&& next, const BeamOptions& o) {
     // As published the first step is not looked at: at least two symbols are written.
     if (length > 1 && std::all_of(out.beams.begin(), out.beams.end(), ended)) break;
   }
-  std::size_t best = 0;
   auto value = [&](std::size_t b) { return out.scores[b] / std::pow(static_cast<double>(out.lengths[b]), o.alpha); };
   for (std::size_t b = 0; b < out.beams.size(); ++b) {
     auto& beam = out.beams[b];
     const Index first_end = std::find(beam.begin(), beam.end(), o.end) - beam.begin() + 1;
     out.lengths.push_back(ended(beam) ? first_end : o.max_length);
     beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
-    if (value(b) > value(best)) best = b;
+    out.order.push_back(b);
   }
+  std::stable_sort(out.order.begin(), out.order.end(), [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
+  const std::size_t best = out.order.front();
   out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
   return out;
 }
@@ -11608,6 +11632,12 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
   return mean(cross_entropies(logits, labels, smoothing));
 }
 
+/// The sum over all symbols of -log p, as TM2T has it not their mean. `logits`: of what comes after each symbol but the last one.
+template <Backend B>
+Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
+  return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -12842,10 +12872,12 @@ struct ActorFrameOptions {
   Index frames = 60;         // to take
   bool random_step = false;  // "random_conseq": the step is drawn, too
   Index step = 1;            // -1: the largest that fits
+  bool scattered = false;    // "random": any frames, in their order; there is no step
 };
 
 /// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
-/// others, every step-th frame from a random start on. The last possible start is never drawn, as published.
+/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
+/// frames are drawn by this generator, too; the published program has NumPy's for them.
 /// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
 /// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
 inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {
@@ -12856,6 +12888,11 @@ inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions&
   std::vector<Index> out;
   if (k > n) {
     for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
+    return out;
+  }
+  if (options.scattered) {
+    out = random.sample(n, k);
+    std::sort(out.begin(), out.end());
     return out;
   }
   const Index longest = (n - 1) / (k - 1);
@@ -14342,12 +14379,11 @@ inline Motion motion_of_rows(const MotionFeatures& features, std::span<const dou
 
 /// Throws config_error 103.
 inline const MotionFeatures& motion_features(std::string_view name) {
-  std::string known;
   for (const MotionFeatures& f : all_motion_features) {
     if (f.name == name) return f;
-    known += concat_text(known.empty() ? "" : ", ", f.name);
   }
-  raise<config_error>(103, "motion_features: '", name, "' is none of ", known);
+  raise<config_error>(103, "motion_features: '", name, "' is none of ",
+                      join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -14535,6 +14571,9 @@ std::vector<S> tm2t_deviation(std::vector<S> std, Index joints = 22, double bias
   }
   return std;
 }
+
+/// Frames of the longest motion that becomes tokens for training.
+inline constexpr Index tm2t_longest = 196;
 
 /// Windows of the tokenizer's training, as many as sum (length - window) over the clips that are longer than it.
 struct ClipWindow {
@@ -17580,7 +17619,7 @@ class BagOfWords {
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
 /// Batches are packed: padding is never computed, and a text has the same numbers alone and among others. Loading a file packs the weights
-/// for the kernels; a network that was made otherwise is made ready with `prepare`.
+/// for the kernels; a network that was made otherwise is made ready with `prepare`. On an Autodiff backend it is trained.
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP  // <motionlang/text/token_offsets.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP
@@ -17771,6 +17810,7 @@ struct BertConfig {
   Index padding = 0;                    // the id of padding; positions of MPNet depend on it
   Activation activation = Activation::gelu;
   double eps = 1e-12;
+  double dropout = 0.1;  // of training
 };
 
 inline constexpr BertConfig distilbert_base{};
@@ -17783,21 +17823,24 @@ struct DistilBertKeys {
                               *key = "attention.k_lin", *value = "attention.v_lin", *attended = "attention.out_lin",
                               *attended_norm = "sa_layer_norm", *up = "ffn.lin1", *down = "ffn.lin2",
                               *norm = "output_layer_norm";
-  static constexpr bool token_types = false, relative_scores = false, positions_behind_padding = false;
+  static constexpr bool token_types = false, relative_scores = false, positions_behind_padding = false,
+                        attended_dropout = false;
 };
 struct BertKeys {
   static constexpr const char *model_type = "bert", *layers = "encoder.layer", *query = "attention.self.query",
                               *key = "attention.self.key", *value = "attention.self.value",
                               *attended = "attention.output.dense", *attended_norm = "attention.output.LayerNorm",
                               *up = "intermediate.dense", *down = "output.dense", *norm = "output.LayerNorm";
-  static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false;
+  static constexpr bool token_types = true, relative_scores = false, positions_behind_padding = false,
+                        attended_dropout = true;
 };
 struct MpnetKeys {
   static constexpr const char *model_type = "mpnet", *layers = "encoder.layer", *query = "attention.attn.q",
                               *key = "attention.attn.k", *value = "attention.attn.v", *attended = "attention.attn.o",
                               *attended_norm = "attention.LayerNorm", *up = "intermediate.dense",
                               *down = "output.dense", *norm = "output.LayerNorm";
-  static constexpr bool token_types = false, relative_scores = true, positions_behind_padding = true;
+  static constexpr bool token_types = false, relative_scores = true, positions_behind_padding = true,
+                        attended_dropout = true;
 };
 
 /// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later ones; up to a
@@ -17813,6 +17856,7 @@ constexpr Index mpnet_bucket(Index r) {
 }
 
 /// Post-norm:   x = LN(SA(x) + x);   x = LN(W2 act(W1 x) + x)
+/// Dropout (only with a context) on the attention weights and W2's result, of BERT and MPNet on SA's too.
 template <Backend B, class Keys>
 struct BertLayer {
   Linear<B> query, key, value, attended;
@@ -17821,12 +17865,14 @@ struct BertLayer {
   LayerNorm<B> norm;
   Index heads = 1;
   Activation activation = Activation::gelu;
+  double dropout_p = 0.1;
 
   static constexpr auto fields() {
     using M = BertLayer;
     return motionlang::fields(Keys::query, &M::query, Keys::key, &M::key, Keys::value, &M::value, Keys::attended,
                               &M::attended, Keys::attended_norm, &M::attended_norm, Keys::up, &M::up, Keys::down,
-                              &M::down, Keys::norm, &M::norm, "heads", &M::heads, "activation", &M::activation);
+                              &M::down, Keys::norm, &M::norm, "heads", &M::heads, "activation", &M::activation,
+                              "dropout_p", &M::dropout_p);
   }
   BertLayer() = default;
   BertLayer(const BertConfig& c, Rng auto& rng)
@@ -17839,25 +17885,33 @@ struct BertLayer {
         down(c.d_ff, c.width, rng),
         norm(c.width),
         heads(c.heads),
-        activation(c.activation) {
+        activation(c.activation),
+        dropout_p(c.dropout) {
     check_heads(c.width, c.heads);
     attended_norm.eps = norm.eps = c.eps;
   }
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores) const {
-    return reading(x, offsets, x, offsets, relative_scores);
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores,
+                          const Context& context = {}) const {
+    return reading(x, offsets, x, offsets, relative_scores, context);
   }
   /// `rows` attend to x, which need not contain them.
   Tensor<B, 2> reading(const Tensor<B, 2>& rows, const Offsets& of_rows, const Tensor<B, 2>& x, const Offsets& offsets,
-                       const Tensor<B, 2>* relative_scores = nullptr) const {
-    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets, {.heads = heads}, relative_scores);
+                       const Tensor<B, 2>* relative_scores = nullptr, const Context& context = {}) const {
+    const auto a = attention(query(rows), key(x), value(x), of_rows, offsets,
+                             {.heads = heads, .dropout = next_dropout(dropout_p, context)}, relative_scores);
+    if (context.dropout) {
+      const auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
+      const auto y = attended_norm(Keys::attended_dropout ? drop(attended(a)) : attended(a), rows);
+      return norm(drop(down(up(y, activation))), y);
+    }
     const auto y = attended_norm(attended(a, Activation::none, &rows));
     return norm(down(up(y, activation), Activation::none, &y));
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. In evaluation mode,
-///         without pooler and heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. Without pooler and
+///         heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -17865,13 +17919,14 @@ struct BertNetwork {
   LayerNorm<B> norm;
   std::vector<BertLayer<B, Keys>> layers;
   Index padding = 0;
+  double dropout_p = 0.1;  // of the embeddings
 
   static constexpr auto fields() {
     using M = BertNetwork;
     return motionlang::fields("embeddings.word_embeddings", &M::words, "embeddings.position_embeddings", &M::positions,
                               "embeddings.token_type_embeddings", &M::token_types, "embeddings.LayerNorm", &M::norm,
                               Keys::layers, &M::layers, "encoder.relative_attention_bias", &M::relative_scores,
-                              "padding", &M::padding);
+                              "padding", &M::padding, "dropout_p", &M::dropout_p);
   }
   using Config = BertConfig;
   using keys = Keys;
@@ -17881,7 +17936,8 @@ struct BertNetwork {
       : words(c.vocabulary, c.width, rng, 0.02),
         positions(c.positions, c.width, rng, 0.02),
         norm(c.width),
-        padding(c.padding) {
+        padding(c.padding),
+        dropout_p(c.dropout) {
     norm.eps = c.eps;
     if (Keys::token_types) token_types.emplace(c.token_types, c.width, rng, 0.02);
     if (Keys::relative_scores) relative_scores.emplace(c.buckets, c.heads, rng, 0.02);
@@ -17893,13 +17949,13 @@ struct BertNetwork {
 
   /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long, shape_error 203 for
   /// an unknown id.
-  TextFeatures<B> operator()(const TokenBatch& batch) const {
+  TextFeatures<B> operator()(const TokenBatch& batch, const Context& context = {}) const {
     const Offsets offsets = token_offsets(batch);
     check_length(offsets.longest());
-    auto x = embedded(batch.ids, position_ids(batch));
+    auto x = dropout(embedded(batch.ids, position_ids(batch)), dropout_p, context);
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
-    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr);
+    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr, context);
     return {{x, offsets}};
   }
 
@@ -20602,6 +20658,12 @@ class GloVe {
       if (static_cast<Index>(row) == id) return word;
     }
     raise<shape_error>(203, "GloVe: word ", id, " of ", size());
+  }
+  /// All of them in the order of their rows.
+  std::vector<std::string> words() const {
+    std::vector<std::string> out(row_.size());
+    for (const auto& [word, row] : row_) out[row] = word;
+    return out;
   }
   std::span<const float> vector(const std::string& word) const {
     return std::span(vectors_).subspan(static_cast<std::size_t>(id(word) * width_), static_cast<std::size_t>(width_));
@@ -24749,6 +24811,7 @@ enum class Fault : int {
   lead_in,
   scale,
   up_axis,
+  root_unit,
   swapped_sides,
   spike,
   jump,
@@ -24760,7 +24823,7 @@ struct FaultInfo {
   bool mendable;
 };
 /// By Fault.
-inline constexpr std::array<FaultInfo, 12> fault_info{{
+inline constexpr std::array<FaultInfo, 13> fault_info{{
     {"no motion", "fewer than two frames", false},
     {"not finite", "a value is NaN or infinite, or a rotation has length 0", false},
     {"frame rate", "no rate that cameras, engines or data sets use", false},
@@ -24768,6 +24831,7 @@ inline constexpr std::array<FaultInfo, 12> fault_info{{
     {"T-pose", "an inserted T-pose at the start that nobody performed", true},
     {"scale", "the figure is not as tall as a person", true},
     {"up axis", "the figure does not stand along +Y", true},
+    {"root unit", "the root moves in another unit than the bones", true},
     {"sides", "left and right are exchanged: names against the way the toes point", false},
     {"spike", "one frame stands out from both of its neighbours", true},
     {"jump", "a joint goes a way between two frames that nobody can go", false},
@@ -24788,6 +24852,7 @@ struct Cure {
   Index lead_in = 0;                       // frames that are cut off at the start
   Quaternion<double> upright{1, 0, 0, 0};  // turns the up axis of the clip to +Y
   double scale = 1;
+  double root = 1;  // by which the root's positions are to be multiplied, besides
   double lift = 0;  // metres, after scaling
   double fps = 0;   // the true frame rate; 0: as it is
 };
@@ -24845,6 +24910,11 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {1000, "metres where millimetres were expected"},
 }};
 
+/// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
+inline constexpr std::array<double, 16> root_factors{
+    100,  0.01,     1000,  0.001,     10,     0.1,        2.54,        1 / 2.54,
+    25.4, 1 / 25.4, 30.48, 1 / 30.48, 0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
+
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
 /// From the ankles to the head in the rest pose; length 1.
@@ -24896,6 +24966,7 @@ class MotionInspector {
     if (body_) {
       check_scale();
       check_up_axis();
+      check_root_unit();
       check_sides();
       check_falls();
     }
@@ -25029,6 +25100,33 @@ class MotionInspector {
       out_.cure.upright = rotation_between(a.direction, Vec{0, 1, 0});
       for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
       return;
+    }
+  }
+
+  /// The bones are a person's by now. A root in another unit holds the feet far off the floor, and they slide; by the
+  /// right factor they come to the floor and stand there. Both must be so: feet that are far off may hang, and those
+  /// that slide tread on the spot.
+  void check_root_unit() {
+    constexpr std::size_t fewest = 2;  // contacts
+    const double off = sole_height({0, 1, 0});
+    if (std::abs(off) <= limits_.standing) return;
+    const std::vector<double> slides = contact_speeds();
+    if (!slides.empty() && quantile(slides, 0.5) <= limits_.slide) return;
+    const std::vector<Vec> as_read = positions_;
+    for (const double factor : root_factors) {
+      for (Index f = 0; f < frames(); ++f) {
+        const Vec way = (factor - 1) * at(f, 0);
+        for (Index j = 0; j < columns_; ++j) at(f, j) = at(f, j) + way;
+      }
+      const double sole = sole_height({0, 1, 0});
+      const std::vector<double> speeds = contact_speeds();
+      if (on_floor(sole) && speeds.size() >= fewest && quantile(speeds, 0.5) <= limits_.slide) {
+        add(Fault::root_unit, first_, "the feet are ", hundredths(std::abs(off)), " m ", off < 0 ? "below" : "above",
+            " y = 0; the root x ", std::round(factor * 1e4) / 1e4, " puts them there, where they stand");
+        out_.cure.root = factor;
+        return;
+      }
+      positions_ = as_read;
     }
   }
 
@@ -25243,6 +25341,8 @@ class MotionInspector {
     return quantile(lowest_feet(up), 0.05) - (body_->toe.known() ? toe_height : ankle_height);
   }
 
+  bool on_floor(double sole) const { return sole >= -limits_.below && sole <= limits_.above; }
+
   /// How fast a leg's foot moves over the floor while it is on it, m/s: of every contact the speed that a quarter of it
   /// stays below, so that treading on and rolling off do not count.
   void add_contacts(std::span<const int> feet, std::span<const double> stands, std::vector<double>& speeds) {
@@ -25276,16 +25376,13 @@ class MotionInspector {
       high = {std::max(high.x, p.x), 0, std::max(high.z, p.z)};
     }
     const bool in_place = norm(Vec{high.x - low.x, 0, high.z - low.z}) < limits_.on_the_spot;
-    const bool on_floor = sole >= -limits_.below && sole <= limits_.above;
-    if (on_floor || (!in_place && std::abs(sole) <= limits_.standing)) check_contacts(in_place);
-    if (on_floor) return;
+    if (on_floor(sole) || (!in_place && std::abs(sole) <= limits_.standing)) check_contacts(in_place);
+    if (on_floor(sole)) return;
     add(Fault::floor, first_, "the feet are ", hundredths(std::abs(sole)), " m ", sole < 0 ? "below" : "above",
         " y = 0");
     out_.cure.lift = -sole;
   }
-  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
-  /// off at all.
-  void check_contacts(bool in_place) {
+  std::vector<double> contact_speeds() {
     std::vector<BodyJoints::Pair> joints{body_->ankle};
     if (body_->toe.known()) joints.push_back(body_->toe);
     std::vector<double> stands;  // at which height the lower of a pair stands: a foot that stays higher hangs
@@ -25300,7 +25397,12 @@ class MotionInspector {
       for (const BodyJoints::Pair& p : joints) feet.push_back(p.*side);
       add_contacts(feet, stands, speeds);
     }
-    if (const double speed = quantile(speeds, 0.5); speed > limits_.slide) {
+    return speeds;
+  }
+  /// Feet far off y = 0 swim, climb or hang, and carry nothing; in place, where a swimmer treads water, those that are
+  /// off at all.
+  void check_contacts(bool in_place) {
+    if (const double speed = quantile(contact_speeds(), 0.5); speed > limits_.slide) {
       add(Fault::sliding_feet, first_, "standing feet slide at ", hundredths(speed), " m/s",
           in_place ? "; a clip in place" : "");
     }
@@ -25350,7 +25452,7 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
   const auto& up = cure.upright;
   const auto body = find_body_joints(out.skeleton);
   const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
-  for (Vec3<double>& r : out.root) r = cure.scale * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
+  for (Vec3<double>& r : out.root) r = cure.scale * cure.root * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
   for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
     for (Vec3<double>& o : *bones) o = cure.scale * (turn_rest ? rotate(up, o) : o);
   }
@@ -27522,11 +27624,11 @@ struct Tm2tSampling {
   Index max_tokens = 49, top_k = 100;
 };
 
-/// The sum over all symbols of -log p, as published not their mean. `logits`: of what comes after each symbol but the last one.
-template <Backend B>
-Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
-  return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
-}
+/// What may be said about a motion, and the logarithm of the probability that the model says just that.
+struct Description {
+  std::string text;
+  double log_probability = 0;
+};
 
 /// The members of the published checkpoints, each of which has a file of its own.
 template <Backend B>
@@ -27581,38 +27683,55 @@ struct Tm2t {
   /// A description of each motion, the best of some beams: lemmas with blanks between them.
   /// Differs from the published program, which takes the last word off a description that has no end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
+    return first_of(descriptions(features, glove, options));
+  }
+  /// All beams, the best first, where they differ in words.
+  std::vector<std::vector<Description>> descriptions(const Sequences<B>& features, const GloVe& glove,
+                                                     BeamOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    std::vector<std::string> out;
+    std::vector<std::vector<Description>> out;
     for (Index i = 0; i < memory.count(); ++i) {
-      Seq2SeqWriter<B> writer(m2t_transformer, {memory[i], Offsets{memory.offsets.length(i)}});
-      out.push_back(sentence(beam_search(writer, options).ids, glove));
+      const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
+      const BeamSearch found = beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options);
+      auto& said = out.emplace_back();
+      for (const std::size_t b : found.order)
+        add(said, std::span(found.beams[b]).first(static_cast<std::size_t>(found.lengths[b])), own, glove);
     }
     return out;
   }
   /// Descriptions that are drawn word by word.
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
+    return first_of(descriptions_at_random(features, glove, rng, 1, options));
+  }
+  /// `draws` of them for each motion, where they differ in words.
+  std::vector<std::vector<Description>> descriptions_at_random(const Sequences<B>& features, const GloVe& glove,
+                                                               const Philox& rng, Index draws,
+                                                               DecodingOptions options = {}) const {
     set_marks(options, glove);
     const auto memory = m2t_transformer.encode(marked(tokens(features)));
-    const auto words =
-        decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
-    std::vector<std::string> out;
-    for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
+    std::vector<std::vector<Description>> out(static_cast<std::size_t>(memory.count()));
+    for (Index k = 0; k < draws; ++k) {
+      const auto uniform = uniform_of(k == 0 ? rng : rng.split(static_cast<std::uint64_t>(k)));
+      auto drawn = decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform);
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const auto at = static_cast<Index>(i);
+        auto& ids = drawn.ids[i];
+        ids.resize(static_cast<std::size_t>(1 + drawn.lengths[i]));
+        if (drawn.lengths[i] < options.max_steps) ids.push_back(options.end);
+        add(out[i], ids, {memory[at], Offsets{memory.offsets.length(at)}}, glove);
+      }
+    }
     return out;
   }
 
   /// The codes of a motion for each text. text: as GloVe::encode makes it; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     auto state = t2m_model.start(word_vectors(text));
-    return decode_batch(t2m_model.next(state), text.count(),
-                        {.begin = vocabulary().begin(),
-                         .end = vocabulary().end(),
-                         .pad = vocabulary().pad(),
-                         .max_steps = options.max_tokens,
-                         .top_k = options.top_k},
-                        uniform_of(rng))
-        .written();
+    const auto [begin, end, pad] = std::array{vocabulary().begin(), vocabulary().end(), vocabulary().pad()};
+    const DecodingOptions wanted{begin, end, pad, options.max_tokens, options.top_k};
+    return decode_batch(t2m_model.next(state), text.count(), wanted, uniform_of(rng)).written();
   }
   /// Their features. A text that the model has nothing to say about gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
@@ -27626,6 +27745,19 @@ struct Tm2t {
  private:
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
+  }
+  static std::vector<std::string> first_of(const std::vector<std::vector<Description>>& all) {
+    std::vector<std::string> out;
+    for (const auto& own : all) out.push_back(own.front().text);
+    return out;
+  }
+  /// What symbols with their marks say about the motion of a memory, unless it is said already.
+  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory, const GloVe& glove) const {
+    std::string text = sentence(ids, glove);
+    if (std::any_of(to.begin(), to.end(), [&](const Description& d) { return d.text == text; })) return;
+    const auto written = IdSequences::one(ids);
+    const auto logits = m2t_transformer.logits(written.without_ends(0, 1), memory);
+    to.push_back({std::move(text), -static_cast<double>(next_symbol_loss(logits, written).item())});
   }
   /// Words without marks.
   static std::string sentence(std::span<const Index> ids, const GloVe& glove) {

@@ -238,6 +238,23 @@ std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
+/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+template <class R, class F>
+std::string join_text(const R& items, std::string_view between, F text) {
+  std::string out;
+  bool first = true;
+  for (const auto& item : items) {
+    if (!first) out += between;
+    first = false;
+    detail::append(out, text(item));
+  }
+  return out;
+}
+template <class R>
+std::string join_text(const R& items, std::string_view between = ", ") {
+  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+}
+
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -304,6 +321,7 @@ class Shape {
   constexpr int rank() const { return rank_; }
   constexpr Index operator[](int axis) const { return size_[static_cast<std::size_t>(axis)]; }
   constexpr Index& operator[](int axis) { return size_[static_cast<std::size_t>(axis)]; }
+  constexpr std::span<const Index> sizes() const { return {size_.data(), static_cast<std::size_t>(rank_)}; }
   constexpr Index back() const { return size_[static_cast<std::size_t>(rank_ - 1)]; }
 
   /// Number of elements.
@@ -340,12 +358,17 @@ class Shape {
   int rank_ = 0;
 };
 
-/// "(2, 60, 512)"
-inline std::string to_string(const Shape& s) {
-  std::string out = "(";
-  for (int i = 0; i < s.rank(); ++i) detail::append(out, i ? ", " : ""), detail::append(out, s[i]);
-  return out + ")";
+namespace detail {
+
+/// "(2, 60, 512)"; a negative size stands for any.
+inline std::string shape_text(std::span<const Index> sizes) {
+  return "(" + join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }) + ")";
 }
+
+}  // namespace detail
+
+/// "(2, 60, 512)"
+inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
 /// Axis counted from the end when negative; an error when out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
@@ -530,6 +553,7 @@ struct Pose;
 
 // features
 struct FeatureLayout;
+struct IndexRange;
 template <Backend B>
 struct Normalizer;
 

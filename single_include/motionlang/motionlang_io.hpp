@@ -12,8 +12,9 @@
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len. Without it
-///          the published values: 6D rotations, GELU, 4 heads, none, 60 frames
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len,
+///          sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads, none, 60
+///          consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
 ///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
@@ -420,6 +421,8 @@ class FilePath {
 
   const std::string& string() const { return text_; }
   const char* c_str() const { return text_.c_str(); }
+  /// The name of a file in this folder; "" is the current folder, as parent_path() of a bare name has it.
+  std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
     const std::string name = text_.substr(text_.find_last_of('/') + 1);
@@ -674,6 +677,7 @@ class FileShape {
   int rank() const { return static_cast<int>(sizes_.size()); }
   Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
   Index count() const {
     if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
@@ -695,11 +699,7 @@ class FileShape {
 };
 
 /// "(2, 60, 512)"
-inline std::string to_string(const FileShape& s) {
-  std::string out = "(";
-  for (int i = 0; i < s.rank(); ++i) out += concat_text(i ? ", " : "", s[i]);
-  return out + ")";
-}
+inline std::string to_string(const FileShape& s) { return detail::shape_text(s.sizes()); }
 
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {
@@ -1041,9 +1041,8 @@ inline std::string safetensors_header(std::span<const TensorView* const> order,
   for (const TensorView* t : order) {
     separate();
     append_json_string(json, t->name);
-    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[");
-    for (int axis = 0; axis < t->shape.rank(); ++axis) json += concat_text(axis == 0 ? "" : ",", t->shape[axis]);
-    json += concat_text("],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
+    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[", join_text(t->shape.sizes(), ","),
+                        "],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
     at += t->bytes.size();
   }
   json += '}';
@@ -2531,14 +2530,6 @@ struct NpyArray {
 
 namespace detail {
 
-/// "(2, 3)"; a negative size stands for any.
-inline std::string shape_text(std::span<const Index> shape) {
-  std::string out = "(";
-  for (std::size_t i = 0; i < shape.size(); ++i)
-    out += concat_text(i > 0 ? ", " : "", shape[i] < 0 ? "any" : concat_text(shape[i]));
-  return out + ")";
-}
-
 /// Reorders elements whose first index is the fastest to C order. Visits them in C order with an odometer of indices.
 inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, std::span<const Index> shape,
                                                  std::size_t item_size) {
@@ -2649,9 +2640,8 @@ inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view fil
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.
 inline std::vector<std::byte> npy_bytes(const NpyArray& array) {
-  std::string header = concat_text("{'descr': '", array.type(), "', 'fortran_order': False, 'shape': (");
-  for (std::size_t d = 0; d < array.shape.size(); ++d) header += concat_text(d > 0 ? ", " : "", array.shape[d]);
-  header += array.shape.size() == 1 ? ",), }" : "), }";
+  std::string header = concat_text("{'descr': '", array.type(), "', 'fortran_order': False, 'shape': (",
+                                   join_text(array.shape), array.shape.size() == 1 ? ",), }" : "), }");
   constexpr std::size_t before = 10, alignment = 64;
   header.append(alignment - 1 - (before + header.size()) % alignment, ' ');
   header += '\n';
@@ -3965,7 +3955,7 @@ inline NpyArray to_array(const PickleValue& value) { return detail::to_array(val
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
 /// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the folder of a system; that
-///                system, with its options and weights.safetensors
+///                system, with its options and weights.safetensors. One of tm2t is packed, whoever trained it
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 
@@ -4372,7 +4362,8 @@ inline std::vector<FileValue> options_of_config(const RunFolder& run) {
 /// Of a packed run the run.
 inline void unpack(RunFolder& run) {
   const FileValue *published = run.option("published"), *system = run.option("system");
-  if (run.system != "motionlang" || published == nullptr || system == nullptr || to_string(*published) != "true") return;
+  if (run.system != "motionlang" || system == nullptr) return;
+  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
   run.system = to_string(*system);
   if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
   run.options = options_of_config(run);
@@ -5369,12 +5360,12 @@ inline bool has_header_length(std::span<const std::byte> bytes) {
   return length <= SafetensorsFile::max_header && length <= bytes.size() - sizeof length;
 }
 
-/// Whether bytes begin like a file of weights in a binary format; text of any kind does not.
+/// Whether bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));  // a wrong length
   return is_safetensors(bytes) || damaged || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
-         text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes);
+         text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes) || text.substr(0, 4096).find('\0') != text.npos;
 }
 
 /// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
@@ -5532,7 +5523,8 @@ inline WeightFile WeightFile::from_run(const RunFolder& run, const WeightOptions
   return out;
 }
 
-/// Whether this is a folder, or a file that begins as open_weights expects it; text is not looked at, so older pickles are not seen.
+/// Whether this is a folder, or a file that begins as open_weights expects it or is no text, so that open_weights can
+/// say best what is wrong with it; older pickles, which are text, are not seen.
 inline bool may_be_weights(const FilePath& path) {
   std::error_code ignored;
   return std::filesystem::is_directory(path.string(), ignored) ||
@@ -5623,12 +5615,8 @@ class RunReader {
   }
   std::string one_of(const char* key, const char* otherwise, std::initializer_list<std::string_view> known) const {
     const std::string found = text(key, otherwise);
-    std::string list;
-    for (const std::string_view k : known) {
-      if (k == found) return found;
-      list += concat_text(list.empty() ? "" : ", ", k);
-    }
-    raise<io_error>(404, place(key), " is '", found, "', known are ", list);
+    if (std::ranges::find(known, found) != known.end()) return found;
+    raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
   }
   std::string place(const char* key) const { return concat_text(run_->options_file.string(), ": ", key); }
 
@@ -5811,6 +5799,20 @@ inline Index actor_longest(const RunFolder& run, const TensorSet& weights, const
   };
   const Index stated = frames("num_frames", 60, -2), most = stated < 0 ? frames("max_len", -1, -1) : stated;
   return std::min(most < 0 ? config.max_len : most, config.max_len - 2);
+}
+
+/// How a run chose frames of a clip: sampling and sampling_step.
+inline ActorFrameOptions actor_frame_options(const RunFolder& run, const TensorSet& weights) {
+  const detail::RunReader r(run, weights, "");
+  const std::string sampling = r.one_of("sampling", "conseq", {"conseq", "random_conseq", "random"});
+  const Index step = r.number({"sampling_step"}, 1, 100'000, -1);
+  if (step == 0) raise<config_error>(101, r.place("sampling_step"), " is 0, not -1 or 1 ... 100000");
+  return {.random_step = sampling == "random_conseq", .step = step, .scattered = sampling == "random"};
+}
+
+/// The points of a body that the loss of a run compares: jointstype. Throws config_error 103.
+inline ActorPoints actor_loss_points(const RunFolder& run, const TensorSet& weights) {
+  return parse_actor_points(detail::RunReader(run, weights, "").text("jointstype", "vertices"));
 }
 
 /// How a run writes motions, for `actor_points`.
@@ -6990,7 +6992,10 @@ class AnnotationFile {
   /// malformed JSON (with line and column) and for times that are none.
   AnnotatedMotion load(const std::string& id) const {
     const nlohmann::json document = members_.load(id);
-    const JsonView view(document, members_.place(id));
+    return parse(id, JsonView(document, members_.place(id)));
+  }
+  /// The motion of an entry. Throws what load throws for its values.
+  static AnnotatedMotion parse(const std::string& id, const JsonView& view) {
     AnnotatedMotion motion{id, view["path"].as<std::string>(), view["duration"].as<double>(), {}};
     detail::require_times(view["duration"].path(), 0, motion.duration);
     const JsonView list = view["annotations"];
@@ -7140,7 +7145,12 @@ class BabelFile {
   /// malformed JSON (with line and column) and for times that are none.
   BabelSequence load(const std::string& id) const {
     const nlohmann::json document = members_.load(id);
-    const JsonView view(document, members_.place(id));
+    return parse(id, JsonView(document, members_.place(id)));
+  }
+  /// Whether an entry is one of BABEL, and not one of the annotation JSON.
+  static bool is_entry(const JsonView& view) { return view.contains("babel_sid"); }
+  /// The sequence of an entry. Throws what load throws for its values.
+  static BabelSequence parse(const std::string& id, const JsonView& view) {
     BabelSequence out{id,
                       view["babel_sid"].as<std::int64_t>(),
                       view.value_or("url", ""),
@@ -10684,20 +10694,20 @@ inline constexpr const char* clip_places[] = {"text_encoder", "clip", "ViT-B-32.
 inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-uncased"};
 
 inline std::filesystem::path find_text_encoder(const std::filesystem::path& model, const std::string& kind) {
-  std::string tried;
+  std::vector<std::string> tried;
   const auto places = kind == "clip" ? std::span<const char* const>(clip_places) : bert_places;
   for (const auto& folder : {model, model.parent_path()}) {
     for (const char* name : places) {
       std::error_code ignored;
       if (std::filesystem::exists(folder / name, ignored)) return folder / name;
-      tried += concat_text(tried.empty() ? "" : ", ", (folder / name).string());
+      tried.push_back((folder / name).string());
     }
   }
   raise<io_error>(401, model.string(), ": its text encoder is not in the folder: give ",
                   kind == "clip" ? "CLIP ViT-B/32 (ViT-B-32.pt with bpe_simple_vocab_16e6.txt.gz, or the folder "
                                    "clip-vit-base-patch32)"
                                  : "the folder distilbert-base-uncased",
-                  "; looked for ", tried);
+                  "; looked for ", join_text(tried));
 }
 
 /// The vocabulary of a model that has CLIP in its checkpoint.
@@ -10915,7 +10925,7 @@ inline ModelFolder parse_model_config(std::string_view text, const std::string& 
 
 /// Throws io_error 401 if there is no config.json, and as parse_model_config.
 inline ModelFolder read_model_folder(const FilePath& folder) {
-  const std::string path = folder.string() + "/" + detail::model_config_file;
+  const std::string path = folder.inside(detail::model_config_file);
   return parse_model_config(read_file(path), path);
 }
 
@@ -10948,7 +10958,7 @@ inline std::string model_config_text(const ModelFolder& m, const std::string& na
 inline void write_model_folder(const FilePath& path, const ModelFolder& model, std::span<const TensorView> tensors,
                                std::span<const std::filesystem::path> text_encoder_files = {}) {
   namespace fs = std::filesystem;
-  const std::string config = model_config_text(model, path.string() + "/" + detail::model_config_file);
+  const std::string config = model_config_text(model, path.inside(detail::model_config_file));
   fs::path target = fs::path(path.string()).lexically_normal();
   if (!target.has_filename()) target = target.parent_path();
   if (std::error_code ignored; fs::exists(target, ignored))
@@ -11148,7 +11158,7 @@ class EmbeddingCache {
 
   /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model) {
-    const std::string base = folder.string() + "/" + model;
+    const std::string base = folder.inside(model);
     const auto rows = MappedFile::open(base + ".npy"), index = MappedFile::open(base + "_index.json");
     std::shared_ptr<const MappedFile> slices;
     std::error_code ignored;
@@ -11195,11 +11205,10 @@ class EmbeddingCache {
   /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has not one row but
   /// slices are not wanted.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const {
-    std::string path = folder.string();
-    make_folder(path);
+    const std::string base = folder.inside(model);
+    if (!folder.string().empty()) make_folder(folder.string());
     for (std::size_t from = 0, slash; (slash = model.find('/', from)) != model.npos; from = slash + 1)
-      make_folder(path + "/" + model.substr(0, slash));
-    const std::string base = path + "/" + model;
+      make_folder(folder.inside(model.substr(0, slash)));
     std::vector<std::int64_t> bounds;
     for (std::size_t i = 0; i < slices_.size(); ++i) {
       const auto [begin, end] = slices_[i];
@@ -12273,8 +12282,8 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
-/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales, and
-/// translations of other joints, are dropped.
+/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
+/// translations of other joints are dropped (stretched_joints names these).
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP  // <motionlang/io/detail/gltf_skeleton.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP
@@ -12523,7 +12532,8 @@ class GltfDocument {
     nodes_.resize(static_cast<std::size_t>(count("nodes")));
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       const JsonView n = element("nodes", static_cast<Index>(i));
-      nodes_[i].name = n.value_or("name", concat_text("node_", i));
+      nodes_[i].name = n.value_or("name", "");
+      if (nodes_[i].name.empty()) nodes_[i].name = concat_text("node_", i);
       nodes_[i].rest = n.contains("matrix")
                            ? decomposed(n)
                            : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
@@ -12698,8 +12708,8 @@ class GltfAnimation {
       if (!target.contains("node")) continue;
       const std::string path = target["path"].as<std::string>();
       const int node = document.node_number(target["node"]);
-      if (path != "translation" && path != "rotation") continue;  // scale and weights: not of a skeleton
-      auto& place = path == "rotation" ? rotations_ : translations_;
+      if (path != "translation" && path != "rotation" && path != "scale") continue;  // weights: not of a skeleton
+      auto& place = path == "rotation" ? rotations_ : path == "scale" ? scales_ : translations_;
       const JsonView sampler = samplers[channels[i]["sampler"].as<Index>()];
       if (!place.emplace(node, channel(keys, sampler, path == "rotation" ? 4 : 3)).second) {
         raise<io_error>(403, target.path(), ": a second channel for the ", path, " of node ", node);
@@ -12712,7 +12722,7 @@ class GltfAnimation {
   double duration() const { return duration_; }
   bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
 
-  /// Transform of a node, from its transform at rest.
+  /// Transform of a node, from its transform at rest; the scale stays.
   GltfTransform at(int node, GltfTransform transform, double time) const {
     if (const auto c = translations_.find(node); c != translations_.end()) {
       const auto v = c->second.at(time);
@@ -12726,16 +12736,19 @@ class GltfAnimation {
     return transform;
   }
   /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
-  bool moves_away(int node, const Vec3<double>& rest) const {
-    const auto c = translations_.find(node);
-    if (c == translations_.end()) return false;
+  bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
+  /// Whether its scale ever is another than at rest, by more than a hundredth.
+  bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
+
+ private:
+  static bool leaves(const std::map<int, GltfChannel>& channels, int node, const Vec3<double>& rest) {
+    const auto c = channels.find(node);
+    if (c == channels.end()) return false;
     return std::any_of(c->second.times->begin(), c->second.times->end(), [&](double t) {
       const auto v = c->second.at(t);
       return norm(Vec3<double>{v[0], v[1], v[2]} - rest) > 1e-2 * std::max(norm(rest), 1e-3);
     });
   }
-
- private:
   GltfChannel channel(SharedAccessors& keys, const JsonView& sampler, std::size_t components) {
     const std::string mode = sampler.value_or("interpolation", "LINEAR");
     GltfChannel c;
@@ -12761,7 +12774,7 @@ class GltfAnimation {
   }
 
   std::string name_;
-  std::map<int, GltfChannel> translations_, rotations_;
+  std::map<int, GltfChannel> translations_, rotations_, scales_;
   double duration_ = 0;
 };
 
@@ -12952,6 +12965,22 @@ class GlbFile {
 
   /// Seconds from time 0 to the last key of an animation. Throws config_error 103 if there is no such animation.
   double duration(Index animation) const { return at(animation).duration(); }
+
+  /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
+  /// of the bone, or by the scale of the joint before: motion() leaves this out. Throws config_error 103 if there is no
+  /// such animation.
+  std::vector<std::string> stretched_joints(Index animation) const {
+    const detail::GltfAnimation& a = at(animation);
+    std::vector<std::string> names;
+    for (std::size_t j = 1; j < joints_.nodes.size(); ++j) {
+      const int node = joints_.nodes[j], before = joints_.nodes[static_cast<std::size_t>(skeleton().parents[j])];
+      const bool stretched = before >= 0 && a.grows(before, nodes_[static_cast<std::size_t>(before)].rest.scale);
+      if (stretched || a.moves_away(node, nodes_[static_cast<std::size_t>(node)].rest.translation)) {
+        names.push_back(skeleton().names[j]);
+      }
+    }
+    return names;
+  }
 
   /// The animation at `fps` frames per second, from time 0 to its last key.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
@@ -13308,6 +13337,43 @@ inline GloVe read_glove(const FilePath& stem) {
       list[i].fail(403, "the word '", word, "' has no row");
   }
   return out;
+}
+
+namespace detail {
+
+/// A pickle of protocol 2: the list of the words, or a dictionary from each to its row.
+inline std::string pickled_words(std::span<const std::string> words, bool rows) {
+  std::string out = rows ? "\x80\x02}(" : "\x80\x02](";
+  const auto number = [&](std::size_t n) {  // four bytes, the lowest first
+    for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(n >> shift & 0xff);
+  };
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    out += 'X';
+    number(words[i].size());
+    out += words[i];
+    if (!rows) continue;
+    out += 'J';
+    number(i);
+  }
+  return out + (rows ? "u." : "e.");
+}
+
+}  // namespace detail
+
+/// The three files.
+/// Laws    read_glove of them has the same words in the same rows, and their vectors
+/// Throws  io_error 401
+inline void write_glove(const FilePath& stem, const GloVe& glove) {
+  const std::string base = stem.string();
+  const std::vector<std::string> words = glove.words();
+  std::vector<float> vectors;
+  for (const std::string& word : words) {
+    const auto row = glove.vector(word);
+    vectors.insert(vectors.end(), row.begin(), row.end());
+  }
+  write_npy(base + "_data.npy", NpyArray::of(std::span<const float>(vectors), {glove.size(), glove.width()}));
+  write_file(base + "_words.pkl", std::string_view(detail::pickled_words(words, false)));
+  write_file(base + "_idx.pkl", std::string_view(detail::pickled_words(words, true)));
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -14190,13 +14256,13 @@ inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions&
                                 std::string_view name = "array") {
   if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
     raise<config_error>(101, name, ": ", options.fps, " frames per second");
-  const std::vector<double> v = array.to<double>();
   const auto& shape = array.shape;
   const bool rows = shape.size() == 2;
   const bool joints = shape.size() == 3 && shape[2] == 3 && (shape[1] == 24 || shape[1] == 22 || shape[1] == 21);
-  if (!rows && !joints) {
+  if ((!rows && !joints) || array.is_text()) {
     raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
   }
+  const std::vector<double> v = array.to<double>();
   const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
   if (odd != v.end()) {
     const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();
@@ -14352,18 +14418,21 @@ inline std::vector<Index> marked_words(const GloVe& glove, std::span<const Tagge
 
 #ifndef MOTIONLANG_HAS_IO_TM2T_RUN_HPP  // <motionlang/io/tm2t_run.hpp>
 #define MOTIONLANG_HAS_IO_TM2T_RUN_HPP
-/// TM2T's model from texts to motions from the folders in which its repository leaves it.
+/// TM2T's models from texts to motions and from motions to texts from the folders in which its repository leaves them.
 ///
 ///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
 ///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
+///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
+///     const auto texts = other.model.describe(features, other.words);
 ///
-/// Three places: the folder of the recurrent model (opt.txt, model/finest.tar); the one of the motion tokenizer, beside it (its
-/// checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the motion tokenizer,
+/// beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
 ///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with
-/// Differs  from the published program: `model` has no transformer from motions to texts, which is in yet another folder
-/// Source   spec tm2t.md 1, 2, 5, 6
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for models of transformers; 406, 407 for tensors;
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The number of heads from
+///          the options, 8 unless they say it
+/// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
+/// Source   spec tm2t.md 1, 2, 4.1, 5, 6
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for tensors;
 ///          config_error 102 where the parts do not fit each other
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -14470,6 +14539,32 @@ inline Seq2SeqGruConfig tm2t_gru_config(const RunReader& r) {
   return c;
 }
 
+inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& weights) {
+  const std::string encoder = "encoder.layer_stack.", decoder = "decoder.layer_stack.",
+                    target = "decoder.trg_word_emb.weight", projection = "trg_word_prj.weight";
+  Seq2SeqConfig c{.source_symbols = r.size("encoder.src_word_emb.weight", 0),
+                  .target_symbols = r.size(target, 0),
+                  .d_model = r.size("encoder.src_word_emb.weight", 1, {"d_model"}),
+                  .d_inner = r.size(encoder + "0.pos_ffn.w_1.weight", 0),
+                  .heads = r.number({"n_head"}, 8, 4096),
+                  .encoder_layers = r.count(encoder, ".slf_attn.w_qs.weight", {"n_enc_layers"}),
+                  .decoder_layers = r.count(decoder, ".slf_attn.w_qs.weight", {"n_dec_layers"}),
+                  .source_positions = r.size("encoder.position_enc.positional_encoding", 0),
+                  .target_positions = r.size("decoder.position_enc.positional_encoding", 0)};
+  if (r.has(projection)) {
+    if (r.size(projection, 0) != c.target_symbols)
+      raise<io_error>(404, weights.name(), ": writes ", r.size(projection, 0), " words and reads vectors of ",
+                      r.size(target, 1), " numbers (m2t_v3), which cannot write word by word");
+    const auto numbers = [&](const std::string& name) { return values_of<float>(weights.tensor(r.prefix() + name)); };
+    c.shared_projection = numbers(projection) == numbers(target);
+  }
+  const Index width = r.size(encoder + "0.slf_attn.w_qs.weight", 0);
+  if (width % c.heads != 0)
+    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has queries of ", width, " numbers");
+  c.head_width = width / c.heads;
+  return c;
+}
+
 /// Those of the features, in the weights of a packed run or in the folder of the tokenizer. Throws io_error 401, 407.
 template <Backend B>
 Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, Index features) {
@@ -14479,11 +14574,51 @@ Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, In
 
 }  // namespace detail
 
-/// Whether a run folder holds the model from texts to motions; others of TM2T are tokenizers and models from motions to texts.
+/// Whether a run folder holds the model from texts to motions, or the one from motions to texts.
 inline bool is_tm2t_generator(const RunFolder& run) {
   return run.system == "tm2t" && !run.weights.empty() &&
          detail::tm2t_weights(run).find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr;
 }
+inline bool is_tm2t_describer(const RunFolder& run) {
+  return run.system == "tm2t" && !run.weights.empty() &&
+         detail::tm2t_weights(run).find("m2t_transformer.encoder.src_word_emb.weight") != nullptr;
+}
+
+/// The tokenizer alone, with its statistics, of its own folder or of a packed one.
+template <Backend B>
+Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  if (weights.find("quantizer.embedding.weight") == nullptr)
+    raise<io_error>(404, weights.name(), ": not TM2T's motion tokenizer (vq_encoder, quantizer, vq_decoder)");
+  const MotionTokenizerConfig config = detail::tm2t_tokenizer_config(detail::RunReader(run, weights, ""));
+  Tm2t<B> out;
+  NoInit zeros;
+  out.tokenizer = MotionTokenizer<B>(config, zeros);
+  detail::load_run_module(out.tokenizer, weights, "", [](const std::string& name) {
+    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+  });
+  out.statistics = detail::tm2t_normalizer<B>(run, weights, config.features);
+  out.statistics.eps = 0;
+  prepare_loaded(out.tokenizer);
+  return out;
+}
+
+namespace detail {
+
+/// Everything but the model that the folder is named after, which knows so many symbols of motions.
+template <Backend B>
+Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
+  const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);
+  Tm2tRun<B> out{.model = load_tm2t_tokenizer<B>(tokenizer_run), .words = read_glove(tm2t_words(run, options))};
+  if (out.width() == 251) out.fps = 12.5;
+  const MotionVocabulary vocabulary = out.model.vocabulary();
+  if (symbols != vocabulary.size())
+    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(), " has ",
+                        vocabulary.codes, " codes and three marks");
+  return out;
+}
+
+}  // namespace detail
 
 template <Backend B>
 Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {}) {
@@ -14492,31 +14627,34 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
   const detail::RunReader r(run, weights, prefix);
   if (!r.has("motion_decoder_step.input_emb.weight"))
     raise<io_error>(404, weights.name(), ": not TM2T's recurrent model from texts to motions (t2m_model)");
-  const RunFolder tokenizer_run = detail::tm2t_tokenizer_run(run, options);
-  const WeightFile tokenizer_weights = detail::tm2t_weights(tokenizer_run);
-  const MotionTokenizerConfig tokenizer =
-      detail::tm2t_tokenizer_config(detail::RunReader(tokenizer_run, tokenizer_weights, ""));
   const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
-  Tm2tRun<B> out{.model = {},
-                 .words = read_glove(detail::tm2t_words(run, options)),
-                 .fps = tokenizer.features == 251 ? 12.5 : 20.0};
-  if (gru.symbols != tokenizer.codes + 3)
-    raise<config_error>(102, weights.name(), ": writes ", gru.symbols, " symbols, ", tokenizer_weights.name(), " has ",
-                        tokenizer.codes, " codes and three marks");
+  auto out = detail::tm2t_around<B>(run, weights, gru.symbols, options);
   if (gru.word != out.words.width())
     raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
                         out.words.width());
   NoInit zeros;
-  out.model.tokenizer = MotionTokenizer<B>(tokenizer, zeros);
   out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
   detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
-  detail::load_run_module(out.model.tokenizer, tokenizer_weights, "", [](const std::string& name) {
-    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
-  });
-  out.model.statistics = detail::tm2t_normalizer<B>(tokenizer_run, tokenizer_weights, tokenizer.features);
-  out.model.statistics.eps = 0;
   prepare_loaded(out.model.t2m_model);
-  prepare_loaded(out.model.tokenizer);
+  return out;
+}
+
+template <Backend B>
+Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& options = {}) {
+  const WeightFile weights = detail::tm2t_weights(run);
+  const std::string prefix = "m2t_transformer.";
+  const detail::RunReader r(run, weights, prefix);
+  if (!r.has("encoder.src_word_emb.weight"))
+    raise<io_error>(404, weights.name(), ": not TM2T's transformer from motions to texts (m2t_transformer)");
+  const Seq2SeqConfig config = detail::tm2t_describer_config(r, weights);
+  auto out = detail::tm2t_around<B>(run, weights, config.source_symbols, options);
+  if (config.target_symbols != out.words.size() + 1)
+    raise<config_error>(102, weights.name(), ": writes ", config.target_symbols, " symbols, the words found are ",
+                        out.words.size(), " and one for padding");
+  NoInit zeros;
+  out.model.m2t_transformer = Seq2SeqTransformer<B>(config, zeros);
+  detail::load_run_module(out.model.m2t_transformer, weights, prefix, [](const std::string&) { return false; });
+  prepare_loaded(out.model.m2t_transformer);
   return out;
 }
 
@@ -14684,6 +14822,8 @@ template <Backend B>
 struct ActorRun {
   Actor<B> model;
   ActorFeatureOptions features{};
+  ActorPoints points = ActorPoints::vertices;  // that its loss compared
+  ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
   bool camera = true;               // the figure stands on its head: Y down, as cameras have it
   Index longest = 60;               // frames of motions that it learned from
   std::vector<std::string> labels;  // of the classes; empty if they are numbers
@@ -14762,6 +14902,8 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   out.model = load_actor<B>(weights, run);
   out.longest = actor_longest(run, weights, out.model.config);
   out.features = actor_point_options(run, weights).features;
+  out.points = actor_loss_points(run, weights);
+  out.frames = actor_frame_options(run, weights);
   const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
   if (out.model.config.njoints != joints)
     raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
@@ -14912,7 +15054,7 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
     detail::add_lightning(parts, run, options);
   } else if (run.system == "tmr") {
     detail::add_tmr(parts, run);
-  } else if (is_tm2t_generator(run)) {
+  } else if (is_tm2t_generator(run) || is_tm2t_describer(run)) {
     detail::add_tm2t(parts, run, options);
   } else if (is_mdm_action_run(run)) {
     parts.weights.push_back(detail::run_weights(run));

@@ -555,6 +555,23 @@ std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
 }
 
+/// Items of a list with `between` between them, each as text(item) is written: "left, right".
+template <class R, class F>
+std::string join_text(const R& items, std::string_view between, F text) {
+  std::string out;
+  bool first = true;
+  for (const auto& item : items) {
+    if (!first) out += between;
+    first = false;
+    detail::append(out, text(item));
+  }
+  return out;
+}
+template <class R>
+std::string join_text(const R& items, std::string_view between = ", ") {
+  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+}
+
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
@@ -621,6 +638,7 @@ class Shape {
   constexpr int rank() const { return rank_; }
   constexpr Index operator[](int axis) const { return size_[static_cast<std::size_t>(axis)]; }
   constexpr Index& operator[](int axis) { return size_[static_cast<std::size_t>(axis)]; }
+  constexpr std::span<const Index> sizes() const { return {size_.data(), static_cast<std::size_t>(rank_)}; }
   constexpr Index back() const { return size_[static_cast<std::size_t>(rank_ - 1)]; }
 
   /// Number of elements.
@@ -657,12 +675,17 @@ class Shape {
   int rank_ = 0;
 };
 
-/// "(2, 60, 512)"
-inline std::string to_string(const Shape& s) {
-  std::string out = "(";
-  for (int i = 0; i < s.rank(); ++i) detail::append(out, i ? ", " : ""), detail::append(out, s[i]);
-  return out + ")";
+namespace detail {
+
+/// "(2, 60, 512)"; a negative size stands for any.
+inline std::string shape_text(std::span<const Index> sizes) {
+  return "(" + join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }) + ")";
 }
+
+}  // namespace detail
+
+/// "(2, 60, 512)"
+inline std::string to_string(const Shape& s) { return detail::shape_text(s.sizes()); }
 
 /// Axis counted from the end when negative; an error when out of range.
 constexpr int normalize_axis(int axis, int rank, const char* op) {
@@ -7374,6 +7397,8 @@ class FilePath {
 
   const std::string& string() const { return text_; }
   const char* c_str() const { return text_.c_str(); }
+  /// The name of a file in this folder; "" is the current folder, as parent_path() of a bare name has it.
+  std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
     const std::string name = text_.substr(text_.find_last_of('/') + 1);
@@ -10805,6 +10830,7 @@ class FileShape {
   int rank() const { return static_cast<int>(sizes_.size()); }
   Index operator[](int axis) const { return sizes_[static_cast<std::size_t>(axis)]; }
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
+  std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
   Index count() const {
     if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
@@ -10826,11 +10852,7 @@ class FileShape {
 };
 
 /// "(2, 60, 512)"
-inline std::string to_string(const FileShape& s) {
-  std::string out = "(";
-  for (int i = 0; i < s.rank(); ++i) out += concat_text(i ? ", " : "", s[i]);
-  return out + ")";
-}
+inline std::string to_string(const FileShape& s) { return detail::shape_text(s.sizes()); }
 
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {
@@ -11172,9 +11194,8 @@ inline std::string safetensors_header(std::span<const TensorView* const> order,
   for (const TensorView* t : order) {
     separate();
     append_json_string(json, t->name);
-    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[");
-    for (int axis = 0; axis < t->shape.rank(); ++axis) json += concat_text(axis == 0 ? "" : ",", t->shape[axis]);
-    json += concat_text("],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
+    json += concat_text(":{\"dtype\":\"", t->dtype, "\",\"shape\":[", join_text(t->shape.sizes(), ","),
+                        "],\"data_offsets\":[", at, ",", at + t->bytes.size(), "]}");
     at += t->bytes.size();
   }
   json += '}';
