@@ -1,7 +1,5 @@
 #include "text_motion_model.hpp"
 
-#include "model_description.hpp"
-
 namespace program {
 
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder) {
@@ -13,25 +11,7 @@ TextMotionFile read_text_motion_config(const std::filesystem::path& folder) {
   const auto model = ml::read_model_folder(folder);
   if (model.system != "tmr" && model.system != "temos")
     ml::raise<ml::config_error>(103, path, ": system '", model.system, "' is not tmr or temos");
-  TextMotionFile file{model.system, model.fps, {}, {}};
-  const nlohmann::json config = model.config, others = model.others;
-  read_config(file.config, ml::JsonView(config, path + ": config"));
-  if (others.contains("vocabulary")) {
-    const ml::JsonView view(others, path);
-    file.pieces = ml::WordPiece(view["vocabulary"].as<std::vector<std::string>>(), path + ": vocabulary");
-  }
-  return file;
-}
-
-void write_text_motion(const std::filesystem::path& folder, const TextMotionFile& file,
-                       const std::map<std::string, std::string>& about, const ml::TensorStore& weights) {
-  auto model = described_model(file.system, about);
-  model.features = file.config.features;
-  model.fps = file.fps;
-  model.text_encoder = file.config.text.encoder;
-  model.config = config_json(file.config);
-  if (file.pieces) model.others["vocabulary"] = file.pieces->vocabulary();
-  overwrite_model(folder, model, weights);
+  return text_model_file<TextMotionConfig>(model, path);
 }
 
 }  // namespace program

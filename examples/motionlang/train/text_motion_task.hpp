@@ -4,31 +4,13 @@
 #include <algorithm>
 #include <set>
 
-#include <motionlang/features/statistics.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 
 #include "epoch_task.hpp"
+#include "motion_batch.hpp"
 #include "text_motion_model.hpp"
 
 namespace program {
-
-/// Mean and unbiased deviation of every feature over the frames of all motions; 1 where a feature never changes.
-inline ml::Normalizer<TrainingBackend> statistics_of(const std::vector<DescribedMotion>& motions, ml::Index width) {
-  ml::FeatureStatistics statistics;
-  for (const DescribedMotion& m : motions) statistics.add(std::span<const float>(m.rows), width);
-  std::vector<float> mean, std;
-  for (const double x : statistics.mean()) mean.push_back(static_cast<float>(x));
-  for (const double x : statistics.standard_deviation()) std.push_back(x < 1e-5 ? 1.0f : static_cast<float>(x));
-  return {ml::Tensor<TrainingBackend, 1>::from(mean, {width}), ml::Tensor<TrainingBackend, 1>::from(std, {width})};
-}
-
-/// Mean and std of a folder: Mean.npy and Std.npy of HumanML3D and KIT-ML, mean.pt and std.pt of others.
-/// Throws  io_error 401 if there are none, 407 for features of another width
-inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path& folder, ml::Index width) {
-  return ml::detail::folder_normalizer<TrainingBackend>(
-      ml::find_run(folder), width, {"", "stats.", "meta.", "motion_stats."},
-      "the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
-}
 
 /// Motions with one text each, as a model takes them.
 template <ml::Backend B>
@@ -41,19 +23,14 @@ template <ml::Backend B, class Choose>
 TextMotionBatch<B> text_motion_batch(const std::vector<DescribedMotion>& motions, std::span<const ml::Index> which,
                                      const ml::Normalizer<B>& normalizer, Choose text) {
   TextMotionBatch<B> out;
-  std::vector<typename B::scalar> values;
-  std::vector<ml::Index> lengths;
-  const ml::Index width = normalizer.mean.size(0);
+  MotionBatch<B> batch(normalizer);
   for (const ml::Index i : which) {
     const DescribedMotion& m = motions[static_cast<std::size_t>(i)];
     const DescribedText& t = m.texts[text(m)];
     out.texts.push_back(t.text);
-    values.insert(values.end(), m.rows.begin() + t.frames.first * width,
-                  m.rows.begin() + (t.frames.first + t.frames.length) * width);
-    lengths.push_back(t.frames.length);
+    batch.add(m.rows, t.frames);
   }
-  const ml::Offsets offsets{std::span<const ml::Index>(lengths)};
-  out.motions = {normalizer.normalize(ml::Tensor<B, 2>::from(values, {offsets.rows(), width})), offsets};
+  out.motions = batch.normalized();
   return out;
 }
 
@@ -121,8 +98,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
       config_.text.width = states_->width();
     }
     auto model = make_text_motion<System, B>(config_, data.width, pieces, ml::Philox{.seed = seed()}.split("init"));
-    model.motion_normalizer =
-        statistics.empty() ? statistics_of(data.training, data.width) : statistics_of(statistics, data.width);
+    model.motion_normalizer = statistics_of(statistics, data);
     Base::begin(std::move(model));
   }
 
@@ -199,10 +175,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
 
   std::map<std::string, std::string> settings() const {
     auto out = Base::settings();
-    if (learner_.average.words) {
-      std::string& pieces = out["text.pieces"];
-      for (const auto& p : learner_.average.words->tokenizer.vocabulary()) pieces += p + "\n";
-    }
+    add_pieces(out, learner_.average.words);
     return out;
   }
 

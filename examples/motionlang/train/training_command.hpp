@@ -1,4 +1,4 @@
-// What the commands train-tmr, train-temos, train-actor and train-classifier have in common: options, configuration,
+// What the commands train-tmr, train-temos, train-sinc, train-teach, train-actor and train-classifier have in common: options, configuration,
 // reading of data.
 #pragma once
 
@@ -36,6 +36,11 @@ struct LabelOptions {
 
 /// `presets` are their names; the first is taken unless another is named.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
+
+/// How many motions each part has.
+void tell_parts(const DescribedMotions& data);
+/// Where the model and the curves are.
+void tell_results(const TrainingOptions& o, const std::filesystem::path& model);
 
 /// Reads the motions and says how many there are.
 DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources, const DataConfig& config,
