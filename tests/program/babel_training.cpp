@@ -23,7 +23,8 @@ std::string label(const std::string& text, const std::string& times = "") {
 }
 std::string annotation(const std::string& labels) { return R"({"labels": [)" + labels + "]}"; }
 
-/// Sequences 1 to 5 of eight seconds: a T-pose, a walk with a wave in it, a turn, a transition, a person who sits down. Sequence 6 is one action.
+/// Sequences 1 to 5 of eight seconds: a T-pose, a walk with a wave in it, a turn, a transition, a person who sits down.
+/// Sequence 6 is one action.
 struct Sequences : TemporaryFolder {
   Sequences() {
     std::filesystem::create_directories(*this / "CMU/01");
@@ -59,7 +60,8 @@ struct Sequences : TemporaryFolder {
 
   /// A tiny network.
   Outcome train(const std::string& command, const std::string& out, const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{command, "--data", ".", "--preset", "small", "--out", out, "--spelling", "spelling.json"};
+    std::vector<std::string> arguments{command, "--data", ".",          "--preset",     "small",
+                                       "--out", out,      "--spelling", "spelling.json"};
     for (const char* a : {"optimiser.batch=4", "optimiser.schedule=constant", "optimiser.lr=0.01", "optimiser.epochs=2",
                           "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2",
                           "text.width=8", "text.vocabulary=60"})
@@ -73,7 +75,9 @@ struct Sequences : TemporaryFolder {
   std::vector<float> losses(const std::string& out) const {
     return ml::values_of<float>(checkpoint(out).tensor("losses"));
   }
-  std::string weights(const std::string& out) const { return ml::read_file(*this / (out + "/model/weights.safetensors")); }
+  std::string weights(const std::string& out) const {
+    return ml::read_file(*this / (out + "/model/weights.safetensors"));
+  }
 };
 
 double mean(std::span<const float> x) {
@@ -98,10 +102,14 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     std::vector<std::string> more;
   };
   const std::string recons = "recons_rfeats2rfeats";
-  for (const Case& c : {Case{"train-sinc", "16 motions to train on, 5 for validation, 5 for tests; 5 left out", "5 different labels",
-                             recons, 4, combined},
-                        Case{"train-teach", "6 motions to train on, 2 for validation, 2 for tests; 0 left out", "3 different labels",
-                             recons + "_1", 2, {}}}) {
+  for (const Case& c : {Case{"train-sinc", "16 motions to train on, 5 for validation, 5 for tests; 5 left out",
+                             "5 different labels", recons, 4, combined},
+                        Case{"train-teach",
+                             "6 motions to train on, 2 for validation, 2 for tests; 0 left out",
+                             "3 different labels",
+                             recons + "_1",
+                             2,
+                             {}}}) {
     CAPTURE(c.command);
     const std::string whole = c.command + "_whole", halves = c.command + "_halves";
     const auto epochs = [&](const char* number) {
@@ -115,7 +123,8 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     REQUIRE(losses.size() == static_cast<std::size_t>(30 * c.steps_of_epoch));
     CHECK(mean(std::span(losses).last(10)) < 0.9 * mean(std::span(losses).first(10)));
     const std::string curves = ml::read_file(w / (whole + "/loss.svg"));
-    for (const std::string& part : {std::string("validation"), ">" + c.term + " "}) CHECK_MESSAGE(contains(curves, part), part);
+    for (const std::string& part : {std::string("validation"), ">" + c.term + " "})
+      CHECK_MESSAGE(contains(curves, part), part);
 
     REQUIRE(w.train(c.command, halves, epochs("13")).code == 0);
     const auto rest = w.train(c.command, halves, epochs("30") + std::vector<std::string>{"--recompute"});
@@ -128,11 +137,13 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
   // actions at the same time as one sentence; actions one after the other with a gap that is filled
   const auto made = [&](const std::string& name, const std::string& timeline) {
     ml::write_file(w / "timeline.txt", timeline);
-    const auto out = run({"generate", "--model", name + "_whole/model", "--timeline", "timeline.txt", "--out", name}, w.path);
+    const auto out =
+        run({"generate", "--model", name + "_whole/model", "--timeline", "timeline.txt", "--out", name}, w.path);
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return ml::read_bvh_motion(w / (name + "/timeline.bvh"));
   };
-  const std::string both = "walk # 0 # 2 # legs\nwave # 0 # 2 # right arm\n", after = "walk # 0 # 2 # legs\nturn # 2 # 4 # legs\n";
+  const std::string both = "walk # 0 # 2 # legs\nwave # 0 # 2 # right arm\n",
+                    after = "walk # 0 # 2 # legs\nturn # 2 # 4 # legs\n";
   CHECK(made("train-sinc", both).frames() == 60);
   CHECK(made("train-teach", after).frames() == 120);
   ml::write_file(w / "timeline.txt", both);
@@ -147,7 +158,8 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
 
 TEST_CASE("items of BABEL: types of data, val.json to validate with, combined actions") {
   const Sequences w;
-  const auto counted = [&](const std::string& command, const std::vector<std::string>& more, const std::string& counts) {
+  const auto counted = [&](const std::string& command, const std::vector<std::string>& more,
+                           const std::string& counts) {
     const auto out = w.train(command, "out", more + std::vector<std::string>{"--fresh"});
     REQUIRE_MESSAGE(out.code == 0, out.text);
     CHECK_MESSAGE(contains(out.text, counts), out.text);
@@ -168,37 +180,46 @@ TEST_CASE("items of BABEL: types of data, val.json to validate with, combined ac
     counted("train-sinc", two + more, "6 motions to train on");
     return w.losses("out");
   };
-  const auto alone = first_losses({}), pairs = first_losses({"--body-parts", "parts.json", "--set", "data.proportion=1"}),
-             by_lot = first_losses({"--body-parts", "parts.json", "--set", "data.proportion=1", "--set", "data.random=true"});
+  const auto alone = first_losses({}),
+             pairs = first_losses({"--body-parts", "parts.json", "--set", "data.proportion=1"}),
+             by_lot = first_losses(
+                 {"--body-parts", "parts.json", "--set", "data.proportion=1", "--set", "data.random=true"});
   CHECK(alone != pairs);
   CHECK(pairs != by_lot);
 }
 
 TEST_CASE("what train-sinc and train-teach refuse") {
   const Sequences w;
-  const auto refused = [&](const std::string& command, const std::vector<std::string>& more, const std::string& message) {
+  const auto refused = [&](const std::string& command, const std::vector<std::string>& more,
+                           const std::string& message) {
     const auto out = w.train(command, "refused", more);
     CHECK(out.code == 1);
     CHECK_MESSAGE(contains(out.text, message), out.text);
     CHECK(!std::filesystem::exists(w / "refused/checkpoint.safetensors"));
   };
   refused("train-sinc", {}, "[motionlang.config.102] --babel is required");
-  refused("train-sinc", all + std::vector<std::string>{"--babel-validation", "val.json"}, "--babel-validation or --splits, not both");
+  refused("train-sinc", all + std::vector<std::string>{"--babel-validation", "val.json"},
+          "--babel-validation or --splits, not both");
   refused("train-sinc", all + std::vector<std::string>{"--set", "data.types=seg+pairs"},
           "data.types: 'pairs' is not seg, seq, spatial_pairs or separate_pairs");
   refused("train-sinc", all + std::vector<std::string>{"--set", "data.proportion=0.5"},
           "data.proportion above 0 needs --body-parts");
-  refused("train-sinc", all + std::vector<std::string>{"--body-parts", "parts.json"}, "--body-parts is for data.proportion above 0");
+  refused("train-sinc", all + std::vector<std::string>{"--body-parts", "parts.json"},
+          "--body-parts is for data.proportion above 0");
   refused("train-sinc", all + std::vector<std::string>{"--set", "features=rifke"},
           "features 'rifke' is not smplvelp-published or smplvelp");
-  refused("train-sinc", all + std::vector<std::string>{"--set", "text.encoder=distilbert"}, "text.encoder = distilbert needs --text-encoder");
-  refused("train-teach", all + std::vector<std::string>{"--set", "data.shortest=3"}, "data.shortest is 3, network.hist_frames 5");
-  refused("train-teach", all + std::vector<std::string>{"--set", "data.longest=20"}, "babel.json: nothing to train on (6 left out)");
+  refused("train-sinc", all + std::vector<std::string>{"--set", "text.encoder=distilbert"},
+          "text.encoder = distilbert needs --text-encoder");
+  refused("train-teach", all + std::vector<std::string>{"--set", "data.shortest=3"},
+          "data.shortest is 3, network.hist_frames 5");
+  refused("train-teach", all + std::vector<std::string>{"--set", "data.longest=20"},
+          "babel.json: nothing to train on (6 left out)");
   ml::write_file(w / "few.json", R"({"walk": ["", "", "right leg"]})");
   refused("train-sinc", all + std::vector<std::string>{"--body-parts", "few.json", "--set", "data.proportion=0.5"},
           "--body-parts: no parts of 'wave' (seg-1-1)");
   ml::write_file(w / "elsewhere.json", R"({"7": {"babel_sid": 7, "feat_p": "CMU/CMU/01/07_poses.npz", "dur": 8.0}})");
-  refused("train-teach", {"--babel", "elsewhere.json", "--set", "data.test_share=0"}, "elsewhere.json: 7: no ./CMU/01/07_poses.bvh");
+  refused("train-teach", {"--babel", "elsewhere.json", "--set", "data.test_share=0"},
+          "elsewhere.json: 7: no ./CMU/01/07_poses.bvh");
   ml::write_file(w / "outside.json", R"({"7": {"babel_sid": 7, "feat_p": "../07_poses.npz", "dur": 8.0}})");
   refused("train-teach", {"--babel", "outside.json"}, "'../07_poses' is no path of a clip");
 }
@@ -210,10 +231,11 @@ TEST_CASE("the published settings of SINC and TEACH") {
     CHECK(out.code == 0);
     for (const char* line : lines) CHECK_MESSAGE(contains(out.text, line), out.text);
   };
-  printed("train-sinc", {"\"features\": \"smplvelp-published\"", "\"num_heads\": 4", "\"num_layers\": 6", "\"kl\": 0.00032", "\"latent\": 1e-05",
-                         "\"lr\": 0.0003", "\"weight_decay\": 0.01", "\"schedule\": \"step\"", "\"batch\": 32", "\"epochs\": 1001", "\"seed\": 42",
-                         "\"every\": 25", "\"encoder\": \"distilbert\"", "\"window\": 300", "\"shortest\": 15", "\"proportion\": 0.5"});
-  printed("train-teach", {"\"features\": \"smplvelp-published\"", "\"num_heads\": 4", "\"kl\": 1e-05", "\"lr\": 7e-05", "\"schedule\": \"constant\"",
-                          "\"batch\": 8", "\"epochs\": 1001", "\"seed\": 42", "\"hist_frames\": 5", "\"longest\": 750",
-                          "\"loss_on_transition\": true"});
+  printed("train-sinc", {"\"features\": \"smplvelp-published\"", "\"num_heads\": 4", "\"num_layers\": 6",
+                         "\"kl\": 0.00032", "\"latent\": 1e-05", "\"lr\": 0.0003", "\"weight_decay\": 0.01",
+                         "\"schedule\": \"step\"", "\"batch\": 32", "\"epochs\": 1001", "\"seed\": 42", "\"every\": 25",
+                         "\"encoder\": \"distilbert\"", "\"window\": 300", "\"shortest\": 15", "\"proportion\": 0.5"});
+  printed("train-teach", {"\"features\": \"smplvelp-published\"", "\"num_heads\": 4", "\"kl\": 1e-05", "\"lr\": 7e-05",
+                          "\"schedule\": \"constant\"", "\"batch\": 8", "\"epochs\": 1001", "\"seed\": 42",
+                          "\"hist_frames\": 5", "\"longest\": 750", "\"loss_on_transition\": true"});
 }

@@ -16,7 +16,7 @@ inline void require_babel_features(const std::string& name) {
     ml::raise<ml::config_error>(103, "features '", name, "' is not smplvelp-published or smplvelp");
 }
 
-/// Members that a configuration has: latent_dim, ff_size, num_layers, num_heads, dropout, activation; to those of the system.
+/// latent_dim, ff_size, num_layers, num_heads, dropout and activation of a configuration as those of the system.
 template <class System, class Network>
 System babel_network(const Network& n, ml::Index width, ml::Index text_width) {
   System c;
@@ -24,6 +24,12 @@ System babel_network(const Network& n, ml::Index width, ml::Index text_width) {
   c.latent_dim = n.latent_dim, c.ff_size = n.ff_size, c.num_layers = n.num_layers, c.num_heads = n.num_heads;
   c.dropout = n.dropout, c.activation = ml::parse_activation(n.activation);
   return c;
+}
+
+/// How clips are split by lot.
+template <class Data>
+DataConfig lots_of(const Data& c) {
+  return {.test_share = c.test_share, .validation_share = c.validation_share, .split_seed = c.split_seed};
 }
 
 struct SincNetworkConfig {
@@ -53,16 +59,16 @@ struct SincLossesConfig {
 };
 
 struct SincDataConfig {
-  std::string types = "seg+seq+spatial_pairs";      // what is learnt, in any order; or with separate_pairs
-  ml::Index shortest = 15, window = 300;            // frames; of what is longer, as many from a place by lot
-  ml::Index longest = 800;                          // of what is validated with
-  ml::Index simultaneous_max = 4;                   // labels at the same time
-  double proportion = 0.5;                          // of single actions that are combined with one of other body parts
-  bool random = false;                              // with any action, and parts by lot
+  std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; or with separate_pairs
+  ml::Index shortest = 15, window = 300;             // frames; of what is longer, as many from a place by lot
+  ml::Index longest = 800;                           // of what is validated with
+  ml::Index simultaneous_max = 4;                    // labels at the same time
+  double proportion = 0.5;                           // of single actions that are combined with one of other body parts
+  bool random = false;                               // with any action, and parts by lot
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
-  DataConfig lots() const { return {.test_share = test_share, .validation_share = validation_share, .split_seed = split_seed}; }
+  DataConfig lots() const { return lots_of(*this); }
   void require_sound() const {
     lots().require_sound();
     require_value("shortest", shortest, shortest >= 1, "1 or more");
@@ -126,7 +132,8 @@ struct TeachLossesConfig {
   bool loss_on_transition = true;  // false: reconstructions leave the transition out
 
   void require_sound() const {
-    for (const auto& [name, value] : {std::pair("recons", recons), {"kl", kl}, {"latent", latent}, {"velocity", velocity}})
+    for (const auto& [name, value] :
+         {std::pair("recons", recons), {"kl", kl}, {"latent", latent}, {"velocity", velocity}})
       require_value(name, value, value >= 0, "0 or more");
   }
   static constexpr auto fields() {
@@ -141,7 +148,7 @@ struct TeachDataConfig {
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
-  DataConfig lots() const { return {.test_share = test_share, .validation_share = validation_share, .split_seed = split_seed}; }
+  DataConfig lots() const { return lots_of(*this); }
   void require_sound() const {
     lots().require_sound();
     require_value("shortest", shortest, shortest >= 1, "1 or more");
@@ -167,8 +174,8 @@ struct TeachTrainingConfig {
   void require_sound() const {
     require_babel_features(features);
     if (data.shortest < network.hist_frames)
-      ml::raise<ml::config_error>(102, "data.shortest is ", data.shortest, ", network.hist_frames ", network.hist_frames,
-                                  ": the past has more frames than an action may have");
+      ml::raise<ml::config_error>(102, "data.shortest is ", data.shortest, ", network.hist_frames ",
+                                  network.hist_frames, ": the past has more frames than an action may have");
   }
   static constexpr auto fields() {
     using C = TeachTrainingConfig;
@@ -189,13 +196,14 @@ Config small_babel() {
   return c;
 }
 
-/// "sinc-published": spec sinc.md 2, 3, 5; "small" combines no actions, for which a table of body parts is needed. Throws
-/// config_error 103.
+/// "sinc-published": spec sinc.md 2, 3, 5. "small" combines no actions, for which a table of body parts is needed.
+/// Throws config_error 103.
 inline SincTrainingConfig sinc_preset(const std::string& name) {
   auto c = small_babel<SincTrainingConfig>();
   c.data.proportion = 0;
   if (name == "small") return c;
-  if (name != "sinc-published") ml::raise<ml::config_error>(103, "--preset '", name, "' is not sinc-published or small");
+  if (name != "sinc-published")
+    ml::raise<ml::config_error>(103, "--preset '", name, "' is not sinc-published or small");
   c = {};
   c.optimiser.lr = 3e-4, c.optimiser.schedule = "step", c.optimiser.epochs = 1001, c.optimiser.seed = 42;
   c.validation.every = 25;

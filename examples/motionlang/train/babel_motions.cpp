@@ -74,7 +74,8 @@ ml::SpellingTable spelling_of(const std::filesystem::path& path) {
 /// What is taken of an item, counted as the published programs number their keys: before any is left out.
 class Numbered {
  public:
-  Numbered(BabelItems& out, const std::string& type, const std::string& id) : out_(&out), prefix_(type + "-" + id + "-") {}
+  Numbered(BabelItems& out, const std::string& type, const std::string& id)
+      : out_(&out), prefix_(type + "-" + id + "-") {}
 
   void add(bool taken, ml::FrameSlice frames, std::vector<DescribedText> texts) {
     const std::string key = prefix_ + std::to_string(number_++);
@@ -118,7 +119,8 @@ BabelReader sinc_reader(const SincDataConfig& config) {
       ml::raise<ml::config_error>(103, "data.types: '", type, "' is not seg, seq, spatial_pairs or separate_pairs");
   }
   return [config, types](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool training) {
-    const ml::SincWindow window{.request = training ? config.window : 0, .shortest = config.shortest, .longest = config.longest};
+    const ml::SincWindow window{
+        .request = training ? config.window : 0, .shortest = config.shortest, .longest = config.longest};
     BabelItems out;
     for (const std::string& type : types) {
       Numbered numbered(out, type, s.id);
@@ -157,15 +159,17 @@ BabelReader sinc_reader(const SincDataConfig& config) {
 
 BabelReader teach_reader(const TeachDataConfig& config) {
   return [config](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool training) {
-    const ml::TeachLengths lengths{config.shortest, training ? config.longest : std::max<Index>(config.longest, 100'000)};
+    const ml::TeachLengths lengths{config.shortest,
+                                   training ? config.longest : std::max<Index>(config.longest, 100'000)};
     BabelItems out;
     Numbered numbered(out, "separate_pairs", s.id);
     for_each_pair(s, frames, spelling, [&](const ml::ActionPair& pair, const ml::PairFrames& f) {
       const Index first = f.first.start;
       const bool sound = f.second.size() > 0 && f.second.end <= frames && ml::is_teach_length(f, lengths) &&
                          !pair.first.text.empty() && !pair.second.text.empty();
-      numbered.add(sound, {first, f.all().size()},
-                   {{pair.first.text, {0, f.first.size()}}, {pair.second.text, {f.second.start - first, f.second.size()}}});
+      numbered.add(
+          sound, {first, f.all().size()},
+          {{pair.first.text, {0, f.first.size()}}, {pair.second.text, {f.second.start - first, f.second.size()}}});
     });
     return out;
   };
@@ -188,7 +192,8 @@ DescribedMotions read_babel_motions(const BabelSources& sources, const std::stri
     if (clip.seconds() >= least_seconds) items = reader(e.sequence, motion.frames(), spelling, e.part == 0);
     for (BabelItem& item : items.items) {
       const auto rows = maker.from_motion(ml::crop(motion, item.frames.first, item.frames.first + item.frames.length));
-      found[static_cast<std::size_t>(i)].push_back({item.key, e.clip, {rows.begin(), rows.end()}, std::move(item.texts)});
+      found[static_cast<std::size_t>(i)].push_back(
+          {item.key, e.clip, {rows.begin(), rows.end()}, std::move(item.texts)});
     }
     const std::lock_guard lock(mutex);
     out.left_out += items.left_out;

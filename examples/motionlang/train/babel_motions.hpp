@@ -1,6 +1,6 @@
-// Motions of AMASS with the labels of BABEL, as SINC and TEACH learn from them. Every item is one DescribedMotion: its id is the published key,
-// "seg-4242-0"; its rows are turned ahead as one motion; its texts are labels. Of SINC they are about all of it; of TEACH there are two, one
-// behind the other, and what is between them is the transition.
+// Motions of AMASS with the labels of BABEL, as SINC and TEACH learn from them. Every item is one DescribedMotion: its
+// id is the published key, "seg-4242-0"; its rows are turned ahead as one motion; its texts are labels. Of SINC they
+// are about all of it; of TEACH there are two, one behind the other, and what is between them is the transition.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What trainings on BABEL have in common: a model with word pieces or the states of a language model, and items of BABEL.
+// What trainings on BABEL have in common: a model that reads word pieces or the states of a language model, and a loss.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ class BabelTask
     : public EpochTask<Config, TextMotionModel<TrainingTape, System>, TextMotionModel<TrainingBackend, System>> {
  public:
   using Base = EpochTask<Config, TextMotionModel<TrainingTape, System>, TextMotionModel<TrainingBackend, System>>;
-  using typename Base::A, typename Base::B;
   using Base::seed;
+  using typename Base::A, typename Base::B;
 
   std::map<std::string, std::string> settings() const {
     auto out = Base::settings();

@@ -34,7 +34,8 @@ inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path
 }
 
 /// Of a folder where one is named, else of the motions to train on.
-inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path& folder, const DescribedMotions& data) {
+inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path& folder,
+                                                     const DescribedMotions& data) {
   return folder.empty() ? statistics_of(data.training, data.width) : statistics_of(folder, data.width);
 }
 
@@ -52,7 +53,8 @@ class MotionBatch {
   }
   /// Some frames of a motion.
   void add(std::span<const float> rows, const ml::FrameSlice& frames) {
-    add(rows.subspan(static_cast<std::size_t>(frames.first * width_), static_cast<std::size_t>(frames.length * width_)));
+    add(rows.subspan(static_cast<std::size_t>(frames.first * width_),
+                     static_cast<std::size_t>(frames.length * width_)));
   }
   ml::Sequences<B> normalized() const {
     const ml::Offsets offsets{std::span<const ml::Index>(lengths_)};

@@ -22,7 +22,7 @@ class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
   using Base = BabelTask<ml::Sinc, SincTrainingConfig>;
 
   /// table   body parts of all labels; null if no actions are combined. Outlives the task, as the data do.
-  /// Throws  config_error 103 for a label that the table lacks, 102 if `table` and data.proportion contradict each other
+  /// Throws  config_error 103 for a label that the table lacks, 102 if table and data.proportion contradict each other
   SincTask(SincTrainingConfig config, const DescribedMotions& data, TextStates states,
            const std::filesystem::path& statistics, const ml::BodyPartTable* table)
       : Base(std::move(config), data, std::move(states), sentences(data), statistics) {
@@ -37,7 +37,8 @@ class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
     for (const DescribedMotion& m : data.training) {
       const auto labels = labels_of(m);
       for (const std::string& label : labels) {
-        if (!known.contains(label)) ml::raise<ml::config_error>(103, "--body-parts: no parts of '", label, "' (", m.id, ")");
+        if (!known.contains(label))
+          ml::raise<ml::config_error>(103, "--body-parts: no parts of '", label, "' (", m.id, ")");
       }
       items.push_back({source_of(m.id), labels, std::ssize(m.rows) / data.width});
     }
@@ -57,8 +58,9 @@ class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
       if (items_)
         e = items_->draw(k, options, draws);
       else
-        e.window = options.window.of(std::ssize(m.rows) / data_->width,
-                                     [&](ml::Index n) { return static_cast<ml::Index>(draws.below(static_cast<std::uint32_t>(n))); });
+        e.window = options.window.of(std::ssize(m.rows) / data_->width, [&](ml::Index n) {
+          return static_cast<ml::Index>(draws.below(static_cast<std::uint32_t>(n)));
+        });
       texts.push_back(ml::join_labels(e.labels, static_cast<ml::Conjunction>(conjunctions.below(5))));
       if (e.partner)
         batch.add(composed(m, e.parts[0], training_motion(*e.partner), e.parts[1]));
@@ -68,7 +70,7 @@ class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
     return loss_of(learner_.model, texts, batch.normalized(), rng.split("noise"), context);
   }
 
-  /// The loss without dropout, of whole motions and sentences as the published evaluation has them, with the same noise every time.
+  /// The loss without dropout, of whole motions and the published evaluation's sentences, with the same noise always.
   std::vector<Measure> validate() {
     return {{"loss", Base::over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
                std::vector<std::string> texts;
@@ -104,7 +106,9 @@ class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
   /// Rows of two motions in one, turned ahead once more.
   std::vector<float> composed(const DescribedMotion& a, const ml::SincParts& parts_a, const DescribedMotion& b,
                               const ml::SincParts& parts_b) const {
-    const auto motion_of = [](const DescribedMotion& m) { return ml::smplvelp_inverse(std::span<const float>(m.rows)); };
+    const auto motion_of = [](const DescribedMotion& m) {
+      return ml::smplvelp_inverse(std::span<const float>(m.rows));
+    };
     const auto both = ml::compose_motions(motion_of(a), parts_a, motion_of(b), parts_b);
     return ml::smplvelp_features(std::span<const ml::Matrix3<float>>(both.rotations),
                                  std::span<const ml::Vec3<float>>(both.trans),
@@ -112,8 +116,8 @@ class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
   }
 
   template <ml::Backend T>
-  ml::LossTerms<T> loss_of(const Model<T>& model, const std::vector<std::string>& texts, const ml::Sequences<T>& motions,
-                           const ml::Philox& rng, const ml::Context& context) const {
+  ml::LossTerms<T> loss_of(const Model<T>& model, const std::vector<std::string>& texts,
+                           const ml::Sequences<T>& motions, const ml::Philox& rng, const ml::Context& context) const {
     const auto& l = config_.losses;
     const ml::SincTexts<T> states{Base::tokens(model, texts)};
     const auto noise = ml::TextMotionNoise<T>::draw(motions.count(), config_.network.latent_dim, rng);

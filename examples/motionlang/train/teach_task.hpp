@@ -35,9 +35,8 @@ class TeachTask : public BabelTask<ml::Teach, TeachTrainingConfig> {
   /// The states of all labels, asked for once.
   static TextStates kept(const TextStates& states, const DescribedMotions& data) {
     if (!states) return states;
-    return [all = std::make_shared<const ml::EmbeddingCache>(states(all_texts(data)))](std::span<const std::string> texts) {
-      return states_of(*all, texts);
-    };
+    return [all = std::make_shared<const ml::EmbeddingCache>(states(all_texts(data)))](
+               std::span<const std::string> texts) { return states_of(*all, texts); };
   }
 
   template <ml::Backend T>
@@ -55,13 +54,15 @@ class TeachTask : public BabelTask<ml::Teach, TeachTrainingConfig> {
       second.add(m.rows, {cut, action + b.frames.length - cut});
       transitions.push_back(action - cut);
     }
-    const ml::TeachPairs<T> pairs{Base::tokens(model, first_texts), Base::tokens(model, second_texts), first.normalized(),
-                                  second.normalized(), ml::Offsets(std::span<const ml::Index>(transitions))};
+    const ml::TeachPairs<T> pairs{Base::tokens(model, first_texts), Base::tokens(model, second_texts),
+                                  first.normalized(), second.normalized(),
+                                  ml::Offsets(std::span<const ml::Index>(transitions))};
     const auto noise = ml::TeachNoise<T>::draw(std::ssize(which), config_.network.latent_dim, rng);
     const auto& l = config_.losses;
     ml::TeachLossOptions options{.loss_on_transition = l.loss_on_transition, .velocity = l.velocity};
     options.each.recons = l.recons, options.each.kl = l.kl, options.each.latent = l.latent;
-    return ml::teach_losses(model.system.branches(pairs, noise, context, config_.network.teacher_forcing), pairs, options);
+    return ml::teach_losses(model.system.branches(pairs, noise, context, config_.network.teacher_forcing), pairs,
+                            options);
   }
 };
 

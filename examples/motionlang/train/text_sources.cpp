@@ -15,9 +15,8 @@ namespace {
 
 TextStates states_from(const std::filesystem::path& from, const ml::TextEncoderOptions& options) {
   const auto asked = [](auto encoder) {
-    return [encoder = std::make_shared<const decltype(encoder)>(std::move(encoder))](std::span<const std::string> texts) {
-      return states_of(*encoder, texts);
-    };
+    return [encoder = std::make_shared<const decltype(encoder)>(std::move(encoder))](
+               std::span<const std::string> texts) { return states_of(*encoder, texts); };
   };
   if (from.extension() != ".npy") return asked(ml::load_text_encoder<B>(from, options));
   return asked(ml::EmbeddingCache::read(from.parent_path(), from.stem().string()));

@@ -20,10 +20,12 @@ inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* 
   c->add_option("--babel-validation", o.validation,
                 "BABEL's val.json, to validate with; a part of --babel, by --splits or by lot, unless given")
       ->check(CLI::ExistingFile);
-  c->add_option("--spelling", o.spelling, "JSON of words of labels and what they are replaced by")->check(CLI::ExistingFile);
+  c->add_option("--spelling", o.spelling, "JSON of words of labels and what they are replaced by")
+      ->check(CLI::ExistingFile);
   c->add_option("--text-encoder", o.text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o.statistics, "Folder with mean and std of the features; those of the motions to train on unless given")
+  c->add_option("--statistics", o.statistics,
+                "Folder with mean and std of the features; those of the motions to train on unless given")
       ->check(CLI::ExistingDirectory);
   return c;
 }
