@@ -23,6 +23,8 @@ void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_train_tmr(CLI::App& app);
 void add_train_temos(CLI::App& app);
+void add_train_sinc(CLI::App& app);
+void add_train_teach(CLI::App& app);
 void add_train_actor(CLI::App& app);
 void add_train_classifier(CLI::App& app);
 void add_train_tm2t(CLI::App& app);

@@ -34,7 +34,8 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong;\n"
       "3 the timeline is wrong; 130 stopped by Ctrl-C (what was finished is kept)."
 #ifndef MOTIONLANG_TRAINING
-      "\nBuilt without train-tmr, train-temos, train-actor, train-classifier, train-tm2t and evaluate (-DMOTIONLANG_TRAINING=ON has them)."
+      "\nBuilt without train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor, train-classifier and evaluate "
+      "(-DMOTIONLANG_TRAINING=ON has them)."
 #endif
   );
   program::add_generate(app);
@@ -44,6 +45,8 @@ int main(int argc, char** argv) {
 #ifdef MOTIONLANG_TRAINING
   program::add_train_tmr(app);
   program::add_train_temos(app);
+  program::add_train_sinc(app);
+  program::add_train_teach(app);
   program::add_train_actor(app);
   program::add_train_classifier(app);
   program::add_train_tm2t(app);

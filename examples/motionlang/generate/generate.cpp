@@ -214,7 +214,7 @@ void add_generate(CLI::App& app) {
                 "own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
       ->excludes(timeline);
   c->add_option("--model", o->model,
-                "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-tmr; or a folder of STMC, MDM, "
+                "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-sinc, train-teach, train-tmr; or a folder of STMC, MDM, "
                 "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")
       ->capture_default_str();
   c->add_option("--text-encoder", o->sources.text_encoder,

@@ -17,7 +17,8 @@ std::string system_of(const ml::RunFolder& run) {
   if (ml::is_mdm_action_run(run)) return "mdm of actions";
   const ml::FileValue* system = run.system == "motionlang" ? run.option("system") : nullptr;
   const std::string own = system == nullptr ? "" : to_string(*system);
-  return own == "actor" || own == "temos" || own == "tmr" ? "trained " + own : run.system;
+  const bool trained = own == "actor" || own == "temos" || own == "tmr" || own == "sinc" || own == "teach";
+  return trained ? "trained " + own : run.system;
 }
 
 /// Null for what goes through STMC.
@@ -31,7 +32,7 @@ std::unique_ptr<Generator> load_other(const std::string& system, const std::file
   if (system.starts_with("trained ") || system == "tmr") return load_trained_text_motion(model, sources);
 #else
   if (system.starts_with("trained ") || system == "tmr")
-    ml::raise<ml::config_error>(103, model.string(), ": models of train-actor, train-temos and train-tmr, and TMR, need a program with training "
+    ml::raise<ml::config_error>(103, model.string(), ": models of train-actor, train-temos, train-sinc, train-teach and train-tmr, and TMR, need a program with training "
                                 "(-DMOTIONLANG_TRAINING=ON)");
 #endif
   return nullptr;

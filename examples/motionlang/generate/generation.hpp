@@ -73,7 +73,7 @@ struct ModelSources {
   std::string tokenizer{};     // TM2T's folder of its motion tokenizer
 };
 
-/// model: a file of ours, a folder with one, a folder of train-actor, train-temos or train-tmr, or the folder of a published model: STMC,
+/// model: a file of ours, a folder with one, a folder of train-actor, train-temos, train-sinc, train-teach or train-tmr, or the folder of a published model: STMC,
 /// MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, TM2T. backend: eigen, xtensor or reference; throws config_error 103 for another, and
 /// for another than eigen where texts or actions do not go through STMC.
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
@@ -95,7 +95,7 @@ std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const Mod
 /// MDM's models of actions: the name or the number of an action. TM2T: one text; it decides itself how long the motion is.
 std::unique_ptr<Generator> load_mdm_actions(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_tm2t(const std::filesystem::path& run, const ModelSources& sources);
-/// Folders of train-temos and train-tmr, and of a published TMR; of train-actor.
+/// Folders of train-temos, train-sinc, train-teach and train-tmr, and of a published TMR; of train-actor.
 std::unique_ptr<Generator> load_trained_text_motion(const std::filesystem::path& folder, const ModelSources& sources);
 std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folder);
 

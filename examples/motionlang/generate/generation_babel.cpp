@@ -1,4 +1,4 @@
-// TEACH and SINC, as their repositories leave them, behind the Generator: texts one after the other, texts at the same time.
+// TEACH and SINC behind the Generator, as their repositories leave them or with parts from elsewhere.
 #include <algorithm>
 
 #include <motionlang/backend/eigen.hpp>
@@ -6,7 +6,7 @@
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
-#include "from_texts.hpp"
+#include "from_babel.hpp"
 
 namespace program {
 
@@ -17,9 +17,9 @@ using ml::Index;
 
 class TeachGenerator final : public EachAlone {
  public:
-  explicit TeachGenerator(ml::TeachRun<B> run) : run_(std::move(run)) {}
+  explicit TeachGenerator(TextLatents<ml::Teach<B>> parts) : parts_(std::move(parts)) {}
 
-  double fps() const override { return run_.fps; }
+  double fps() const override { return parts_.fps; }
   std::string system() const override { return "TEACH"; }
   bool draws_latents() const override { return true; }
 
@@ -31,10 +31,10 @@ class TeachGenerator final : public EachAlone {
       texts.push_back(i.text);
       lengths.push_back(i.end - i.start);
     }
-    const auto states = run_.text_encoder.encode<B>(std::span<const std::string>(texts)).tokens;
-    const auto parts = ml::actions_to_motion(run_.model, states, ml::Offsets(lengths), noise, ml::teach_window,
+    const auto states = parts_.tokens(texts);
+    const auto parts = ml::actions_to_motion(parts_.model, states, ml::Offsets(lengths), noise, ml::teach_window,
                                              {.fact = settings.fact.value_or(1)});
-    return ml::motion_of_smplvelp(ml::teach_motion(run_.normalizer, parts, ml::teach_window), run_.fps);
+    return ml::motion_of_smplvelp(ml::teach_motion(parts_.normalizer, parts, ml::teach_window), parts_.fps);
   }
 
   /// Throws timeline_error 509 for texts at the same time.
@@ -49,7 +49,7 @@ class TeachGenerator final : public EachAlone {
     return out;
   }
 
-  ml::TeachRun<B> run_;
+  TextLatents<ml::Teach<B>> parts_;
 };
 
 /// All texts, at the same time, as one sentence.
@@ -61,15 +61,21 @@ ml::Interval together(const ml::Timeline& timeline) {
 
 }  // namespace
 
-std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources) {
-  return std::make_unique<TeachGenerator>(ml::load_teach_run<B>(
-      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+std::unique_ptr<Generator> from_teach(TextLatents<ml::Teach<B>> parts) {
+  return std::make_unique<TeachGenerator>(std::move(parts));
 }
-std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources) {
-  auto parts = text_latents(ml::load_sinc_run<B>(
-      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+std::unique_ptr<Generator> from_sinc(TextLatents<ml::Sinc<B>> parts) {
   parts.wanted = together;
   return from_texts(std::move(parts));
+}
+
+std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources) {
+  return from_teach(text_latents(ml::load_teach_run<B>(
+      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+}
+std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources) {
+  return from_sinc(text_latents(ml::load_sinc_run<B>(
+      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
 }
 
 }  // namespace program

@@ -1,14 +1,14 @@
-// What train-temos, train-tmr and train-actor leave, and TMR as its repository leaves it, behind the Generator: one text,
-// or one action, for each motion.
+// What train-temos, train-tmr, train-sinc, train-teach and train-actor leave, and TMR as its repository leaves it, behind
+// the Generator: texts, or one action, for each motion.
 #include <algorithm>
 
 #include <motionlang/kinematics/retarget.hpp>
 
 #include "../train/actor_model.hpp"
-#include "../train/text_motion_model.hpp"
+#include "../train/babel_model.hpp"
 #include "../train/text_sources.hpp"
 #include "from_actions.hpp"
-#include "from_texts.hpp"
+#include "from_babel.hpp"
 
 namespace program {
 
@@ -16,17 +16,15 @@ namespace {
 
 using B = ml::EigenBackend<float>;
 
-template <template <class> class System>
-std::unique_ptr<Generator> trained(const std::filesystem::path& folder, const TextMotionFile& file,
-                                   const std::filesystem::path& text_encoder) {
-  auto model = load_text_motion<System, B>(folder, file);
-  const ml::MotionFeatures& features = ml::motion_features(file.config.features);
+template <template <class> class System, class Config>
+TextLatents<System<B>> parts_of(TextMotionModel<B, System> model, const TextModelFile<Config>& file, double longest,
+                                const std::filesystem::path& folder, const std::filesystem::path& text_encoder) {
   TextLatents<System<B>> parts{.model = std::move(model.system),
                                .normalizer = std::move(model.motion_normalizer),
-                               .features = &features,
-                               .fps = features.fps,
+                               .features = &ml::motion_features(file.config.features),
+                               .fps = file.fps,
                                .tokens = {},
-                               .longest = file.config.data.max_seconds};
+                               .longest = longest};
   parts.tokens = [words = std::move(model.words), language = std::move(model.language),
                   states = std::make_shared<ml::EmbeddingCache>(0), folder, encoder = file.config.text.encoder,
                   text_encoder](std::span<const std::string> texts) {
@@ -36,18 +34,41 @@ std::unique_ptr<Generator> trained(const std::filesystem::path& folder, const Te
       ml::raise<ml::config_error>(102, folder.string(), ": this model reads the states of ", encoder,
                                   ": --text-encoder names it");
     const auto is_known = [&](const std::string& text) { return states->contains(text); };
-    if (!std::all_of(texts.begin(), texts.end(), is_known)) *states = token_states(text_encoder, texts);
+    if (!std::all_of(texts.begin(), texts.end(), is_known)) {
+      std::vector<std::string> different(texts.begin(), texts.end());
+      std::sort(different.begin(), different.end());
+      different.erase(std::unique(different.begin(), different.end()), different.end());
+      *states = token_states(text_encoder, different);
+    }
     return states->encode<B>(texts).tokens;
   };
-  return from_texts(std::move(parts));
+  return parts;
+}
+template <template <class> class System>
+TextLatents<System<B>> text_motion(const std::filesystem::path& folder, const TextMotionFile& file,
+                                   const std::filesystem::path& text_encoder) {
+  return parts_of(load_text_motion<System, B>(folder, file), file, file.config.data.max_seconds, folder, text_encoder);
+}
+template <template <class> class System, class Config>
+TextLatents<System<B>> of_babel(const std::filesystem::path& folder, const ml::ModelFolder& model,
+                                const std::filesystem::path& text_encoder) {
+  const auto file = text_model_file<Config>(model, (folder / "config.json").string());
+  return parts_of(load_babel_model<System, B>(folder, file), file, file.config.longest_seconds(), folder, text_encoder);
 }
 
 }  // namespace
 
 std::unique_ptr<Generator> load_trained_text_motion(const std::filesystem::path& folder, const ModelSources& sources) {
+  if (ml::find_run(folder).system == "motionlang") {
+    const auto model = ml::read_model_folder(folder);
+    if (model.system == "sinc")
+      return from_sinc(of_babel<ml::Sinc, SincTrainingConfig>(folder, model, sources.text_encoder));
+    if (model.system == "teach")
+      return from_teach(of_babel<ml::Teach, TeachTrainingConfig>(folder, model, sources.text_encoder));
+  }
   const TextMotionFile file = read_text_motion_config(folder);
-  return file.system == "tmr" ? trained<ml::Tmr>(folder, file, sources.text_encoder)
-                              : trained<ml::Temos>(folder, file, sources.text_encoder);
+  return file.system == "tmr" ? from_texts(text_motion<ml::Tmr>(folder, file, sources.text_encoder))
+                              : from_texts(text_motion<ml::Temos>(folder, file, sources.text_encoder));
 }
 std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folder) {
   ActorModel<B> model(folder);

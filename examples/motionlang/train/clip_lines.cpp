@@ -95,13 +95,6 @@ class LabelTable {
   std::map<std::string, std::vector<std::string>> labels_;
 };
 
-/// "CMU/CMU/141/141_05_poses.npz" of BABEL, which has the folder of the data set twice, as the path of a clip.
-std::string babel_clip(const std::filesystem::path& data, const std::string& feat_p) {
-  std::string twice = feat_p.ends_with(".npz") ? feat_p.substr(0, feat_p.size() - 4) : feat_p;
-  const std::string first = twice.substr(0, twice.find('/') + 1), once = twice.substr(first.size());
-  return once.starts_with(first) && clip_file(data, twice).empty() ? once : twice;
-}
-
 }  // namespace
 
 std::vector<ClipLine> read_captions(const std::filesystem::path& path) {
@@ -175,6 +168,12 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
                             ": no annotation has a label or act_cat; --labels names a table with "
                             "what a stretch, a motion or a text is labelled");
   return lines;
+}
+
+std::string babel_clip(const std::filesystem::path& data, const std::string& feat_p) {
+  std::string twice = feat_p.ends_with(".npz") ? feat_p.substr(0, feat_p.size() - 4) : feat_p;
+  const std::string first = twice.substr(0, twice.find('/') + 1), once = twice.substr(first.size());
+  return once.starts_with(first) && clip_file(data, twice).empty() ? once : twice;
 }
 
 std::filesystem::path clip_file(const std::filesystem::path& data, const std::string& clip) {

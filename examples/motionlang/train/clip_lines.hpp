@@ -44,6 +44,9 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
 /// none.
 std::filesystem::path clip_file(const std::filesystem::path& data, const std::string& clip);
 
+/// "CMU/CMU/141/141_05_poses.npz" of BABEL, which has the folder of the data set twice, as the path of a clip.
+std::string babel_clip(const std::filesystem::path& data, const std::string& feat_p);
+
 /// The clip of a line on our skeleton, at its own frame rate. Features without rotations get such that fit their
 /// positions.
 /// Throws io_error 401 if there is no file, and what the readers throw.

@@ -12,6 +12,7 @@
 
 #include "../files/data_set_form.hpp"
 #include "clip_lines.hpp"
+#include "clip_split.hpp"
 
 namespace program {
 
@@ -29,43 +30,6 @@ std::vector<float> rows_of(const RowMaker& maker, const ml::Motion& motion) {
 /// Ready-made features of the published sets have clips with NaN, of which nothing can be learnt.
 bool all_finite(std::span<const float> rows) {
   return std::all_of(rows.begin(), rows.end(), [](float x) { return std::isfinite(x); });
-}
-
-/// Training (0), validation (1) or test (2) of every clip: by lists of ids, else by lot.
-class Split {
- public:
-  Split(const DataSources& sources, const DataConfig& config, std::vector<std::string> clips) {
-    if (!sources.splits.empty()) {
-      for (const int part : {0, 1, 2}) {
-        const auto list =
-            sources.splits / (std::array{"train", "val", "test"}[static_cast<std::size_t>(part)] + std::string(".txt"));
-        if (part != 0 && !std::filesystem::exists(list)) continue;
-        for (const std::string& id : ml::read_ids(list)) part_.emplace(id, part);
-      }
-      return;
-    }
-    std::sort(clips.begin(), clips.end());
-    clips.erase(std::unique(clips.begin(), clips.end()), clips.end());
-    auto rng = ml::Philox{.seed = config.split_seed}.split("split");
-    for (std::size_t i = clips.size(); i > 1; --i)
-      std::swap(clips[i - 1], clips[rng.below(static_cast<std::uint32_t>(i))]);
-    const auto count = static_cast<double>(clips.size());
-    const auto test = static_cast<std::size_t>(config.test_share * count + 0.5),
-               validation = static_cast<std::size_t>(config.validation_share * count + 0.5);
-    for (std::size_t i = 0; i < clips.size(); ++i) part_[clips[i]] = i < test ? 2 : i < test + validation ? 1 : 0;
-  }
-  /// -1 for a clip that is on no list.
-  int of(const std::string& clip) const {
-    const auto found = part_.find(clip);
-    return found == part_.end() ? -1 : found->second;
-  }
-
- private:
-  std::map<std::string, int> part_;
-};
-
-std::vector<DescribedMotion>& part_of(DescribedMotions& all, int part) {
-  return part == 0 ? all.training : part == 1 ? all.validation : all.test;
 }
 
 /// By what a line is split: an id where there are lists, else the clip, mirrored or not.
@@ -102,7 +66,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
     lines_of[lines[i].clip].push_back(i);
     keys.push_back(key_of(sources, lines[i].id, lines[i].clip));
   }
-  const Split split(sources, config, keys);
+  const Split split(sources.splits, config, keys);
   std::vector<std::vector<DescribedMotion>> found(lines.size());
   std::mutex mutex;
   Index done = 0;
@@ -211,7 +175,7 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
   std::vector<std::string> keys;
   for (const std::string& id : file.ids())
     keys.push_back(key_of(sources, id, sources.splits.empty() ? file.load(id).path : id));
-  const Split split(sources, config, keys);
+  const Split split(sources.splits, config, keys);
   for (std::size_t i = 0; i < file.ids().size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(file.ids()));
     const std::string& id = file.ids()[i];

@@ -30,4 +30,10 @@ inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path
       "the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
 }
 
+/// Of a folder where one is named, else of the motions to train on.
+inline ml::Normalizer<TrainingBackend> statistics_of(const std::filesystem::path& folder,
+                                                     const DescribedMotions& data) {
+  return folder.empty() ? statistics_of(data.training, data.width) : statistics_of(folder, data.width);
+}
+
 }  // namespace program

@@ -1,6 +1,7 @@
 // Hyperparameters that every training has: the optimiser, and when to validate.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -18,7 +19,7 @@ struct OptimiserConfig {
   double lr = 1e-4, beta1 = 0.9, beta2 = 0.999, eps = 1e-8, weight_decay = 0.01;
   double clip_norm = 0;               // longest gradient; 0: any
   double ema = 0;                     // rate of the running average that is used in the end; 0: the weights themselves
-  std::string schedule = "constant";  // or "cosine", down to a fiftieth
+  std::string schedule = "constant";  // or "cosine", down to a fiftieth; "step", SINC's: a tenth after every 200 epochs
   ml::Index warmup = 0;               // steps
   ml::Index batch = 32;
   ml::Index epochs = 500;
@@ -47,8 +48,9 @@ struct OptimiserConfig {
   double rate(ml::Index step, ml::Index total) const {
     if (schedule == "cosine")
       return ml::WarmupCosine{.peak = lr, .floor = lr * 0.02, .warmup = warmup, .total = total}(step);
+    if (schedule == "step") return lr * std::pow(0.1, static_cast<double>(step * epochs / total / 200));
     if (schedule != "constant")
-      ml::raise<ml::config_error>(103, "optimiser.schedule '", schedule, "' is not constant or cosine");
+      ml::raise<ml::config_error>(103, "optimiser.schedule '", schedule, "' is not constant, cosine or step");
     return step < warmup ? lr * static_cast<double>(step + 1) / static_cast<double>(warmup) : lr;
   }
 };

@@ -2,8 +2,6 @@
 
 #include <motionlang/io/diffusion_folder.hpp>
 
-#include "model_description.hpp"
-
 namespace program {
 
 LanguageModelFiles read_language_model_files(const std::filesystem::path& folder) {
@@ -17,6 +15,12 @@ LanguageModelFiles read_language_model_files(const std::filesystem::path& folder
   return out;
 }
 
+void write_language_model_files(const std::filesystem::path& folder, const LanguageModelFiles& files) {
+  std::filesystem::create_directories(folder);
+  for (const auto& from : ml::detail::text_encoder_files(files.folder, /*weights=*/false))
+    ml::write_file(folder / from.filename(), std::string_view(ml::read_file(from)));
+}
+
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder) {
   if (ml::RunFolder run = ml::find_run(folder); run.system == "tmr") {
     const auto config = tmr_preset("tmr-published");
@@ -26,31 +30,9 @@ TextMotionFile read_text_motion_config(const std::filesystem::path& folder) {
   const auto model = ml::read_model_folder(folder);
   if (model.system != "tmr" && model.system != "temos")
     ml::raise<ml::config_error>(103, path, ": system '", model.system, "' is not tmr or temos");
-  TextMotionFile file{model.system, model.fps, {}, {}};
-  const nlohmann::json config = model.config, others = model.others;
-  read_config(file.config, ml::JsonView(config, path + ": config"));
-  if (others.contains("vocabulary")) {
-    const ml::JsonView view(others, path);
-    file.pieces = ml::WordPiece(view["vocabulary"].as<std::vector<std::string>>(), path + ": vocabulary");
-  }
+  auto file = text_model_file<TextMotionConfig>(model, path);
   if (file.config.text.finetune) file.language = read_language_model_files(folder / "text_encoder");
   return file;
-}
-
-void write_text_motion(const std::filesystem::path& folder, const TextMotionFile& file,
-                       const std::map<std::string, std::string>& about, const ml::TensorStore& weights) {
-  auto model = described_model(file.system, about);
-  model.features = file.config.features;
-  model.fps = file.fps;
-  model.text_encoder = file.config.text.encoder;
-  model.config = config_json(file.config);
-  if (file.pieces) model.others["vocabulary"] = file.pieces->vocabulary();
-  if (file.language) {
-    std::filesystem::create_directories(folder / "text_encoder");
-    for (const auto& from : ml::detail::text_encoder_files(file.language->folder, /*weights=*/false))
-      ml::write_file(folder / "text_encoder" / from.filename(), std::string_view(ml::read_file(from)));
-  }
-  overwrite_model(folder, model, weights);
 }
 
 }  // namespace program

@@ -24,6 +24,7 @@
 #include <motionlang/systems/tmr.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
 
+#include "model_description.hpp"
 #include "text_motion_config.hpp"
 
 namespace program {
@@ -37,6 +38,8 @@ struct LanguageModelFiles {
 /// From config.json and the tokenizer of a folder. Throws io_error 401, config_error 103 for another network, 102 if they
 /// do not fit.
 LanguageModelFiles read_language_model_files(const std::filesystem::path& folder);
+/// Copies all but the weights into a folder, which is made. Throws io_error 401.
+void write_language_model_files(const std::filesystem::path& folder, const LanguageModelFiles& files);
 
 /// DistilBERT that is trained with the model.
 template <ml::Backend B>
@@ -102,6 +105,14 @@ struct TextMotionModel {
   }
 };
 
+/// Word pieces among the settings of a training, if there are some.
+template <ml::Backend B>
+void add_pieces(std::map<std::string, std::string>& settings, const std::optional<ml::WordPieceTokens<B>>& words) {
+  if (!words) return;
+  std::string& pieces = settings["text.pieces"];
+  for (const auto& p : words->tokenizer.vocabulary()) pieces += p + "\n";
+}
+
 template <ml::Backend B>
 using TmrModel = TextMotionModel<B, ml::Tmr>;
 template <ml::Backend B>
@@ -166,30 +177,46 @@ inline RowMaker row_maker(const std::string& features) {
 }
 
 /// What config.json says.
-struct TextMotionFile {
+template <class Config>
+struct TextModelFile {
   std::string system;
   double fps = 0;
-  TextMotionConfig config;
+  Config config;
   std::optional<ml::WordPiece> pieces;
   std::optional<LanguageModelFiles> language{};  // that was trained with it
   std::optional<ml::RunFolder> published{};  // where it is not of our training
 };
+using TextMotionFile = TextModelFile<TextMotionConfig>;
+
+/// Of a config.json that somebody has read; `path` stands in messages. Throws config_error 101, 103, 107, io_error 403.
+template <class Config>
+TextModelFile<Config> text_model_file(const ml::ModelFolder& model, const std::string& path) {
+  TextModelFile<Config> file{model.system, model.fps, {}, {}};
+  const nlohmann::json config = model.config, others = model.others;
+  read_config(file.config, ml::JsonView(config, path + ": config"));
+  if (others.contains("vocabulary")) {
+    const ml::JsonView view(others, path);
+    file.pieces = ml::WordPiece(view["vocabulary"].as<std::vector<std::string>>(), path + ": vocabulary");
+  }
+  return file;
+}
 /// Of a folder of train-tmr or train-temos, or of a published TMR. Throws io_error 401, 403, config_error 103, 107.
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder);
 
-/// Writes config.json and weights.safetensors, over those that are there.
-void write_text_motion(const std::filesystem::path& folder, const TextMotionFile& file,
-                       const std::map<std::string, std::string>& about, const ml::TensorStore& weights);
-/// `about`: license, provenance, data, command, ...
-template <template <class> class System, ml::Backend B>
-void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
-                      const TextMotionConfig& config, const std::map<std::string, std::string>& about) {
+/// Writes config.json and weights.safetensors, over those that are there. `about`: license, provenance, data, command, ...
+template <template <class> class System, ml::Backend B, class Config>
+void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model, const Config& config,
+                      double fps, const std::map<std::string, std::string>& about) {
   ml::TensorStore store;
   store.add_module(model);
-  TextMotionFile file{system_name<System>(), ml::motion_features(config.features).fps, config, {}};
-  if (model.words) file.pieces = model.words->tokenizer;
-  if (model.language) file.language = model.language->files;
-  write_text_motion(folder, file, about, store);
+  auto description = described_model(system_name<System>(), about);
+  description.features = config.features;
+  description.fps = fps;
+  description.text_encoder = config.text.encoder;
+  description.config = config_json(config);
+  if (model.words) description.others["vocabulary"] = model.words->tokenizer.vocabulary();
+  if (model.language) write_language_model_files(folder / "text_encoder", model.language->files);
+  overwrite_model(folder, description, store);
 }
 /// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another width.
 template <ml::Backend B>

@@ -7,7 +7,7 @@
 #include <motionlang/metrics/retrieval.hpp>
 
 #include "epoch_task.hpp"
-#include "feature_statistics.hpp"
+#include "motion_batch.hpp"
 #include "text_motion_model.hpp"
 
 namespace program {
@@ -23,19 +23,14 @@ template <ml::Backend B, class Choose>
 TextMotionBatch<B> text_motion_batch(const std::vector<DescribedMotion>& motions, std::span<const ml::Index> which,
                                      const ml::Normalizer<B>& normalizer, Choose text) {
   TextMotionBatch<B> out;
-  std::vector<typename B::scalar> values;
-  std::vector<ml::Index> lengths;
-  const ml::Index width = normalizer.mean.size(0);
+  MotionBatch<B> batch(normalizer);
   for (const ml::Index i : which) {
     const DescribedMotion& m = motions[static_cast<std::size_t>(i)];
     const DescribedText& t = m.texts[text(m)];
     out.texts.push_back(t.text);
-    values.insert(values.end(), m.rows.begin() + t.frames.first * width,
-                  m.rows.begin() + (t.frames.first + t.frames.length) * width);
-    lengths.push_back(t.frames.length);
+    batch.add(m.rows, t.frames);
   }
-  const ml::Offsets offsets{std::span<const ml::Index>(lengths)};
-  out.motions = {normalizer.normalize(ml::Tensor<B, 2>::from(values, {offsets.rows(), width})), offsets};
+  out.motions = batch.normalized();
   return out;
 }
 
@@ -109,8 +104,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
     }
     auto model = make_text_motion<System, B>(config_, data.width, pieces, ml::Philox{.seed = seed()}.split("init"));
     model.language = std::move(language);
-    model.motion_normalizer =
-        statistics.empty() ? statistics_of(data.training, data.width) : statistics_of(statistics, data.width);
+    model.motion_normalizer = statistics_of(statistics, data);
     Base::begin(std::move(model));
   }
 
@@ -187,10 +181,7 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
 
   std::map<std::string, std::string> settings() const {
     auto out = Base::settings();
-    if (learner_.average.words) {
-      std::string& pieces = out["text.pieces"];
-      for (const auto& p : learner_.average.words->tokenizer.vocabulary()) pieces += p + "\n";
-    }
+    add_pieces(out, learner_.average.words);
     return out;
   }
 

@@ -1,6 +1,7 @@
 #include "text_sources.hpp"
 
 #include <map>
+#include <memory>
 #include <set>
 
 #include <motionlang/io/text_encoder_folder.hpp>
@@ -12,10 +13,13 @@ using B = ml::EigenBackend<float>;
 
 namespace {
 
-ml::EmbeddingCache states_from(const std::filesystem::path& from, std::span<const std::string> texts,
-                               const ml::TextEncoderOptions& options) {
-  if (from.extension() != ".npy") return states_of(ml::load_text_encoder<B>(from, options), texts);
-  return states_of(ml::EmbeddingCache::read(from.parent_path(), from.stem().string()), texts);
+TextStates states_from(const std::filesystem::path& from, const ml::TextEncoderOptions& options) {
+  const auto asked = [](auto encoder) {
+    return [encoder = std::make_shared<const decltype(encoder)>(std::move(encoder))](
+               std::span<const std::string> texts) { return states_of(*encoder, texts); };
+  };
+  if (from.extension() != ".npy") return asked(ml::load_text_encoder<B>(from, options));
+  return asked(ml::EmbeddingCache::read(from.parent_path(), from.stem().string()));
 }
 
 /// The bag of words of a text and of those that are about the same frames.
@@ -51,14 +55,27 @@ class WordsTogether {
 
 }  // namespace
 
+bool reads_pieces(const TextTokensConfig& text, const std::filesystem::path& from) {
+  if (text.encoder != "word_pieces" && text.encoder != "distilbert")
+    ml::raise<ml::config_error>(103, "text.encoder '", text.encoder, "' is not word_pieces or distilbert");
+  const bool pieces = text.encoder == "word_pieces";
+  if (pieces != from.empty())
+    ml::raise<ml::config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
+                                            : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
+                                              "without one: --set text.encoder=word_pieces");
+  return pieces;
+}
+
+TextStates text_states(const std::filesystem::path& from) { return states_from(from, {}); }
+
 ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts) {
-  return states_from(from, texts, {});
+  return text_states(from)(texts);
 }
 
 ml::EmbeddingCache sentence_vectors(const std::filesystem::path& from, const DescribedMotions& data) {
   const auto texts = all_texts(data);
   if (from.empty()) return states_of(WordsTogether(data, texts), texts);
-  return states_from(from, texts, {.text = {.pooling = ml::Pooling::mean, .normalize = true}});
+  return states_from(from, {.text = {.pooling = ml::Pooling::mean, .normalize = true}})(texts);
 }
 
 }  // namespace program

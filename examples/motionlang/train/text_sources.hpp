@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -10,10 +11,20 @@
 #include <motionlang/io/embedding_cache.hpp>
 
 #include "described_motions.hpp"
+#include "text_motion_config.hpp"
 
 namespace program {
 
 namespace ml = motionlang;
+
+/// Whether a model reads word pieces, which it learns, and not the states of a language model; `from`: as token_states takes it. Throws
+/// config_error 103 for another encoder, 102 if `from` and the encoder contradict each other.
+bool reads_pieces(const TextTokensConfig& text, const std::filesystem::path& from);
+
+/// The states of texts, all different, that a language model or a cache is asked for again and again.
+using TextStates = std::function<ml::EmbeddingCache(std::span<const std::string>)>;
+/// `from` as below. Throws what the readers throw; the function config_error 103 for a text that a cache lacks.
+TextStates text_states(const std::filesystem::path& from);
 
 /// The states of all `texts`. `from` is a folder of Hugging Face (DistilBERT), or the .npy file of an embedding cache, which
 /// has to have them. Throws what the readers throw, config_error 103 for a text that a cache lacks.

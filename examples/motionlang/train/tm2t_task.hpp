@@ -33,10 +33,10 @@ ml::Sequences<T> constants(const ml::Sequences<TrainingBackend>& x) {
 /// Mean and deviation as the tokenizer has them: those of the features, each deviation the mean of its group as
 /// HumanML3D has it, and then smaller for root and contacts.
 /// folder   with Mean.npy and Std.npy, whose groups are made already; empty: of these motions
-inline ml::Normalizer<TrainingBackend> tm2t_statistics(const std::vector<DescribedMotion>& motions, ml::Index width,
-                                                       const std::filesystem::path& folder, double bias) {
-  const ml::Index joints = (width + 1) / 12;
-  auto out = folder.empty() ? statistics_of(motions, width) : statistics_of(folder, width);
+inline ml::Normalizer<TrainingBackend> tm2t_statistics(const DescribedMotions& data, const std::filesystem::path& folder,
+                                                       double bias) {
+  const ml::Index width = data.width, joints = (width + 1) / 12;
+  auto out = statistics_of(folder, data);
   std::vector<double> std(out.std.span().begin(), out.std.span().end());
   if (folder.empty()) std = ml::group_means(std::move(std), ml::Guoh3dSlots{joints}.groups());
   std = ml::tm2t_deviation(std::move(std), joints, bias);

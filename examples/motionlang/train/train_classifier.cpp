@@ -25,7 +25,7 @@ void run(const Options& o) {
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_action_model(folder, trainer.task().result(), "classifier", trainer.task().file(), about(o.common, data));
-  std::printf("model    %s\nlosses   %s\n", folder.c_str(), (o.common.run.out / "loss.svg").c_str());
+  tell_results(o.common, folder);
 }
 
 }  // namespace

@@ -22,13 +22,7 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
   if (config.features.empty()) config.features = ready_made_features(sources);  // not named: those that are there
   if (config.features.empty()) config.features = preset.features;
   if (!begin_training(o.common, config_json(config))) return;
-  if (config.text.encoder != "word_pieces" && config.text.encoder != "distilbert")
-    ml::raise<ml::config_error>(103, "text.encoder '", config.text.encoder, "' is not word_pieces or distilbert");
-  const bool pieces = config.text.encoder == "word_pieces";
-  if (pieces != o.text_encoder.empty())
-    ml::raise<ml::config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
-                                            : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
-                                              "without one: --set text.encoder=word_pieces");
+  const bool pieces = reads_pieces(config.text, o.text_encoder);
   if (config.text.finetune && (pieces || !std::filesystem::is_directory(o.text_encoder)))
     ml::raise<ml::config_error>(102, "text.finetune trains DistilBERT: text.encoder is '", config.text.encoder,
                                 "', --text-encoder '", o.text_encoder.string(), "', expected distilbert and its folder");
@@ -44,8 +38,8 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
                                          std::move(language)));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
-  save_text_motion(folder, trainer.task().result(), trainer.task().config(), about(o.common, data));
-  std::printf("model    %s\nlosses   %s\n", folder.c_str(), (o.common.run.out / "loss.svg").c_str());
+  save_text_motion(folder, trainer.task().result(), trainer.task().config(), data.fps, about(o.common, data));
+  tell_results(o.common, folder);
 }
 
 template <template <class> class System>

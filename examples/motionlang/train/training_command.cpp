@@ -62,14 +62,21 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
   return true;
 }
 
+void tell_parts(const DescribedMotions& data) {
+  std::printf("%zu motions to train on, %zu for validation, %zu for tests; %td left out\n", data.training.size(),
+              data.validation.size(), data.test.size(), data.left_out);
+}
+void tell_results(const TrainingOptions& o, const std::filesystem::path& model) {
+  std::printf("model    %s\nlosses   %s\n", model.c_str(), (o.run.out / "loss.svg").c_str());
+}
+
 DescribedMotions read_data(const TrainingOptions&, const DataSources& sources, const DataConfig& config,
                            const RowMaker& rows) {
   auto data = [&] {
     ProgressBar bar("reading motions");
     return read_described_motions(sources, config, rows, bar);
   }();
-  std::printf("%zu motions to train on, %zu for validation, %zu for tests; %td left out\n", data.training.size(),
-              data.validation.size(), data.test.size(), data.left_out);
+  tell_parts(data);
   return data;
 }
 

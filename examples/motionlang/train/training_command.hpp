@@ -1,5 +1,5 @@
-// What the commands train-tmr, train-temos, train-actor, train-classifier and train-tm2t have in common: options,
-// configuration, reading of data.
+// What the commands train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor and train-classifier have in common:
+// options, configuration, reading of data.
 #pragma once
 
 #include <cstdio>
@@ -44,6 +44,11 @@ struct CaptionOptions {
 
 /// `presets` are their names; the first is taken unless another is named.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
+
+/// How many motions each part has.
+void tell_parts(const DescribedMotions& data);
+/// Where the model and the curves are.
+void tell_results(const TrainingOptions& o, const std::filesystem::path& model);
 
 /// Reads the motions and says how many there are.
 DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources, const DataConfig& config,

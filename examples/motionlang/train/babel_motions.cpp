@@ -1,0 +1,210 @@
+#include "babel_motions.hpp"
+
+#include <mutex>
+
+#include <motionlang/compose/simultaneous_segments.hpp>
+#include <motionlang/compose/teach_pairs.hpp>
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/features/amass_releases.hpp>
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+
+#include "clip_lines.hpp"
+#include "clip_split.hpp"
+
+namespace program {
+
+using ml::Index;
+
+namespace {
+
+constexpr double least_seconds = 0.5;  // of a sequence
+
+/// At the rate of both systems, with frames of the clip as they are; `fps`: its own.
+ml::Motion at_babel_rate(const ml::Motion& clip, double fps) {
+  ml::Motion out{clip.skeleton, babel_fps, {}, {}, clip.name};
+  for (const Index f : ml::spread_frames(clip.frames(), fps, babel_fps)) {
+    const auto pose = clip.rotations(f);
+    out.root.push_back(clip.root_at(f));
+    out.local.insert(out.local.end(), pose.begin(), pose.end());
+  }
+  return out;
+}
+
+/// A sequence, in the part that it is for.
+struct Entry {
+  ml::BabelSequence sequence;
+  std::string place, clip;
+  int part = 0;
+};
+void add_entries(std::vector<Entry>& out, const BabelSources& sources, const std::filesystem::path& path, int part) {
+  const auto members = ml::JsonMembers::open(path);
+  const ml::BabelFile file(members);
+  for (const std::string& id : file.ids()) {
+    const std::string place = members.place(id);
+    Entry e{file.load(id), place, "", part};
+    e.clip = babel_clip(sources.data, e.sequence.feat_p);
+    if (!ml::detail::is_clip_id(e.clip)) ml::raise<ml::io_error>(403, place, ": '", e.clip, "' is no path of a clip");
+    out.push_back(std::move(e));
+  }
+}
+std::vector<Entry> entries_of(const BabelSources& sources, const DataConfig& lots) {
+  std::vector<Entry> out;
+  add_entries(out, sources, sources.babel, 0);
+  if (!sources.validation.empty()) {
+    add_entries(out, sources, sources.validation, 1);
+    return out;
+  }
+  const auto key = [&](const Entry& e) { return sources.splits.empty() ? e.clip : e.sequence.id; };
+  std::vector<std::string> keys;
+  for (const Entry& e : out) keys.push_back(key(e));
+  const Split split(sources.splits, lots, std::move(keys));
+  for (Entry& e : out) e.part = split.of(key(e));
+  std::erase_if(out, [](const Entry& e) { return e.part < 0; });
+  return out;
+}
+
+ml::SpellingTable spelling_of(const std::filesystem::path& path) {
+  if (path.empty()) return {};
+  const auto document = ml::read_json(path);
+  const auto words = ml::JsonView(document, path.string()).as<std::map<std::string, std::string>>();
+  return {words.begin(), words.end()};
+}
+
+/// What is taken of an item, counted as the published programs number their keys: before any is left out.
+class Numbered {
+ public:
+  Numbered(BabelItems& out, const std::string& type, const std::string& id)
+      : out_(&out), prefix_(type + "-" + id + "-") {}
+
+  void add(bool taken, ml::FrameSlice frames, std::vector<DescribedText> texts) {
+    const std::string key = prefix_ + std::to_string(number_++);
+    if (taken)
+      out_->items.push_back({key, frames, std::move(texts)});
+    else
+      ++out_->left_out;
+  }
+
+ private:
+  BabelItems* out_;
+  std::string prefix_;
+  Index number_ = 0;
+};
+
+/// The stretches of all annotators.
+template <class F>
+void for_each_annotation(const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, F f) {
+  for (const ml::BabelAnnotation& a : s.frame_annotations)
+    f(ml::babel_intervals(a.labels, babel_fps, frames, spelling));
+}
+
+/// The pairs of all annotators: f(texts, frames).
+template <class F>
+void for_each_pair(const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, F f) {
+  for_each_annotation(s, frames, spelling, [&](const std::vector<ml::BabelSegment>& segments) {
+    for (const ml::ActionPair& pair : ml::teach_pairs(segments)) f(pair, pair.frames());
+  });
+}
+
+}  // namespace
+
+BabelReader sinc_reader(const SincDataConfig& config) {
+  std::vector<std::string> types;
+  for (std::size_t at = 0; at <= config.types.size();) {
+    const std::size_t end = std::min(config.types.find('+', at), config.types.size());
+    types.push_back(config.types.substr(at, end - at));
+    at = end + 1;
+    const std::string& type = types.back();
+    if (type != "seg" && type != "seq" && type != "spatial_pairs" && type != "separate_pairs")
+      ml::raise<ml::config_error>(103, "data.types: '", type, "' is not seg, seq, spatial_pairs or separate_pairs");
+  }
+  return [config, types](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool training) {
+    const ml::SincWindow window{
+        .request = training ? config.window : 0, .shortest = config.shortest, .longest = config.longest};
+    BabelItems out;
+    for (const std::string& type : types) {
+      Numbered numbered(out, type, s.id);
+      const auto add = [&](Index first, Index last, const std::vector<std::string>& labels) {
+        std::vector<DescribedText> texts;
+        for (const std::string& label : labels) texts.push_back({label, {0, last - first}});
+        numbered.add(window.accepts(last - first), {first, last - first}, std::move(texts));
+      };
+      if (type == "seq") {
+        if (!s.frame_annotations.empty() || s.sequence_annotations.empty()) continue;
+        const auto& labels = s.sequence_annotations.front().labels;
+        const std::string label = labels.empty() ? "" : ml::clean_babel_label(labels.front().proc_label, spelling);
+        if (!label.empty()) add(0, frames, {label});
+      } else if (type == "separate_pairs") {
+        for_each_pair(s, frames, spelling, [&](const ml::ActionPair& pair, const ml::PairFrames& f) {
+          if (f.all().size() > 0) add(f.all().start, f.all().end, {pair.first.text, pair.second.text});
+        });
+      } else {
+        for_each_annotation(s, frames, spelling, [&](std::vector<ml::BabelSegment> all) {
+          const auto segments = ml::sinc_segments(std::move(all));
+          if (type == "seg") {
+            for (const ml::BabelSegment& g : segments) {
+              if (!g.text.empty()) add(g.start, g.end, {g.text});
+            }
+            return;
+          }
+          for (const ml::SimultaneousSegment& g : ml::simultaneous_segments(segments, config.simultaneous_max)) {
+            if (std::find(g.texts.begin(), g.texts.end(), "") == g.texts.end()) add(g.start, g.end, g.texts);
+          }
+        });
+      }
+    }
+    return out;
+  };
+}
+
+BabelReader teach_reader(const TeachDataConfig& config) {
+  return [config](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool training) {
+    const ml::TeachLengths lengths{config.shortest,
+                                   training ? config.longest : std::max<Index>(config.longest, 100'000)};
+    BabelItems out;
+    Numbered numbered(out, "separate_pairs", s.id);
+    for_each_pair(s, frames, spelling, [&](const ml::ActionPair& pair, const ml::PairFrames& f) {
+      const Index first = f.first.start;
+      const bool sound = f.second.size() > 0 && f.second.end <= frames && ml::is_teach_length(f, lengths) &&
+                         !pair.first.text.empty() && !pair.second.text.empty();
+      numbered.add(
+          sound, {first, f.all().size()},
+          {{pair.first.text, {0, f.first.size()}}, {pair.second.text, {f.second.start - first, f.second.size()}}});
+    });
+    return out;
+  };
+}
+
+DescribedMotions read_babel_motions(const BabelSources& sources, const std::string& features, const DataConfig& lots,
+                                    const BabelReader& reader, ml::Progress progress) {
+  const ml::MotionFeatures& maker = ml::motion_features(features);
+  const auto spelling = spelling_of(sources.spelling);
+  const auto entries = entries_of(sources, lots);
+  DescribedMotions out{maker.width, babel_fps, {}, {}, {}, 0};
+  std::vector<std::vector<DescribedMotion>> found(entries.size());
+  std::mutex mutex;
+  Index done = 0;
+  ml::parallel_for(std::ssize(entries), [&](Index i) {
+    const Entry& e = entries[static_cast<std::size_t>(i)];
+    const auto clip = read_clip(sources.data, {e.place, e.sequence.id, e.clip, 0, 0, {}, {}});
+    const auto motion = at_babel_rate(clip, ml::corrected_amass_fps(e.clip, clip.fps));
+    BabelItems items;
+    if (clip.seconds() >= least_seconds) items = reader(e.sequence, motion.frames(), spelling, e.part == 0);
+    for (BabelItem& item : items.items) {
+      const auto rows = maker.from_motion(ml::crop(motion, item.frames.first, item.frames.first + item.frames.length));
+      found[static_cast<std::size_t>(i)].push_back(
+          {item.key, e.clip, {rows.begin(), rows.end()}, std::move(item.texts)});
+    }
+    const std::lock_guard lock(mutex);
+    out.left_out += items.left_out;
+    progress(++done, std::ssize(entries));
+  });
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    for (DescribedMotion& m : found[i]) part_of(out, entries[i].part).push_back(std::move(m));
+  }
+  if (out.training.empty())
+    ml::raise<ml::io_error>(403, sources.babel.string(), ": nothing to train on (", out.left_out, " left out)");
+  return out;
+}
+
+}  // namespace program

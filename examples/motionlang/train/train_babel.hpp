@@ -1,0 +1,59 @@
+// The commands train-sinc and train-teach: options, data, the run, the folder of the model.
+#pragma once
+
+#include "babel_task.hpp"
+#include "training_command.hpp"
+
+namespace program {
+
+struct BabelOptions {
+  TrainingOptions common;
+  std::filesystem::path babel, validation, spelling, text_encoder, statistics, body_parts;
+};
+
+inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* what, BabelOptions& o,
+                                   const char* published) {
+  CLI::App* c = app.add_subcommand(name, what);
+  add_training_options(*c, o.common, {published, "small"});
+  c->get_option("--data")->description("Folder of the motions, such as AMASS, into which feat_p of BABEL leads");
+  c->add_option("--babel", o.babel, "BABEL's train.json")->check(CLI::ExistingFile);
+  c->add_option("--babel-validation", o.validation,
+                "BABEL's val.json, to validate with; a part of --babel, by --splits or by lot, unless given")
+      ->check(CLI::ExistingFile);
+  c->add_option("--spelling", o.spelling, "JSON of words of labels and what they are replaced by")
+      ->check(CLI::ExistingFile);
+  c->add_option("--text-encoder", o.text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
+      ->check(CLI::ExistingPath);
+  c->add_option("--statistics", o.statistics,
+                "Folder with mean and std of the features; those of the motions to train on unless given")
+      ->check(CLI::ExistingDirectory);
+  return c;
+}
+
+/// make(config, data, states): the task.
+template <template <class> class System, class Config, class Make>
+void run_babel(const BabelOptions& o, Config config, BabelReader (*reader)(const decltype(Config::data)&), Make make) {
+  read_settings(config, o.common);
+  config.require_sound();
+  if (!begin_training(o.common, config_json(config))) return;
+  if (o.babel.empty()) ml::raise<ml::config_error>(102, "--babel is required");
+  if (!o.validation.empty() && !o.common.splits.empty())
+    ml::raise<ml::config_error>(102, "--babel-validation or --splits, not both");
+  const bool pieces = reads_pieces(config.text, o.text_encoder);
+  if (config.text.finetune)
+    ml::raise<ml::config_error>(102, "text.finetune is of train-tmr and train-temos; DistilBERT is read here as it is");
+  const BabelSources sources{o.common.data, o.babel, o.validation, o.common.splits, o.spelling};
+  const auto data = [&] {
+    ProgressBar bar("reading motions");
+    return read_babel_motions(sources, config.features, config.data.lots(), reader(config.data), bar);
+  }();
+  tell_parts(data);
+  std::printf("%zu different labels\n", all_texts(data).size());
+  Trainer trainer(make(config, data, pieces ? TextStates() : text_states(o.text_encoder)));
+  trainer.run(o.common.run, [] {});
+  const auto folder = o.common.run.out / "model";
+  save_text_motion(folder, trainer.task().result(), trainer.task().config(), data.fps, about(o.common, data));
+  tell_results(o.common, folder);
+}
+
+}  // namespace program

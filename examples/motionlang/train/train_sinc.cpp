@@ -1,0 +1,30 @@
+// motionlang train-sinc: motions from actions at the same time.
+#include <motionlang/io/body_part_table.hpp>
+
+#include "sinc_task.hpp"
+#include "train_babel.hpp"
+
+namespace program {
+
+void add_train_sinc(CLI::App& app) {
+  const auto o = std::make_shared<BabelOptions>();
+  CLI::App* c = add_babel_options(
+      app, "train-sinc",
+      "Trains SINC, which makes motions from several actions at the same time; Ctrl-C saves, the same command goes on",
+      *o, "sinc-published");
+  c->add_option("--body-parts", o->body_parts,
+                "JSON of labels and what a language model answered when it was asked for their body parts, as SINC has "
+                "it; combines "
+                "actions of different parts (data.proportion)")
+      ->check(CLI::ExistingFile);
+  c->callback([o] {
+    std::optional<ml::BodyPartTable> table;
+    run_babel<ml::Sinc>(*o, sinc_preset(o->common.preset), &sinc_reader,
+                        [&](const SincTrainingConfig& config, const DescribedMotions& data, TextStates states) {
+                          if (!o->body_parts.empty()) table = ml::open_body_part_table(ml::FilePath(o->body_parts));
+                          return SincTask(config, data, std::move(states), o->statistics, table ? &*table : nullptr);
+                        });
+  });
+}
+
+}  // namespace program

@@ -1,0 +1,241 @@
+// train-sinc and train-teach: on made-up sequences in the form of AMASS with labels in that of BABEL, in seconds.
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include <motionlang/io/amass.hpp>
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/id_list.hpp>
+#include <motionlang/io/safetensors.hpp>
+
+#include "../support/synthetic_motion.hpp"
+#include "../support/temporary_folder.hpp"
+#include "process.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::string label(const std::string& text, const std::string& times = "") {
+  return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null)" + times + "}";
+}
+std::string annotation(const std::string& labels) { return R"({"labels": [)" + labels + "]}"; }
+
+/// Sequences 1 to 5 of eight seconds: a T-pose, a walk with a wave in it, a turn, a transition, a person who sits down.
+/// Sequence 6 is one action.
+struct Sequences : TemporaryFolder {
+  Sequences() {
+    std::filesystem::create_directories(*this / "CMU/01");
+    std::string entries;
+    for (int i = 1; i <= 6; ++i) entries += (i == 1 ? "" : ",") + entry(i);
+    ml::write_file(*this / "babel.json", "{" + entries + "}");
+    ml::write_file(*this / "train.json", "{" + entry(1) + "," + entry(6) + "}");
+    ml::write_file(*this / "val.json", "{" + entry(2) + "}");
+    std::filesystem::create_directories(*this / "splits");
+    const auto list = [&](const char* name, const std::vector<std::string>& ids) {
+      ml::write_ids((*this / ("splits/" + std::string(name) + ".txt")).string(), ids);
+    };
+    list("train", {"1", "2", "3", "6"}), list("val", {"4"}), list("test", {"5"});
+    ml::write_file(*this / "parts.json", R"({"walk": ["", "", "Answer: right leg\nleft leg\nbuttocks"],
+      "wave": ["", "", "Answer: right arm"], "turn": ["", "", "torso"], "stand still": ["", "", "Answer: neck"],
+      "sit down": ["", "", "right leg\nleft leg\nbuttocks\nwaist"]})");
+  }
+
+  std::string entry(int i) const {
+    const std::string id = std::to_string(i), name = "01/0" + id + "_poses";
+    ml::write_amass(*this / ("CMU/" + name + ".npz"), synthetic::walk({.frames = 480, .fps = 60, .turn = 0.1 * i}));
+    const std::string frames = annotation(label("t-pose", R"(, "start_t": 0, "end_t": 0.5)") + "," +
+                                          label("wlak", R"(, "start_t": 0.5, "end_t": 3)") + "," +
+                                          label("wave", R"(, "start_t": 1, "end_t": 2.5)") + "," +
+                                          label("turn", R"(, "start_t": 2.8, "end_t": 5.5)") + "," +
+                                          label("transition", R"(, "start_t": 5.4, "end_t": 6.2)") + "," +
+                                          label("sit down", R"(, "start_t": 6, "end_t": 8.003)"));
+    ml::write_file(*this / "spelling.json", R"({"wlak": "walk"})");
+    return "\"" + id + R"(": {"babel_sid": )" + id + R"(, "url": "", "feat_p": "CMU/CMU/)" + name +
+           R"(.npz", "dur": 8.0, "seq_ann": )" + annotation(label("stand still")) + R"(, "frame_ann": )" +
+           (i == 6 ? "null" : frames) + "}";
+  }
+
+  /// A tiny network.
+  Outcome train(const std::string& command, const std::string& out, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{command, "--data", ".",          "--preset",     "small",
+                                       "--out", out,      "--spelling", "spelling.json"};
+    for (const char* a : {"optimiser.batch=4", "optimiser.schedule=constant", "optimiser.lr=0.01", "optimiser.epochs=2",
+                          "network.latent_dim=8", "network.ff_size=8", "network.num_layers=1", "network.num_heads=2",
+                          "text.width=8", "text.vocabulary=60"})
+      arguments.insert(arguments.end(), {"--set", a});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments, path);
+  }
+  ml::SafetensorsFile checkpoint(const std::string& out) const {
+    return ml::SafetensorsFile::open(*this / (out + "/checkpoint.safetensors"));
+  }
+  std::vector<float> losses(const std::string& out) const {
+    return ml::values_of<float>(checkpoint(out).tensor("losses"));
+  }
+  std::string weights(const std::string& out) const {
+    return ml::read_file(*this / (out + "/model/weights.safetensors"));
+  }
+};
+
+double mean(std::span<const float> x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
+
+std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+const std::vector<std::string> all{"--babel", "babel.json", "--splits", "splits"};
+const std::vector<std::string> combined{"--body-parts", "parts.json", "--set", "data.proportion=0.5"};
+
+}  // namespace
+
+TEST_CASE("train-sinc and train-teach lower their losses and leave models; two halves make the same weights") {
+  const Sequences w;
+  struct Case {
+    std::string command, counts, labels, term;
+    int steps_of_epoch;
+    std::vector<std::string> more;
+  };
+  const std::string recons = "recons_rfeats2rfeats";
+  for (const Case& c : {Case{"train-sinc", "16 motions to train on, 5 for validation, 5 for tests; 5 left out",
+                             "5 different labels", recons, 4, combined},
+                        Case{"train-teach",
+                             "6 motions to train on, 2 for validation, 2 for tests; 0 left out",
+                             "3 different labels",
+                             recons + "_1",
+                             2,
+                             {}}}) {
+    CAPTURE(c.command);
+    const std::string whole = c.command + "_whole", halves = c.command + "_halves";
+    const auto epochs = [&](const char* number) {
+      return all + c.more + std::vector<std::string>{"--set", std::string("optimiser.epochs=") + number};
+    };
+    const auto done = w.train(c.command, whole, epochs("30"));
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK_MESSAGE(contains(done.text, c.counts), done.text);
+    CHECK_MESSAGE(contains(done.text, c.labels), done.text);
+    const auto losses = w.losses(whole);
+    REQUIRE(losses.size() == static_cast<std::size_t>(30 * c.steps_of_epoch));
+    CHECK(mean(std::span(losses).last(10)) < 0.9 * mean(std::span(losses).first(10)));
+    const std::string curves = ml::read_file(w / (whole + "/loss.svg"));
+    for (const std::string& part : {std::string("validation"), ">" + c.term + " "})
+      CHECK_MESSAGE(contains(curves, part), part);
+
+    REQUIRE(w.train(c.command, halves, epochs("13")).code == 0);
+    const auto rest = w.train(c.command, halves, epochs("30") + std::vector<std::string>{"--recompute"});
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK_MESSAGE(contains(rest.text, "going on at step " + std::to_string(13 * c.steps_of_epoch)), rest.text);
+    CHECK(w.losses(halves) == losses);
+    CHECK(w.weights(halves) == w.weights(whole));
+  }
+
+  // actions at the same time as one sentence; actions one after the other with a gap that is filled
+  const auto made = [&](const std::string& name, const std::string& timeline) {
+    ml::write_file(w / "timeline.txt", timeline);
+    const auto out =
+        run({"generate", "--model", name + "_whole/model", "--timeline", "timeline.txt", "--out", name}, w.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return ml::read_bvh_motion(w / (name + "/timeline.bvh"));
+  };
+  const std::string both = "walk # 0 # 2 # legs\nwave # 0 # 2 # right arm\n",
+                    after = "walk # 0 # 2 # legs\nturn # 2 # 4 # legs\n";
+  CHECK(made("train-sinc", both).frames() == 60);
+  CHECK(made("train-teach", after).frames() == 120);
+  ml::write_file(w / "timeline.txt", both);
+  const auto refused = run({"generate", "--model", "train-teach_whole/model", "--timeline", "timeline.txt"}, w.path);
+  CHECK(refused.code == 3);
+  CHECK_MESSAGE(contains(refused.text, "this model (TEACH) takes texts one after the other"), refused.text);
+  for (const std::string system : {"sinc", "teach"}) {
+    const auto info = run({"info", "train-" + system + "_whole/model"}, w.path);
+    CHECK_MESSAGE(contains(info.text, "model of                 " + system), info.text);
+  }
+}
+
+TEST_CASE("items of BABEL: types of data, val.json to validate with, combined actions") {
+  const Sequences w;
+  const auto counted = [&](const std::string& command, const std::vector<std::string>& more,
+                           const std::string& counts) {
+    const auto out = w.train(command, "out", more + std::vector<std::string>{"--fresh"});
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    CHECK_MESSAGE(contains(out.text, counts), out.text);
+  };
+  const std::vector<std::string> two{"--babel", "train.json", "--babel-validation", "val.json"};
+  counted("train-sinc", two, "6 motions to train on, 5 for validation, 0 for tests; 2 left out");
+  counted("train-teach", two, "2 motions to train on, 2 for validation, 0 for tests; 0 left out");
+  const auto type = [&](const std::string& types, const std::string& counts) {
+    counted("train-sinc", two + std::vector<std::string>{"--set", "data.types=" + types}, counts);
+  };
+  type("seg", "4 motions to train on, 4 for validation, 0 for tests; 0 left out");
+  type("seq", "1 motions to train on, 0 for validation, 0 for tests; 0 left out");
+  type("spatial_pairs", "1 motions to train on, 1 for validation, 0 for tests; 2 left out");
+  type("separate_pairs+seq", "3 motions to train on, 2 for validation, 0 for tests; 0 left out");
+
+  // all single actions are combined with a partner, with the table's parts or by lot
+  const auto first_losses = [&](const std::vector<std::string>& more) {
+    counted("train-sinc", two + more, "6 motions to train on");
+    return w.losses("out");
+  };
+  const auto alone = first_losses({}),
+             pairs = first_losses({"--body-parts", "parts.json", "--set", "data.proportion=1"}),
+             by_lot = first_losses(
+                 {"--body-parts", "parts.json", "--set", "data.proportion=1", "--set", "data.random=true"});
+  CHECK(alone != pairs);
+  CHECK(pairs != by_lot);
+}
+
+TEST_CASE("what train-sinc and train-teach refuse") {
+  const Sequences w;
+  const auto refused = [&](const std::string& command, const std::vector<std::string>& more,
+                           const std::string& message) {
+    const auto out = w.train(command, "refused", more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+    CHECK(!std::filesystem::exists(w / "refused/checkpoint.safetensors"));
+  };
+  refused("train-sinc", {}, "[motionlang.config.102] --babel is required");
+  refused("train-sinc", all + std::vector<std::string>{"--babel-validation", "val.json"},
+          "--babel-validation or --splits, not both");
+  refused("train-sinc", all + std::vector<std::string>{"--set", "data.types=seg+pairs"},
+          "data.types: 'pairs' is not seg, seq, spatial_pairs or separate_pairs");
+  refused("train-sinc", all + std::vector<std::string>{"--set", "data.proportion=0.5"},
+          "data.proportion above 0 needs --body-parts");
+  refused("train-sinc", all + std::vector<std::string>{"--body-parts", "parts.json"},
+          "--body-parts is for data.proportion above 0");
+  refused("train-sinc", all + std::vector<std::string>{"--set", "features=rifke"},
+          "features 'rifke' is not smplvelp-published or smplvelp");
+  refused("train-sinc", all + std::vector<std::string>{"--set", "text.encoder=distilbert"},
+          "text.encoder = distilbert needs --text-encoder");
+  refused("train-teach", all + std::vector<std::string>{"--set", "data.shortest=3"},
+          "data.shortest is 3, network.hist_frames 5");
+  refused("train-teach", all + std::vector<std::string>{"--set", "data.longest=20"},
+          "babel.json: nothing to train on (6 left out)");
+  ml::write_file(w / "few.json", R"({"walk": ["", "", "right leg"]})");
+  refused("train-sinc", all + std::vector<std::string>{"--body-parts", "few.json", "--set", "data.proportion=0.5"},
+          "--body-parts: no parts of 'wave' (seg-1-1)");
+  ml::write_file(w / "elsewhere.json", R"({"7": {"babel_sid": 7, "feat_p": "CMU/CMU/01/07_poses.npz", "dur": 8.0}})");
+  refused("train-teach", {"--babel", "elsewhere.json", "--set", "data.test_share=0"},
+          "elsewhere.json: 7: no ./CMU/01/07_poses.bvh");
+  ml::write_file(w / "outside.json", R"({"7": {"babel_sid": 7, "feat_p": "../07_poses.npz", "dur": 8.0}})");
+  refused("train-teach", {"--babel", "outside.json"}, "'../07_poses' is no path of a clip");
+}
+
+TEST_CASE("the published settings of SINC and TEACH") {
+  const TemporaryFolder w;
+  const auto printed = [&](const std::string& command, const std::vector<const char*>& lines) {
+    const auto out = run({command, "--print-config"}, w.path);
+    CHECK(out.code == 0);
+    for (const char* line : lines) CHECK_MESSAGE(contains(out.text, line), out.text);
+  };
+  printed("train-sinc", {"\"features\": \"smplvelp-published\"", "\"num_heads\": 4", "\"num_layers\": 6",
+                         "\"kl\": 0.00032", "\"latent\": 1e-05", "\"lr\": 0.0003", "\"weight_decay\": 0.01",
+                         "\"schedule\": \"step\"", "\"batch\": 32", "\"epochs\": 1001", "\"seed\": 42", "\"every\": 25",
+                         "\"encoder\": \"distilbert\"", "\"window\": 300", "\"shortest\": 15", "\"proportion\": 0.5"});
+  printed("train-teach", {"\"features\": \"smplvelp-published\"", "\"num_heads\": 4", "\"kl\": 1e-05", "\"lr\": 7e-05",
+                          "\"schedule\": \"constant\"", "\"batch\": 8", "\"epochs\": 1001", "\"seed\": 42",
+                          "\"hist_frames\": 5", "\"longest\": 750", "\"loss_on_transition\": true"});
+}
