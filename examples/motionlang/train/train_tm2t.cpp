@@ -86,7 +86,7 @@ void run(const Options& o) {
   const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
   if (!before) {
     Trainer trainer(TokenizerTask(
-        config, data, tm2t_statistics(data.training, data.width, o.statistics, config.tokenizer.feature_bias)));
+        config, data, tm2t_statistics(data, o.statistics, config.tokenizer.feature_bias)));
     trainer.run(o.common.run, [] {});
     return save_tm2t(o, config, data, {trainer.task().result(), trainer.task().statistics()});
   }
