@@ -5,6 +5,7 @@
 
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
+#include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/io/safetensors.hpp>
 
@@ -186,6 +187,38 @@ TEST_CASE("items of BABEL: types of data, val.json to validate with, combined ac
                  {"--body-parts", "parts.json", "--set", "data.proportion=1", "--set", "data.random=true"});
   CHECK(alone != pairs);
   CHECK(pairs != by_lot);
+}
+
+TEST_CASE("the states of a language model, from a cache") {
+  const Sequences w;
+  ml::EmbeddingCache states(4);
+  std::vector<float> rows;
+  for (const std::string text : {"walk", "turn", "sit down", "wave", "stand still"}) {
+    rows.insert(rows.end(),
+                {0.5f, 1.0f, static_cast<float>(text.size()), -1.0f});  // of one token more than the text before
+    states.add(text, rows);
+  }
+  states.write(w / "states", "bert");
+  const std::vector<std::string> cached{"--set", "text.encoder=distilbert", "--text-encoder", "states/bert.npy"};
+  const auto teach = w.train("train-teach", "teach", all + cached);
+  REQUIRE_MESSAGE(teach.code == 0, teach.text);
+  ml::write_file(w / "after.txt", std::string_view("walk # 0 # 1 # legs\nturn # 1 # 2 # legs\nwalk # 2 # 3 # legs\n"));
+  const auto generate = [&](const std::vector<std::string>& more) {
+    return run(std::vector<std::string>{"generate", "--model", "teach/model", "--timeline", "after.txt"} + more,
+               w.path);
+  };
+  const auto made = generate({"--text-encoder", "states/bert.npy"});
+  CHECK_MESSAGE(made.code == 0, made.text);
+  const auto without = generate({});
+  CHECK(without.code == 1);
+  CHECK_MESSAGE(contains(without.text, "the states of distilbert: --text-encoder names it"), without.text);
+
+  const auto sinc =
+      w.train("train-sinc", "sinc", all + cached + std::vector<std::string>{"--set", "data.types=seg+seq"});
+  CHECK_MESSAGE(sinc.code == 0, sinc.text);
+  const auto sentences = w.train("train-sinc", "sentences", all + cached);  // which the cache lacks
+  CHECK(sentences.code == 1);
+  CHECK_MESSAGE(contains(sentences.text, "embedding cache: no text '"), sentences.text);
 }
 
 TEST_CASE("what train-sinc and train-teach refuse") {

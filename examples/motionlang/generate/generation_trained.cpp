@@ -34,12 +34,7 @@ TextLatents<System<B>> parts_of(TextMotionModel<B, System> model, const TextMode
       ml::raise<ml::config_error>(102, folder.string(), ": this model reads the states of ", encoder,
                                   ": --text-encoder names it");
     const auto is_known = [&](const std::string& text) { return states->contains(text); };
-    if (!std::all_of(texts.begin(), texts.end(), is_known)) {
-      std::vector<std::string> different(texts.begin(), texts.end());
-      std::sort(different.begin(), different.end());
-      different.erase(std::unique(different.begin(), different.end()), different.end());
-      *states = token_states(text_encoder, different);
-    }
+    if (!std::all_of(texts.begin(), texts.end(), is_known)) *states = token_states(text_encoder, texts);
     return states->encode<B>(texts).tokens;
   };
   return parts;

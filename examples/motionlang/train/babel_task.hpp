@@ -1,7 +1,6 @@
 // What trainings on BABEL have in common: a model that reads word pieces or the states of a language model, and a loss.
 #pragma once
 
-#include <algorithm>
 #include <memory>
 
 #include "babel_model.hpp"
@@ -39,7 +38,7 @@ class BabelTask
       ml::raise<ml::config_error>(103, "validation.watch '", config_.validation.watch, "' is not loss");
     std::optional<ml::WordPiece> pieces;
     if (states_)
-      config_.text.width = states_(std::span(words).first(1)).width();
+      config_.text.width = states_(std::span(&data.training.front().texts.front().text, 1)).width();
     else
       pieces = ml::WordPiece::learn(words, config_.text.vocabulary);
     auto model = make_babel_model<System, B>(config_, data.width, pieces, ml::Philox{.seed = seed()}.split("init"));
@@ -52,10 +51,7 @@ class BabelTask
   template <ml::Backend T>
   ml::Sequences<T> tokens(const Model<T>& model, const std::vector<std::string>& texts) const {
     if (!states_) return model.tokens(texts, nullptr);
-    auto different = texts;
-    std::sort(different.begin(), different.end());
-    different.erase(std::unique(different.begin(), different.end()), different.end());
-    const ml::EmbeddingCache states = states_(different);
+    const ml::EmbeddingCache states = states_(texts);
     return model.tokens(texts, &states);
   }
 

@@ -21,7 +21,7 @@ namespace ml = motionlang;
 /// config_error 103 for another encoder, 102 if `from` and the encoder contradict each other.
 bool reads_pieces(const TextTokensConfig& text, const std::filesystem::path& from);
 
-/// The states of texts, all different, that a language model or a cache is asked for again and again.
+/// The states of texts, for which a language model or a cache is asked again and again.
 using TextStates = std::function<ml::EmbeddingCache(std::span<const std::string>)>;
 /// `from` as below. Throws what the readers throw; the function config_error 103 for a text that a cache lacks.
 TextStates text_states(const std::filesystem::path& from);
@@ -30,7 +30,7 @@ TextStates text_states(const std::filesystem::path& from);
 /// has to have them. Throws what the readers throw, config_error 103 for a text that a cache lacks.
 ml::EmbeddingCache token_states(const std::filesystem::path& from, std::span<const std::string> texts);
 
-/// What a text encoder, or a cache, says of these texts, all different.
+/// What a text encoder, or a cache, says of these texts.
 template <class Encoder>
 ml::EmbeddingCache states_of(const Encoder& encoder, std::span<const std::string> texts) {
   using B = ml::EigenBackend<float>;
