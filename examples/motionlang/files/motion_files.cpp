@@ -172,8 +172,8 @@ ml::Motion read_amc(const std::filesystem::path& path, const MotionReadOptions& 
   const auto asf = options.asf.empty() ? asf_beside(path) : std::filesystem::path(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf))
     ml::raise<ml::io_error>(401, path.string(), ": there is no skeleton ", asf.string(),
-                            ", nor just one other .asf file beside it: convert, strip, view, doctor, index and "
-                            "search take it by --asf FILE");
+                            ", nor just one other .asf file beside it: convert, strip, view, doctor, index, "
+                            "search and describe take it by --asf FILE");
   return ml::read_amc(path, ml::read_asf(asf),
                       options.rate > 0 ? ml::AmcReadOptions{.fps = options.rate} : ml::AmcReadOptions{});
 }

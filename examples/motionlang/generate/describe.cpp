@@ -35,6 +35,7 @@ struct DescribeOptions {
 struct MotionPlace {
   fs::path path;
   std::string clip;
+  bool in_folder = false;  // that was named, not the file
 };
 
 /// A motion, or a part of a long one, and what is said about it, the most probable first.
@@ -53,7 +54,7 @@ std::vector<MotionPlace> places_of(const std::vector<std::string>& inputs) {
       continue;
     }
     for (const fs::path& file : motion_files_below(input))
-      out.push_back({file, file.lexically_relative(input).replace_extension().generic_string()});
+      out.push_back({file, file.lexically_relative(input).replace_extension().generic_string(), true});
   }
   if (out.empty()) ml::raise<ml::config_error>(101, "describe: no motion file in ", inputs.front());
   return out;
@@ -112,7 +113,7 @@ class Describer {
         return describe({place, "", 0, static_cast<double>(shape[0]) / features_.fps}, rows, rng);
       }
     }
-    const auto motions = read_motions(place.path, o_.read);
+    const auto motions = read_motions(place.path, place.in_folder ? options_in_folder(o_.read, place.path) : o_.read);
     for (std::size_t m = 0; m < motions.size(); ++m) {
       const auto values = rows_of_motion(features_, motions[m], features_.fps);
       const std::vector<float> rows(values.begin(), values.end());
@@ -179,14 +180,14 @@ class Describer {
   /// Of captions, as index and train-* read it; what nothing was said about is left out, and so are files of several
   /// motions, which the table cannot tell apart.
   void write_table() {
-    std::string parts;
-    for (const std::string_view part : ml::body_part_names) parts += (parts.empty() ? "" : ", ") + std::string(part);
+    const std::string parts = ml::join_text(ml::body_part_names);
     std::string table = "# clip\tstart\tend\tparts\tcaptions, by " + o_.model + "\n";
     for (const Described& d : described_) {
-      std::string captions;
+      std::vector<std::string> said;
       for (const ml::Description& text : d.texts) {
-        if (!text.text.empty()) captions += (captions.empty() ? "" : " | ") + text.text;
+        if (!text.text.empty()) said.push_back(text.text);
       }
+      const std::string captions = ml::join_text(said, " | ");
       if (captions.empty() || !d.name.empty()) {
         problems_.push_back(d.place.path.string() +
                             (captions.empty() ? ": no words" : " (" + d.name + "): one of several motions") +
