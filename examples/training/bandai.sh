@@ -2,9 +2,10 @@
 # Tables for the Bandai-Namco Research Motiondataset (CC BY-NC 4.0: measure with it, do not ship what is made of it) from the names
 # of its files, dataset-<set>_<content>_<style>_<number>.bvh.
 #
-#     examples/training/bandai.sh FOLDER [SET]      writes captions.tsv and labels.tsv into the current folder
+#     examples/training/bandai.sh FOLDER [SET]      writes these tables into the current folder:
 #
-# captions.tsv: what is done and in which style, six wordings of it; labels.tsv: what is done. SET 2 (10 contents in 7 styles) unless
+# captions.tsv: what is done and in which style, six wordings of it; labels.tsv: what is done; captions_four.tsv: four wordings that
+# differ in who does it; captions_one.tsv: one of these four for each clip, so that the same is said in different words of different clips. SET 2 (10 contents in 7 styles) unless
 # another is named. A clip goes from its beginning to its end, 10 s at most.
 set -e
 folder=$1 set=${2:-2}
@@ -42,3 +43,13 @@ done | awk -F '\t' '
     ++clips
   }
   END { printf "%d clips\n", clips }'
+awk -v one=captions_one.tsv -v four=captions_four.tsv '
+  BEGIN { FS = OFS = "\t"; split("a person|the person|a man|the man", who, "|") }
+  /^#/ { print > one; print > four; next }
+  {
+    split($5, wording, " [|] "); does = wording[1]; sub(/^a person /, "", does)
+    $5 = who[int((NR * 2654435761) % 4294967296 / 65536) % 4 + 1] " " does; print > one
+    $5 = who[1] " " does
+    for (i = 2; i <= 4; ++i) $5 = $5 " | " who[i] " " does
+    print > four
+  }' captions.tsv
