@@ -29,9 +29,10 @@ void save_model(const fs::path& folder, std::uint64_t seed, const std::string& f
   config.network.latent_dim = 32, config.network.ff_size = 32, config.network.num_layers = 1;
   config.text.width = 16;
   std::vector<std::string> pieces{"[CLS]", "[SEP]", "[UNK]", "a", "person", "walks", "slowly", "turns", "left"};
-  const auto model = program::make_text_motion<ml::Tmr, B>(config, ml::motion_features(features).width,
-                                                           ml::WordPiece(pieces, "pieces"), ml::Philox{.seed = seed});
-  program::save_text_motion(folder, model, config, {{"license", "CC0"}, {"provenance", "random numbers"}});
+  const ml::MotionFeatures& rows = ml::motion_features(features);
+  const auto model = program::make_text_motion<ml::Tmr, B>(config, rows.width, ml::WordPiece(pieces, "pieces"),
+                                                           ml::Philox{.seed = seed});
+  program::save_text_motion(folder, model, config, rows.fps, {{"license", "CC0"}, {"provenance", "random numbers"}});
 }
 
 ml::Motion walk(const std::string& name, int frames, double turn, double steps = 1.8) {
