@@ -679,7 +679,7 @@ namespace detail {
 
 /// "(2, 60, 512)"; a negative size stands for any.
 inline std::string shape_text(std::span<const Index> sizes) {
-  return "(" + join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }) + ")";
+  return concat_text("(", join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }), ")");
 }
 
 }  // namespace detail
