@@ -68,9 +68,8 @@ struct SincDataConfig {
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
-  DataConfig lots() const { return lots_of(*this); }
   void require_sound() const {
-    lots().require_sound();
+    lots_of(*this).require_sound();
     require_value("shortest", shortest, shortest >= 1, "1 or more");
     require_value("window", window, window >= shortest, "shortest or more");
     require_value("longest", longest, longest >= shortest, "shortest or more");
@@ -148,9 +147,8 @@ struct TeachDataConfig {
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 
-  DataConfig lots() const { return lots_of(*this); }
   void require_sound() const {
-    lots().require_sound();
+    lots_of(*this).require_sound();
     require_value("shortest", shortest, shortest >= 1, "1 or more");
     require_value("longest", longest, longest >= shortest, "shortest or more");
   }

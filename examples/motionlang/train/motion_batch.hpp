@@ -1,7 +1,6 @@
 // Motions as a model takes them: batches that are normalised.
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <vector>
 

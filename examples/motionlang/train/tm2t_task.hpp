@@ -10,20 +10,12 @@
 
 #include "described_words.hpp"
 #include "epoch_task.hpp"
-#include "feature_statistics.hpp"
+#include "motion_batch.hpp"
 #include "tm2t_config.hpp"
 
 namespace program {
 
-/// Rows (frames, width) of several motions, one after the other, normalised.
-inline ml::Sequences<TrainingBackend> normalized_rows(const std::vector<float>& values,
-                                                      const std::vector<ml::Index>& lengths,
-                                                      const ml::Normalizer<TrainingBackend>& normalizer) {
-  const ml::Offsets offsets(lengths);
-  return {normalizer.normalize(ml::Tensor<TrainingBackend, 2>::from(values, {offsets.rows(), normalizer.mean.size(0)})),
-          offsets};
-}
-/// The same as constants of another backend.
+/// Numbers as constants of another backend.
 template <ml::Backend T>
 ml::Sequences<T> constants(const ml::Sequences<TrainingBackend>& x) {
   const auto numbers = x.rows.span();
@@ -58,16 +50,12 @@ class TokenizerTask
   const ml::Normalizer<B>& statistics() const { return statistics_; }
 
   ml::LossTerms<A> loss(const ml::Philox&, ml::Index step, const ml::Context&) {
-    std::vector<float> values;
-    const std::vector<ml::Index> which = batches_(step, seed());
-    const ml::Index length = config_.tokenizer.window;
-    for (const ml::Index i : which) {
+    MotionBatch<B> batch(statistics_);
+    for (const ml::Index i : batches_(step, seed())) {
       const ml::ClipWindow& w = windows_[static_cast<std::size_t>(i)];
-      const auto& rows = data_->training[static_cast<std::size_t>(w.clip)].rows;
-      values.insert(values.end(), rows.begin() + w.start * data_->width,
-                    rows.begin() + (w.start + length) * data_->width);
+      batch.add(data_->training[static_cast<std::size_t>(w.clip)].rows, {w.start, config_.tokenizer.window});
     }
-    const auto x = constants<A>(normalized_rows(values, std::vector<ml::Index>(which.size(), length), statistics_));
+    const auto x = constants<A>(batch.normalized());
     const auto result = learner_.model(x);
     if (step < first_adversarial()) return ml::tokenizer_losses<A>(result, x);
     const auto made = x.with(ml::stop_gradient(result.reconstruction.rows));
@@ -81,14 +69,12 @@ class TokenizerTask
   std::vector<Measure> validate() {
     double perplexity = 0;
     const double loss = over_validation([&](std::span<const ml::Index> which, const ml::Philox&) {
-      std::vector<float> values;
-      std::vector<ml::Index> lengths;
+      MotionBatch<B> batch(statistics_);
       for (const ml::Index i : which) {
         const auto& rows = data_->validation[static_cast<std::size_t>(i)].rows;
-        lengths.push_back(std::ssize(rows) / data_->width / 4 * 4);
-        values.insert(values.end(), rows.begin(), rows.begin() + lengths.back() * data_->width);
+        batch.add(rows, {0, std::ssize(rows) / data_->width / 4 * 4});
       }
-      const auto x = normalized_rows(values, lengths, statistics_);
+      const auto x = batch.normalized();
       const auto result = learner_.average(x);
       perplexity += result.quantized.perplexity * static_cast<double>(which.size());
       return static_cast<double>(ml::tokenizer_losses<B>(result, x).total().item());

@@ -45,7 +45,7 @@ void run_babel(const BabelOptions& o, Config config, BabelReader (*reader)(const
   const BabelSources sources{o.common.data, o.babel, o.validation, o.common.splits, o.spelling};
   const auto data = [&] {
     ProgressBar bar("reading motions");
-    return read_babel_motions(sources, config.features, config.data.lots(), reader(config.data), bar);
+    return read_babel_motions(sources, config.features, lots_of(config.data), reader(config.data), bar);
   }();
   tell_parts(data);
   std::printf("%zu different labels\n", all_texts(data).size());

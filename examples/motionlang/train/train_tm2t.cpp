@@ -48,7 +48,7 @@ void save_tm2t(const Options& o, const Tm2tTrainingConfig& config, const Describ
     ml::write_glove(folder / "text_encoder/our_vab", *m.words);
   }
   overwrite_model(folder, model, store);
-  std::printf("model    %s\nlosses   %s\n", folder.c_str(), (o.common.run.out / "loss.svg").c_str());
+  tell_results(o.common, folder);
 }
 
 /// The folder that an option names, which this stage needs.
