@@ -27683,27 +27683,33 @@ struct Tm2t {
   /// A description of each motion, the best of some beams: lemmas with blanks between them.
   /// Differs from the published program, which takes the last word off a description that has no end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
-    return first_of(descriptions(features, glove, options));
+    std::vector<std::string> out;
+    for_each_search(features, glove, options, [&](const BeamSearch& found, const Sequences<B>&) {
+      out.push_back(sentence(found.ids, glove));
+    });
+    return out;
   }
   /// All beams, the best first, where they differ in words.
   std::vector<std::vector<Description>> descriptions(const Sequences<B>& features, const GloVe& glove,
                                                      BeamOptions options = {}) const {
-    set_marks(options, glove);
-    const auto memory = m2t_transformer.encode(marked(tokens(features)));
     std::vector<std::vector<Description>> out;
-    for (Index i = 0; i < memory.count(); ++i) {
-      const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
-      const BeamSearch found = beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options);
+    for_each_search(features, glove, options, [&](const BeamSearch& found, const Sequences<B>& memory) {
       auto& said = out.emplace_back();
       for (const std::size_t b : found.order)
-        add(said, std::span(found.beams[b]).first(static_cast<std::size_t>(found.lengths[b])), own, glove);
-    }
+        add(said, std::span(found.beams[b]).first(static_cast<std::size_t>(found.lengths[b])), memory, glove);
+    });
     return out;
   }
   /// Descriptions that are drawn word by word.
   std::vector<std::string> describe_at_random(const Sequences<B>& features, const GloVe& glove, const Philox& rng,
                                               DecodingOptions options = {}) const {
-    return first_of(descriptions_at_random(features, glove, rng, 1, options));
+    set_marks(options, glove);
+    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    const auto words =
+        decode_batch(Seq2SeqWriter<B>(m2t_transformer, memory), memory.count(), options, uniform_of(rng)).written();
+    std::vector<std::string> out;
+    for (Index i = 0; i < words.count(); ++i) out.push_back(sentence(words[i], glove));
+    return out;
   }
   /// `draws` of them for each motion, where they differ in words.
   std::vector<std::vector<Description>> descriptions_at_random(const Sequences<B>& features, const GloVe& glove,
@@ -27729,9 +27735,14 @@ struct Tm2t {
   /// The codes of a motion for each text. text: as GloVe::encode makes it; parts of speech are not read.
   IdSequences write_tokens(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
     auto state = t2m_model.start(word_vectors(text));
-    const auto [begin, end, pad] = std::array{vocabulary().begin(), vocabulary().end(), vocabulary().pad()};
-    const DecodingOptions wanted{begin, end, pad, options.max_tokens, options.top_k};
-    return decode_batch(t2m_model.next(state), text.count(), wanted, uniform_of(rng)).written();
+    return decode_batch(t2m_model.next(state), text.count(),
+                        {.begin = vocabulary().begin(),
+                         .end = vocabulary().end(),
+                         .pad = vocabulary().pad(),
+                         .max_steps = options.max_tokens,
+                         .top_k = options.top_k},
+                        uniform_of(rng))
+        .written();
   }
   /// Their features. A text that the model has nothing to say about gets no frames.
   Sequences<B> generate(const TextFeatures<B>& text, const Philox& rng, const Tm2tSampling& options = {}) const {
@@ -27746,10 +27757,15 @@ struct Tm2t {
   static void set_marks(auto& options, const GloVe& glove) {
     options.begin = glove.id("sos"), options.end = glove.id("eos"), options.pad = glove.size();
   }
-  static std::vector<std::string> first_of(const std::vector<std::vector<Description>>& all) {
-    std::vector<std::string> out;
-    for (const auto& own : all) out.push_back(own.front().text);
-    return out;
+  /// f(what the search for words of a motion has found, the motion as the transformer remembers it)
+  template <class F>
+  void for_each_search(const Sequences<B>& features, const GloVe& glove, BeamOptions options, F f) const {
+    set_marks(options, glove);
+    const auto memory = m2t_transformer.encode(marked(tokens(features)));
+    for (Index i = 0; i < memory.count(); ++i) {
+      const Sequences<B> own{memory[i], Offsets{memory.offsets.length(i)}};
+      f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);
+    }
   }
   /// What symbols with their marks say about the motion of a memory, unless it is said already.
   void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory, const GloVe& glove) const {
