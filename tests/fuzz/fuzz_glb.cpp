@@ -1,5 +1,6 @@
 // GLB: any bytes are read or refused with an error of the library; what was read are motions of unit quaternions, and a
 // file whose skeleton is known takes another animation.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -21,6 +22,9 @@ void check_motions(std::span<const std::byte> bytes) {
     const auto number = static_cast<ml::Index>(i);
     if (file.duration(number) > 190) continue;
     const ml::Motion motion = file.motion(number, 5);
+    const auto& joints = file.skeleton().names;
+    for (const std::string& name : file.stretched_joints(number))
+      check(std::ranges::find(joints, name) != joints.end(), "a stretched joint is one of the skeleton");
     check(motion.frames() >= 1 && motion.frames() <= most_frames, "frames");
     check(motion.local.size() == motion.root.size() * file.skeleton().names.size(), "size of the table");
     for (const auto& q : motion.local) check(std::abs(dot(q, q) - 1) < 1e-9, "unit quaternions");

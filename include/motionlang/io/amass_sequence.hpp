@@ -10,6 +10,7 @@
 
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/io/npz.hpp>
+#include <motionlang/io/pickle.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -38,6 +39,18 @@ void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence&
   }
 }
 
+/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and not
+/// run. Throws io_error 402 to 407 for anything else.
+inline std::string amass_gender(const FilePath& path) {
+  const ZipArchive zip = ZipArchive::open(path);
+  const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
+  const std::string where = concat_text(zip.name(), "/gender");
+  const NpyParts npy = npy_parts(bytes, where);
+  if (npy.header.descr != "|O") return parse_npy(bytes, where).text();
+  const Pickle pickle(npy.raw, where);
+  return std::string(pickle.root().state()[4][0].text());  // version, shape, element type, order, elements
+}
+
 }  // namespace detail
 
 /// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
@@ -47,7 +60,8 @@ inline std::string_view amass_poses(const NpzArchive& npz) {
 }
 
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
-/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced.
+/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced,
+/// or that as an object of Python.
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
 ///         motion), 407 if one has another shape, 403 for an impossible frame rate
 inline AmassSequence read_amass_sequence(const FilePath& path) {
@@ -74,7 +88,7 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
   out.trans = trans.to<double>();
   out.fps = npz.read(npz.has("mocap_frame_rate") ? "mocap_frame_rate" : "mocap_framerate").value<double>();
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
-  if (npz.has("gender")) out.gender = npz.read("gender").text();
+  if (npz.has("gender")) out.gender = detail::amass_gender(path);
   if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
   return out;
 }

@@ -142,6 +142,28 @@ TEST_CASE("sequences for a body model: every number of the file, in its own worl
   CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"), doctest::Contains("poses (2, 157)"), ml::io_error);
 }
 
+TEST_CASE("a gender that was saved as an object of Python") {
+  const TemporaryFolder folder;
+  const std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (), }\n";
+  const std::string_view version("\1\0", 2), behind("\0", 1);
+  const auto file_with = [&](const std::string& element) {
+    const std::string npy = ml::concat_text("\x93NUMPY", version, static_cast<char>(header.size()), behind, header,
+                                            "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(I0\ntS'b'\ntR(I1\n(t"
+                                            "cnumpy\ndtype\n(S'O8'\nI0\nI1\ntRI00\n(",
+                                            element, "ltb.");
+    const std::vector<ml::NamedArray> arrays{{"poses.npy", matrix(2, 156)},
+                                             {"trans.npy", matrix(2, 3)},
+                                             {"mocap_framerate.npy", ml::NpyArray::scalar(59.0)}};
+    ml::ZipWriter zip;
+    for (const ml::NamedArray& a : arrays) zip.add(a.name, ml::npy_bytes(a.array));
+    zip.add("gender.npy", std::as_bytes(std::span(npy)));
+    ml::write_file(folder / "a.npz", zip.finish());
+    return folder / "a.npz";
+  };
+  CHECK(ml::read_amass_sequence(file_with("S'female'\n")).gender == "female");
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(file_with("I3\n")), doctest::Contains("a text expected, found"), ml::io_error);
+}
+
 TEST_CASE("poses in parts are those of one array") {
   const TemporaryFolder folder;
   std::vector<double> root(2 * 3, 1), body(2 * 63, 2), hands(2 * 90, 3);
