@@ -83,6 +83,10 @@ TEST_CASE("TEMOS: .hydra/config.yaml, checkpoints/last.ckpt with DistilBERT insi
   const auto loaded = ml::load_temos_run<B>(run, {.text_encoder = folder / "words", .statistics = folder / "stats"});
   CHECK(loaded.fps == 12.5);
   CHECK(loaded.width() == config.nfeats);
+  fs::rename(folder / "words", folder / "distilbert-base-uncased");  // found beside the model, however this is named
+  for (const char* name : {"", "/", "/.", "/checkpoints/.."})
+    CHECK_NOTHROW(ml::load_temos_run<B>(fs::path(run.string() + name), {.statistics = folder / "stats"}));
+  fs::rename(folder / "distilbert-base-uncased", folder / "words");
   CHECK(small::numbers(loaded.normalizer.std) == small::numbers(official::statistics(config.nfeats, 6).std));
   CHECK(all_numbers(loaded.model) == all_numbers(official::temos(config)));
   const std::vector<std::string> texts{"walk", "a walk"};

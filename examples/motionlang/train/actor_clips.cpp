@@ -99,7 +99,8 @@ ml::Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& c) 
     std::vector<ml::Vec3<double>> joints;
     for (std::size_t at = 0; at + 2 < rows.size(); at += 3)
       joints.push_back(ml::vec_cast<double>(ml::Vec3<float>{rows[at], rows[at + 1], rows[at + 2]}));
-    return ml::motion_from_joints(skeleton, joints, c.fps);
+    const ml::Motion out = ml::motion_from_joints(skeleton, joints, c.fps);
+    return c.camera ? turned_over(out) : out;
   }
   const auto motion = ml::actor_inverse(rows, 24, options_of(c));
   ml::Motion out{skeleton, c.fps, {}, {}, {}};

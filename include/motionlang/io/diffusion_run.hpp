@@ -161,7 +161,7 @@ inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-u
 inline std::filesystem::path find_text_encoder(const std::filesystem::path& model, const std::string& kind) {
   std::vector<std::string> tried;
   const auto places = kind == "clip" ? std::span<const char* const>(clip_places) : bert_places;
-  for (const auto& folder : {model, model.parent_path()}) {
+  for (const auto& folder : {model, folder_around(model)}) {
     for (const char* name : places) {
       std::error_code ignored;
       if (std::filesystem::exists(folder / name, ignored)) return folder / name;
@@ -177,7 +177,7 @@ inline std::filesystem::path find_text_encoder(const std::filesystem::path& mode
 
 /// The vocabulary of a model that has CLIP in its checkpoint.
 inline std::filesystem::path clip_vocabulary_of(const std::filesystem::path& model) {
-  for (const auto& folder : {model, model / "text_encoder", model / "clip", model.parent_path()}) {
+  for (const auto& folder : {model, model / "text_encoder", model / "clip", folder_around(model)}) {
     for (const char* name : clip_vocabularies) {
       if (file_exists(folder / name)) return folder / name;
     }

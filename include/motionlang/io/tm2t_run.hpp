@@ -56,8 +56,7 @@ inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& 
   namespace fs = std::filesystem;
   if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
   if (run.packed) return run;
-  const fs::path beside = run.folder.lexically_normal();
-  const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
+  const fs::path around = folder_around(run.folder);
   std::vector<RunFolder> found;
   for (const fs::path& folder : listed(around.empty() ? fs::path(".") : around)) {
     std::error_code ignored;

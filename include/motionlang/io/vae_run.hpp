@@ -66,7 +66,7 @@ inline void require_checkpoint(const RunFolder& run, const char* system, const c
 /// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
 inline std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options) {
   std::filesystem::path folder = options.text_encoder.string();
-  for (const auto& near : {run.folder, run.folder.parent_path()}) {
+  for (const auto& near : {run.folder, folder_around(run.folder)}) {
     for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
       const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
       if (folder.empty() && found) folder = near / name;

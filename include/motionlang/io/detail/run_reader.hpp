@@ -2,7 +2,8 @@
 /// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
 #pragma once
 
-#include <algorithm>  // find
+#include <algorithm>   // find
+#include <filesystem>  // folders
 
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/io/module_file.hpp>
@@ -10,6 +11,13 @@
 #include <motionlang/io/weight_file.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// The folder around one, also of "a/b/" and ".".
+inline std::filesystem::path folder_around(const std::filesystem::path& folder) {
+  auto own = folder.lexically_normal();
+  if (!own.has_filename()) own = own.parent_path();
+  return own == "." || own.filename() == ".." ? own / ".." : own.parent_path();
+}
 
 /// Options of a run and shapes of its tensors, compared.
 class RunReader {
