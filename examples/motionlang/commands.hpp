@@ -31,6 +31,8 @@ void add_train_tm2t(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_judge(CLI::App& app);
 void add_convert(CLI::App& app);  // and strip, view
+void add_compose(CLI::App& app);
+void add_join(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_index(CLI::App& app);
 void add_search(CLI::App& app);

@@ -54,6 +54,8 @@ int main(int argc, char** argv) {
 #endif
   program::add_judge(app);
   program::add_convert(app);
+  program::add_compose(app);
+  program::add_join(app);
   program::add_doctor(app);
   program::add_index(app);
   program::add_search(app);

@@ -60,7 +60,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const TemporaryFolder folder;
   const auto all = run({"--help"}, folder.path);
   CHECK(all.code == 0);
-  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "doctor", "strip", "view", "describe", "Exit codes: 0 ",
+  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "compose", "join", "doctor", "strip", "view", "describe", "Exit codes: 0 ",
                            "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
@@ -74,6 +74,8 @@ TEST_CASE("help names every command and option, and the exit codes") {
        {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
         "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as",
         "--denoise", "--action", "--text-encoder", "--statistics", "--store", "--body", "--betas", "--hands"}},
+      {"compose", {"motions", "--first", "--second", "--table", "--center", "--output", "--units", "--scale", "--asf"}},
+      {"join", {"motions", "--blend", "--output", "--units", "--scale", "--asf"}},
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--up", "--asf", "--all"}},
       {"strip", {"input", "output", "--as"}},
       {"view", {"input", "output", "--body", "--betas"}},

@@ -1,6 +1,7 @@
 // SINC: two motions put together by body parts; which parts move by themselves.
 #include <doctest/doctest.h>
 
+#include <cmath>    // asin
 #include <sstream>  // prints sets of parts
 
 #include <motionlang/compose/sinc_composition.hpp>
@@ -78,4 +79,26 @@ TEST_CASE("SINC: moving parts by speed") {
   CHECK(ml::moving_sinc_parts(speeds, 0.05) == ml::sinc_parts(right_arm, torso));
   CHECK(ml::moving_sinc_parts(std::array<double, 6>{}).none());
   CHECK_ERROR(ml::sinc_part_speeds(std::span<const ml::Vec3<double>>(joints).first(22)), "[motionlang.shape.205]");
+}
+
+TEST_CASE("SINC composition: clips on SMPL's joints, hands with their arms") {
+  const auto still = [](const ml::Skeleton& skeleton, double angle, double fps = 20) {
+    ml::Motion m{skeleton, fps, {{angle, 0, 0}}, {}, "still"};
+    m.local.assign(skeleton.names.size(), ml::from_axis_angle(ml::Vec3<double>{0, 0, 1}, angle));
+    return m;
+  };
+  const auto& smpl = ml::smpl24_skeleton();
+  const ml::Motion a = still(smpl, 0.1), b = still(smpl, 0.2);
+  const auto owner = [](const ml::Motion& m, std::size_t joint) { return 2 * std::asin(m.local[joint].z); };
+  const ml::Motion waves = ml::compose_motions(a, ~ml::SincParts{}, b, ml::sinc_parts(left_arm));
+  for (const std::size_t j : {13u, 16u, 18u, 20u, 22u}) CHECK(owner(waves, j) == doctest::Approx(0.2));
+  for (const std::size_t j : {0u, 1u, 9u, 15u, 21u, 23u}) CHECK(owner(waves, j) == doctest::Approx(0.1));
+  CHECK(waves.root[0].x == 0.1);
+  const ml::Motion kicks = ml::compose_motions(a, ml::sinc_parts(left_arm, right_arm), b, ml::sinc_parts(left_leg));
+  CHECK(owner(kicks, 0) == doctest::Approx(0.2));
+  CHECK(owner(kicks, 23) == doctest::Approx(0.1));
+  CHECK(kicks.root[0].x == 0.2);
+  CHECK_ERROR(ml::compose_motions(a, {}, still(smpl, 0, 30), {}), "[motionlang.config.102] compose_motions: 'still' has 24");
+  const ml::Motion kit = still(ml::kit21_skeleton(), 0);
+  CHECK_ERROR(ml::compose_motions(kit, {}, kit, {}), "is not on SMPL's 24 joints");
 }

@@ -1,0 +1,168 @@
+// motionlang compose, join: one motion out of several, at the same time or one after the other.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <sstream>
+
+#include <motionlang/compose/body_part_lexicon.hpp>
+#include <motionlang/compose/sinc_composition.hpp>
+#include <motionlang/io/body_part_table.hpp>
+#include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/retarget.hpp>
+
+#include "../commands.hpp"
+#include "../option_checks.hpp"
+#include "motion_files.hpp"
+
+namespace program {
+
+namespace {
+
+struct ComposeOptions {
+  std::vector<std::string> in;
+  std::string out, first, second, table;
+  MotionReadOptions read;
+  bool center = false;
+  double blend = 0.3, units = 100;
+};
+
+/// The parts that a list names, "left arm, right arm"; none if it is something else.
+std::optional<ml::SincParts> listed_parts(const std::string& text) {
+  ml::SincParts parts;
+  std::istringstream names(text);
+  for (std::string name; std::getline(names, name, ',');) {
+    const auto part = ml::parse_sinc_part(ml::detail::trim(name));
+    if (!part) return std::nullopt;
+    parts.set(static_cast<std::size_t>(*part));
+  }
+  return parts;
+}
+
+/// STMC's parts as SINC's: the legs are both, with the pelvis, which carries them; spine and head are the torso.
+ml::SincParts as_sinc(const ml::BodyParts& parts) {
+  using enum ml::SincPart;
+  ml::SincParts out;
+  if (parts.has(ml::BodyPart::left_arm)) out |= ml::sinc_parts(left_arm);
+  if (parts.has(ml::BodyPart::right_arm)) out |= ml::sinc_parts(right_arm);
+  if (parts.has(ml::BodyPart::legs)) out |= ml::sinc_parts(global, left_leg, right_leg);
+  if (parts.has(ml::BodyPart::spine) || parts.has(ml::BodyPart::head)) out |= ml::sinc_parts(torso);
+  return out;
+}
+
+/// What an option says of a motion: parts, or a text of which the table knows them, or else guessed. "": all.
+ml::SincParts parts_of(const std::string& text, const std::string& table) {
+  if (text.empty()) return ~ml::SincParts{};
+  if (const auto listed = listed_parts(text)) return *listed;
+  return table.empty() ? as_sinc(ml::guess_body_parts(text)) : ml::open_body_part_table(table).parts(text);
+}
+
+std::string names_of(const ml::SincParts& parts) {
+  std::vector<std::string_view> names;
+  for (std::size_t p = 0; p < ml::sinc_part_count; ++p) {
+    if (parts[p]) names.push_back(ml::sinc_part_names[p]);
+  }
+  return ml::join_text(names);
+}
+
+ml::Motion only_motion(const std::string& file, const MotionReadOptions& read) {
+  auto motions = read_motions(file, options_in_folder(read, file));
+  if (motions.size() == 1) return std::move(motions.front());
+  std::vector<std::string> names;
+  for (const ml::Motion& m : motions) names.push_back(m.name);
+  ml::raise<ml::config_error>(102, file, ": one motion is wanted, it has ", motions.size(), " (", ml::join_text(names),
+                              "): convert writes each to a file of its own");
+}
+
+/// On the skeleton and at the rate of another motion.
+ml::Motion like(const ml::Motion& other, ml::Motion m) {
+  if (m.skeleton != other.skeleton) m = ml::retarget(m, other.skeleton);
+  return m.fps == other.fps ? m : ml::resample(m, other.fps);
+}
+
+void write(const ComposeOptions& o, const ml::Motion& m) {
+  write_motion(o.out, m, o.units);
+  std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", o.out.c_str(), m.frames(), m.fps, m.seconds(),
+              m.skeleton.size());
+}
+
+void compose(const ComposeOptions& o) {
+  require_folder_of(o.out);
+  const ml::Motion first = on_smpl(only_motion(o.in[0], o.read)),
+                   second = like(first, on_smpl(only_motion(o.in[1], o.read)));
+  const ml::SincParts of_first = parts_of(o.first, o.table), of_second = parts_of(o.second, o.table);
+  std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), names_of(of_first).c_str(), o.in[1].c_str(),
+              names_of(of_second).c_str());
+  if (!ml::are_compatible(of_first, of_second) && !o.first.empty())
+    std::printf("both move: %s; the motion with fewer parts has them\n", names_of(of_first & of_second).c_str());
+  write(o, ml::compose_motions(first, of_first, second, of_second,
+                               o.center ? ml::SincTrim::both_ends : ml::SincTrim::end));
+}
+
+void join(const ComposeOptions& o) {
+  require_folder_of(o.out);
+  std::optional<ml::Motion> whole;
+  for (const std::string& file : o.in) {
+    for (ml::Motion& m : read_motions(file, options_in_folder(o.read, file))) {
+      if (!whole) {
+        whole = std::move(m);
+        continue;
+      }
+      const double frames = o.blend * whole->fps;
+      whole = ml::blend_into(*whole, like(*whole, std::move(m)), std::max<ml::Index>(1, std::lround(frames)));
+    }
+  }
+  write(o, *whole);
+}
+
+void add_output(CLI::App& c, ComposeOptions& o) {
+  c.add_option("-o,--output", o.out, "Result: .bvh, .glb, .npz (AMASS), .npy (joints), .html (page), .svg or .png")
+      ->required()
+      ->check(not_empty());
+  c.add_option("--units", o.units, "Units per metre of a BVH file that is written")
+      ->check(positive())
+      ->capture_default_str();
+  o.read.add_to(c);
+}
+
+}  // namespace
+
+void add_compose(CLI::App& app) {
+  const auto o = std::make_shared<ComposeOptions>();
+  CLI::App* c = app.add_subcommand("compose",
+                                   "One motion out of two at the same time: each gives the body parts that its action "
+                                   "needs, by the rule of SINC; legs, pelvis and path stay together");
+  c->add_option("motions", o->in, "Two files, as for convert; at the rate of the first, on SMPL's joints with its bones")
+      ->required()
+      ->expected(2)
+      ->check(CLI::ExistingFile);
+  const std::string parts = "Parts that the action of the %s motion needs: global, torso, left arm, right arm, left leg, "
+                            "right leg, separated by commas; or its text, from which they are guessed";
+  const auto of = [&](const char* which) { return std::string(parts).replace(parts.find("%s"), 2, which); };
+  c->add_option("--first", o->first, of("first") + "; all unless given")->check(not_empty());
+  c->add_option("--second", o->second, of("second"))->required()->check(not_empty());
+  c->add_option("--table", o->table, "Body parts of texts as SINC has them from a language model: JSON, text -> answers")
+      ->check(CLI::ExistingFile);
+  c->add_flag("--center", o->center, "The longer motion is cut at both ends, not at its end only");
+  add_output(*c, *o);
+  c->callback([o] { compose(*o); });
+}
+
+void add_join(CLI::App& app) {
+  const auto o = std::make_shared<ComposeOptions>();
+  CLI::App* c = app.add_subcommand("join",
+                                   "Motions one after the other: each is turned and moved over the floor to go on where "
+                                   "the one before it ends, and blended into it");
+  c->add_option("motions", o->in, "Files, as for convert; at the rate and on the skeleton of the first")
+      ->required()
+      ->expected(1, -1)
+      ->check(CLI::ExistingFile);
+  c->add_option("--blend", o->blend, "Seconds in which one motion gives way to the next")
+      ->check(not_negative())
+      ->capture_default_str();
+  add_output(*c, *o);
+  c->callback([o] { join(*o); });
+}
+
+}  // namespace program
