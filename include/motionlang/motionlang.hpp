@@ -257,6 +257,7 @@
 #include <motionlang/systems/sinc.hpp>
 #include <motionlang/systems/stmc.hpp>
 #include <motionlang/systems/stmc_edit.hpp>
+#include <motionlang/systems/stmc_keep.hpp>
 #include <motionlang/systems/teach.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tm2t.hpp>

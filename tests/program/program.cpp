@@ -67,7 +67,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"generate",
        {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
         "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads", "--preset", "--record",
-        "--reuse", "--keep-beyond", "--samples", "--towards"}},
+        "--reuse", "--keep-beyond", "--keep", "--keep-seconds", "--keep-parts", "--samples", "--towards"}},
       {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts"}},
       {"info", {"file", "--features"}},
       {"convert",
@@ -373,6 +373,49 @@ TEST_CASE("generate --samples: different motions, of which the first is the one 
     CHECK(synthetic::largest_distance(second, first) > 1e-3);
   }
   CHECK(w.generate("none", {"--samples", "0"}).code == 2);
+}
+
+TEST_CASE("generate --keep: frames and body parts of a motion stay, in their place") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40, .turn = 0.5}));
+  const auto walk = ml::read_bvh_motion(w / "walk.bvh");
+  const std::vector<std::string> as_made{"--keep", "walk.bvh", "--no-smooth", "--no-fix-feet"};
+  const auto keeping = [&](const std::string& out, std::vector<std::string> what) {
+    what.insert(what.end(), as_made.begin(), as_made.end());
+    const Outcome made = w.generate(out, what);
+    REQUIRE_MESSAGE(made.code == 0, made.text);
+    return ml::read_bvh_motion(w / (out + "/two.bvh"));
+  };
+  const auto turn = [&](const ml::Motion& m, ml::Index frame, const char* joint) {
+    return ml::distance(m.rotations(frame)[static_cast<std::size_t>(m.skeleton[joint])],
+                        walk.rotations(frame)[static_cast<std::size_t>(walk.skeleton[joint])]);
+  };
+  const ml::Motion begun = keeping("begun", {"--keep-seconds", "0-0.25,0.8-1"}),
+                   steps = keeping("steps", {"--keep-parts", "legs"});
+  REQUIRE((begun.frames() == 20 && steps.frames() == 20));
+  for (const ml::Index f : {0, 4, 10, 17}) {
+    CAPTURE(f);
+    const bool kept = f != 10;
+    for (const char* joint : {"left_knee", "right_shoulder", "spine3"}) CHECK((turn(begun, f, joint) < 1e-3) == kept);
+    CHECK(turn(steps, f, "left_knee") < 1e-3);
+    CHECK(turn(steps, f, "right_shoulder") > 1e-2);
+    const auto apart = steps.root_at(f) - walk.root_at(f);
+    CHECK(std::hypot(apart.x, apart.z) < 1e-3);
+  }
+  CHECK(turn(begun, 0, "pelvis") < 1e-3);
+  CHECK(std::hypot(begun.root_at(4).x - walk.root_at(4).x, begun.root_at(4).z - walk.root_at(4).z) < 1e-3);
+
+  const auto refused = [&](const std::vector<std::string>& what, int code, const char* text) {
+    auto all = what;
+    all.insert(all.end(), {"--keep", "walk.bvh"});
+    const Outcome o = w.generate("no", all);
+    CHECK_MESSAGE((o.code == code && contains(o.text, text)), o.text);
+  };
+  refused({}, 2, "say what is kept: --keep-seconds or --keep-parts");
+  refused({"--keep-parts", "tail"}, 1, "--keep-parts: 'tail' is none of left arm");
+  refused({"--keep-seconds", "3-1"}, 1, "'3-1' is no stretch of time like 0-1.5");
+  refused({"--keep-seconds", "0-1.5"}, 1, "frames 0:30 are kept of 40 in a timeline of 20");
+  refused({"--keep-parts", "legs", "--record"}, 2, "--record");
 }
 
 TEST_CASE("a diffusion model has no latents: it does not go from text to text, and does not denoise a motion") {

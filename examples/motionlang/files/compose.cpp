@@ -66,15 +66,6 @@ std::string names_of(const ml::SincParts& parts) {
   return ml::join_text(names);
 }
 
-ml::Motion only_motion(const std::string& file, const MotionReadOptions& read) {
-  auto motions = read_motions(file, options_in_folder(read, file));
-  if (motions.size() == 1) return std::move(motions.front());
-  std::vector<std::string> names;
-  for (const ml::Motion& m : motions) names.push_back(m.name);
-  ml::raise<ml::config_error>(102, file, ": one motion is wanted, it has ", motions.size(), " (", ml::join_text(names),
-                              "): convert writes each to a file of its own");
-}
-
 /// On the skeleton and at the rate of another motion.
 ml::Motion like(const ml::Motion& other, ml::Motion m) {
   if (m.skeleton != other.skeleton) m = ml::retarget(m, other.skeleton);
@@ -89,8 +80,10 @@ void write(const ComposeOptions& o, const ml::Motion& m) {
 
 void compose(const ComposeOptions& o) {
   require_folder_of(o.out);
-  const ml::Motion first = on_smpl(only_motion(o.in[0], o.read)),
-                   second = like(first, on_smpl(only_motion(o.in[1], o.read)));
+  const auto clip = [&](const std::string& file) {
+    return on_smpl(read_only_motion(file, options_in_folder(o.read, file)));
+  };
+  const ml::Motion first = clip(o.in[0]), second = like(first, clip(o.in[1]));
   const ml::SincParts of_first = parts_of(o.first, o.table), of_second = parts_of(o.second, o.table);
   std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), names_of(of_first).c_str(), o.in[1].c_str(),
               names_of(of_second).c_str());

@@ -8,11 +8,15 @@
 
 namespace program {
 
+const ml::MotionFeatures& features_of_layout(const std::string& layout, ml::Index width) {
+  if (layout != "guoh3dfeats") return ml::motion_features(layout);
+  const ml::MotionFeatures& kit = ml::motion_features("kit");
+  return width == kit.width ? kit : ml::motion_features("guoh3d");
+}
+
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps) {
   if (layout == "smplrifke") return ml::smplrifke_to_motion<double>(rows, {.first_angle = std::numbers::pi}, fps);
-  if (layout != "guoh3dfeats") return ml::motion_of_rows(ml::motion_features(layout), rows, fps);
-  const ml::MotionFeatures& kit = ml::motion_features("kit");
-  return ml::motion_of_rows(width == kit.width ? kit : ml::motion_features("guoh3d"), rows, fps);
+  return ml::motion_of_rows(features_of_layout(layout, width), rows, fps);
 }
 
 ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<const float> rows, double fps) {

@@ -12,6 +12,9 @@
 
 namespace program {
 
+/// The features that the library names which a model of this layout and width makes. Throws config_error 103.
+const ml::MotionFeatures& features_of_layout(const std::string& layout, ml::Index width);
+
 /// rows      (frames, features), not normalised
 /// layout    a model's: smplrifke, facing as published; guoh3dfeats, of HumanML3D or KIT; or features that the library names
 /// Throws    config_error 103 for another layout

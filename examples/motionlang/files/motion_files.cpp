@@ -229,6 +229,15 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
         103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
 }
 
+ml::Motion read_only_motion(const std::filesystem::path& path, const MotionReadOptions& options) {
+  auto motions = read_motions(path, options);
+  if (motions.size() == 1) return std::move(motions.front());
+  std::vector<std::string> names;
+  for (const ml::Motion& m : motions) names.push_back(m.name);
+  ml::raise<ml::config_error>(102, path.string(), ": one motion is wanted, it has ", motions.size(), " (",
+                              ml::join_text(names), "): convert writes each to a file of its own");
+}
+
 bool holds_several(const std::filesystem::path& path) { return kind_of(path) == ".glb" || kind_of(path) == ".html"; }
 
 bool holds_together(const std::filesystem::path& path, std::span<const ml::Motion> motions) {

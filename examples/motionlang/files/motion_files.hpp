@@ -69,6 +69,9 @@ std::filesystem::path asf_beside(const std::filesystem::path& amc);
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {},
                                      std::string* told = nullptr);
 
+/// The only motion of a file. Throws config_error 102 if there are several, and as read_motions.
+ml::Motion read_only_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
+
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
 void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);

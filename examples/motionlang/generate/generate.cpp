@@ -1,4 +1,6 @@
 // motionlang generate: a timeline in, motions out in every format, and a page to look at.
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <set>
 
@@ -36,6 +38,8 @@ struct GenerateOptions {
   std::string preset = "model";
   std::string reuse;  // a folder or a file
   bool record = false;
+  std::string keep;  // a motion, of which these seconds and parts stay
+  std::vector<std::string> keep_seconds, keep_parts;
   RigOptions rig;
   MachineOptions machine;
 };
@@ -151,6 +155,28 @@ void warn_of_unknown_words(const GenerateOptions& o, const std::vector<ml::Timel
   for (const std::string& text : texts) std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
 }
 
+/// Null without --keep. Throws config_error 101, 103 for what is no stretch of time and no body part.
+std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
+  if (o.keep.empty()) return nullptr;
+  KeptClip out{read_only_motion(o.keep)};
+  for (const std::string& stretch : o.keep_seconds) {
+    double from = 0, to = 0;
+    const char *const end = stretch.data() + stretch.size(), *const dash = std::find(stretch.data(), end, '-');
+    const bool good = dash != end && std::from_chars(stretch.data(), dash, from).ptr == dash &&
+                      std::from_chars(dash + 1, end, to).ptr == end && from < to;
+    if (!good) ml::raise<ml::config_error>(101, "--keep-seconds: '", stretch, "' is no stretch of time like 0-1.5");
+    out.seconds.emplace_back(from, to);
+  }
+  if (!o.keep_parts.empty()) out.parts = {};
+  for (const std::string& name : o.keep_parts) {
+    const auto part = ml::parse_body_part(ml::detail::trim(name));
+    if (!part)
+      ml::raise<ml::config_error>(103, "--keep-parts: '", name, "' is none of ", ml::join_text(ml::body_part_names));
+    out.parts = out.parts.with(*part);
+  }
+  return std::make_shared<const KeptClip>(std::move(out));
+}
+
 void run(const GenerateOptions& o) {
   o.machine.apply();
   make_output_folder("--out", o.out);
@@ -166,6 +192,7 @@ void run(const GenerateOptions& o) {
   GenerationSettings settings = o.settings;
   GenerationNotes notes;
   settings.notes = &notes;
+  settings.keep = kept_clip(o);
   if (o.preset == "fast") use_fast_preset(settings);
   if (o.preset == "full") use_full_preset(settings);
   if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
@@ -276,6 +303,20 @@ void add_generate(CLI::App& app) {
                 "would change them")
       ->check(in_range(0, 3600))
       ->needs(reuse);
+  CLI::Option* keep =
+      c->add_option("--keep", o->keep,
+                    "Motion (file as for convert) of which a part is kept, from the start of the timeline on: the texts make the rest. For "
+                    "diffusion models of texts. What is kept is the model's input to the number with --no-smooth --no-fix-feet")
+          ->check(CLI::ExistingFile);
+  c->add_option("--keep-seconds", o->keep_seconds,
+                "Of --keep: stretches of time in which all of it is kept, for instance 0-0.5 (how to begin) or 0-1,4-5 (what is between is made)")
+      ->delimiter(',')
+      ->needs(keep);
+  c->add_option("--keep-parts", o->keep_parts,
+                "Of --keep: body parts that are kept (the others are made), all of the time or in --keep-seconds; legs have the way")
+      ->delimiter(',')
+      ->needs(keep);
+  for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
   const auto cut_texts = c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
               "A text is cut where another takes body parts from it or gives them back; without, one crop as published")
       ->capture_default_str();
@@ -292,6 +333,10 @@ void add_generate(CLI::App& app) {
   o->machine.add_to(*c);
   c->callback([o, action] {
     o->action = action->count() > 0;
+    if (!o->keep.empty() && o->keep_seconds.empty() && o->keep_parts.empty())
+      throw CLI::ValidationError("--keep", "say what is kept: --keep-seconds or --keep-parts");
+    if (!o->keep.empty() && (o->record || !o->towards.empty()))
+      throw CLI::ExcludesError("--keep", o->record ? "--record" : "--towards");
     run(*o);
   });
 }

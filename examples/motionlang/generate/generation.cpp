@@ -75,6 +75,8 @@ void require_no_noise(const GenerationSettings& settings) {
     ml::raise<ml::config_error>(102, "--noise is for diffusion models; this one takes --seed");
   if (!settings.record_file.empty() || !settings.reuse_file.empty())
     ml::raise<ml::config_error>(102, "--record and --reuse are for diffusion models; this one makes every motion in one step");
+  if (settings.keep)
+    ml::raise<ml::config_error>(102, "--keep is for diffusion models of texts (STMC, MDM, MotionDiffuse); this one makes whole motions");
 }
 
 void require_no_sampling(const GenerationSettings& settings) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <motionlang/compose/timeline.hpp>
@@ -25,6 +26,13 @@ struct GenerationNotes {
   std::optional<std::uint64_t> seed{};             // of the run that was reused
 };
 
+/// A motion of which something is kept: the model makes the rest.
+struct KeptClip {
+  ml::Motion motion;
+  std::vector<std::pair<double, double>> seconds{};  // from, to; none: all of it
+  ml::BodyParts parts = ml::BodyParts::all();        // the way over the ground belongs to the legs
+};
+
 struct GenerationSettings {
   std::uint64_t seed = 0;
   std::optional<ml::Index> steps{};  // 0: all; the model's own unless given
@@ -39,6 +47,7 @@ struct GenerationSettings {
   std::string record_file{};         // where to write what a later run needs to reuse this one
   std::string reuse_file{};          // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
   std::optional<double> keep_beyond{};  // seconds; what is further from the edit stays as it was
+  std::shared_ptr<const KeptClip> keep{};  // of every timeline
   GenerationNotes* notes = nullptr;     // written if given
 };
 
@@ -103,7 +112,7 @@ std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folde
 const ml::Interval& only_text(const ml::Timeline& timeline);
 /// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
-/// Throws config_error 102 if there is a file of noise or a record, which models without diffusion do not take.
+/// Throws config_error 102 if there is a file of noise, a record or a motion to keep, which only models that go through STMC take.
 void require_no_noise(const GenerationSettings& settings);
 /// Throws config_error 102 if steps, sampler or guidance are given, for models without diffusion.
 void require_no_sampling(const GenerationSettings& settings);

@@ -3,9 +3,12 @@
 
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/io/stmc_record.hpp>
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/systems/stmc_keep.hpp>
 
 #include "../files/feature_motion.hpp"
+#include "../files/motion_files.hpp"
 #include "generation.hpp"
 #include "reuse.hpp"
 #include "timelines.hpp"
@@ -30,6 +33,7 @@ class GeneratorOver final : public Generator {
     if (s.notes != nullptr) *s.notes = {.layout = model_.layout.name};
     const auto features = !s.reuse_file.empty()    ? again(timelines, s, progress)
                           : !s.record_file.empty() ? recorded(cut(timelines, s.cut_texts), s, options)
+                          : s.keep                 ? around(cut(timelines, s.cut_texts), s, options)
                           : s.noise_file.empty()
                               ? model_.generate(cut(timelines, s.cut_texts), ml::Philox{.seed = s.seed}, options)
                               : model_.generate_from(cut(timelines, s.cut_texts), noise_from(s.noise_file), options);
@@ -37,7 +41,9 @@ class GeneratorOver final : public Generator {
     for (const auto& f : features) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (s.notes != nullptr) s.notes->features.push_back(rows);
-      motions.push_back(finished(motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps), s));
+      ml::Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+      if (s.keep) motion = in_its_place(std::move(motion), *s.keep);
+      motions.push_back(finished(std::move(motion), s));
     }
     return motions;
   }
@@ -58,6 +64,33 @@ class GeneratorOver final : public Generator {
     auto features = ml::generate_recorded<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, record);
     save(record, s.record_file, s.cut_texts);
     return features;
+  }
+
+  /// Frames of the clip, of which there are so many, that are kept.
+  std::vector<ml::IndexRange> kept_frames(const KeptClip& keep, ml::Index frames) const {
+    if (keep.seconds.empty()) return {{0, frames}};
+    std::vector<ml::IndexRange> out;
+    for (const auto& [from, to] : keep.seconds) out.push_back({ml::frame_at(from, model_.fps), ml::frame_at(to, model_.fps)});
+    return out;
+  }
+  Features around(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s, const ml::StmcOptions& options) const {
+    const ml::Index width = model_.layout.size;
+    const auto rows = rows_of_motion(features_of_layout(model_.layout.name, width), s.keep->motion, model_.fps);
+    const std::vector<typename B::scalar> values(rows.begin(), rows.end());
+    const ml::Index frames = std::ssize(values) / width;
+    std::vector<ml::KeptMotion<B>> kept;
+    for (const ml::Timeline& t : timelines) {
+      auto& own = kept.emplace_back(ml::KeptMotion<B>{ml::Tensor<B, 2>::from(values, {frames, width})});
+      for (const ml::IndexRange& range : kept_frames(*s.keep, std::min(frames, t.end()))) own.parts.push_back({range, s.keep->parts});
+    }
+    return ml::generate_around<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, std::span<const ml::KeptMotion<B>>(kept));
+  }
+  /// Turned and moved over the floor to where the clip is, where its way is kept.
+  ml::Motion in_its_place(ml::Motion motion, const KeptClip& keep) const {
+    if (!keep.parts.has(ml::BodyPart::legs)) return motion;
+    const ml::Motion clip = ml::resample(on_joints_for(features_of_layout(model_.layout.name, model_.layout.size), keep.motion), model_.fps);
+    const ml::Index first = kept_frames(keep, motion.frames()).front().begin;
+    return ml::placed(motion, ml::placement_between(motion, first, clip, first));
   }
 
   /// With what the record of an earlier run says about the part that was not edited.
