@@ -23076,6 +23076,27 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// motions are.
 enum class SincTrim { end, both_ends };
 
+namespace detail {
+
+/// What the motion with fewer parts, b, gives, and where both begin.
+struct SincComposition {
+  SincParts of_b;
+  bool path_of_b;
+  std::size_t frames, from_a, from_b;
+
+  SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b, SincTrim trim) {
+    const SincParts lower = sinc_parts(SincPart::global, SincPart::left_leg, SincPart::right_leg);
+    path_of_b = (parts_b & lower).any();
+    of_b = path_of_b ? parts_b | lower : parts_b & ~lower;
+    frames = std::min(frames_a, frames_b);
+    const bool both_ends = trim == SincTrim::both_ends;
+    from_a = both_ends ? (frames_a - frames) / 2 : 0;
+    from_b = both_ends ? (frames_b - frames) / 2 : 0;
+  }
+};
+
+}  // namespace detail
+
 /// a, b     22 joints each
 /// result   as many frames as the shorter one has; paths are not moved onto one another
 /// Throws   shape_error 205 if rotations are not 22 for each frame
@@ -23088,21 +23109,36 @@ SmplVelpMotion<S> compose_motions(const SmplVelpMotion<S>& a, SincParts parts_a,
     if (m->rotations.size() == joints * m->trans.size()) continue;
     raise<shape_error>(205, "compose_motions: ", m->rotations.size(), " rotations for ", m->trans.size(), " frames");
   }
-  const SincParts lower = sinc_parts(SincPart::global, SincPart::left_leg, SincPart::right_leg);
-  const bool legs_of_b = (parts_b & lower).any();
-  const SincParts of_b = legs_of_b ? parts_b | lower : parts_b & ~lower;
-  const std::size_t frames = std::min(a.trans.size(), b.trans.size());
-  const auto start = [&](const SmplVelpMotion<S>& m) {
-    return trim == SincTrim::both_ends ? (m.trans.size() - frames) / 2 : 0;
-  };
-  const std::size_t from_a = start(a), from_b = start(b);
+  const detail::SincComposition c(parts_b, a.trans.size(), b.trans.size(), trim);
   SmplVelpMotion<S> out;
-  for (std::size_t f = 0; f < frames; ++f) {
+  for (std::size_t f = 0; f < c.frames; ++f) {
     for (std::size_t j = 0; j < joints; ++j) {
-      out.rotations.push_back(has(of_b, sinc_part_of_joint[j]) ? b.rotations[(from_b + f) * joints + j]
-                                                               : a.rotations[(from_a + f) * joints + j]);
+      out.rotations.push_back(has(c.of_b, sinc_part_of_joint[j]) ? b.rotations[(c.from_b + f) * joints + j]
+                                                                 : a.rotations[(c.from_a + f) * joints + j]);
     }
-    out.trans.push_back(legs_of_b ? b.trans[from_b + f] : a.trans[from_a + f]);
+    out.trans.push_back(c.path_of_b ? b.trans[c.from_b + f] : a.trans[c.from_a + f]);
+  }
+  return out;
+}
+
+/// The same of clips on one skeleton, SMPL's 24 joints; a hand goes with its arm.
+/// Throws config_error 102 for other skeletons or frame rates that differ.
+inline Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
+                              SincTrim trim = SincTrim::end) {
+  if (parts_a.count() < parts_b.count()) return compose_motions(b, parts_b, a, parts_a, trim);
+  detail::require_same_kind("compose_motions", a, b);
+  if (a.skeleton.names != smpl24_skeleton().names)
+    raise<config_error>(102, "compose_motions: '", a.name, "' is not on SMPL's 24 joints");
+  const detail::SincComposition c(parts_b, a.root.size(), b.root.size(), trim);
+  Motion out{a.skeleton, a.fps, {}, {}, concat_text(a.name, " + ", b.name)};
+  for (std::size_t f = 0; f < c.frames; ++f) {
+    const std::size_t in_a = c.from_a + f, in_b = c.from_b + f, joints = a.skeleton.names.size();
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::size_t wrist = j - 2;  // of a hand
+      const SincPart part = sinc_part_of_joint[j < sinc_part_of_joint.size() ? j : wrist];
+      out.local.push_back(has(c.of_b, part) ? b.local[in_b * joints + j] : a.local[in_a * joints + j]);
+    }
+    out.root.push_back(c.path_of_b ? b.root[in_b] : a.root[in_a]);
   }
   return out;
 }
@@ -27311,6 +27347,105 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
   options.progress = {};
   record = {{timelines.begin(), timelines.end()}, record.rng, options, rows, std::move(*run).x0(), found.exact};
   return motions;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP  // <motionlang/systems/stmc_keep.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP
+/// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
+///
+///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
+///     clip.parts = {{{0, 20}}, {{100, 120}}};                  // its first and last second: what is between is made
+///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the body
+///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
+///
+/// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
+/// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
+/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did, from wherever
+///         the frames before them have led
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Frames and body parts that are kept. The way over the ground belongs to the legs.
+struct KeptPart {
+  IndexRange frames;
+  BodyParts parts = BodyParts::all();
+};
+
+/// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
+template <Backend B>
+struct KeptMotion {
+  Tensor<B, 2> features{};  // (frames, features), not normalised
+  std::vector<KeptPart> parts{};
+};
+
+namespace detail {
+
+/// Normalised features where they are kept, over whatever is elsewhere.
+template <Backend B>
+class KeptRows {
+ public:
+  using S = typename B::scalar;
+
+  /// One motion for each timeline of the plan. Throws config_error 101, 102, shape_error 205, numeric_error 301.
+  KeptRows(std::span<const KeptMotion<B>> kept, const BatchPlan& plan, Index stride, const FeatureLayout& layout,
+           const Normalizer<B>& normalizer) {
+    if (kept.size() != plan.timelines.size())
+      raise<config_error>(102, "generate_around: ", kept.size(), " motions to keep for ", plan.timelines.size(), " timelines");
+    const Shape shape{std::ssize(kept) * stride, layout.size};
+    std::vector<S> open(static_cast<std::size_t>(shape.count()), S{1}), values(open.size(), S{0});
+    for (std::size_t m = 0; m < kept.size(); ++m) {
+      if (kept[m].parts.empty()) continue;
+      const Tensor<B, 2>& features = kept[m].features;
+      if (features.size(1) != layout.size)
+        raise<shape_error>(205, "generate_around: features ", features.shape(), ", the model's '", layout.name, "' are ", layout.size);
+      const std::vector<S> rows = normalizer.normalize(features).to_vector();
+      const Index first_row = static_cast<Index>(m) * stride, frames = std::min(features.size(0), plan.timelines[m].frames);
+      for (const KeptPart& part : kept[m].parts) {
+        if (part.frames.begin < 0 || part.frames.size() < 1 || part.frames.end > frames)
+          raise<config_error>(101, "generate_around: frames ", part.frames.begin, ":", part.frames.end, " are kept of ", features.size(0),
+                              " in a timeline of ", plan.timelines[m].frames);
+        for (Index f = part.frames.begin; f < part.frames.end; ++f) {
+          for (int p = 0; p < body_part_count; ++p) {
+            if (!part.parts.has(static_cast<BodyPart>(p))) continue;
+            for (const Index i : layout.indices(static_cast<BodyPart>(p))) {
+              const S value = rows[static_cast<std::size_t>(f * layout.size + i)];
+              if (!std::isfinite(value))
+                raise<numeric_error>(301, "generate_around: number ", i, " of frame ", f, " that is kept is ", value);
+              const auto at = static_cast<std::size_t>((first_row + f) * layout.size + i);
+              values[at] = value, open[at] = S{0};
+            }
+          }
+        }
+      }
+    }
+    open_ = Tensor<B, 2>::from(open, shape);
+    values_ = Tensor<B, 2>::from(values, shape);
+  }
+
+  Tensor<B, 2> over(const Tensor<B, 2>& x0) const { return x0 * open_ + values_; }
+
+ private:
+  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, and 0 there
+};
+
+}  // namespace detail
+
+/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding of the
+/// normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not have, 102 for another
+/// number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features, numeric_error 301.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
+                                          const StmcOptions& options, std::span<const KeptMotion<B>> kept) {
+  if (options.mode != StmcMode::stmc) raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
+  std::optional<detail::KeptRows<B>> rows;
+  const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
+    if (!rows) rows.emplace(kept, collage.plan(), collage.stride(), stmc.layout, stmc.motion_normalizer);
+    return rows->over(whole(collage, x, t));
+  };
+  return stmc.generate_from(timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -24,6 +24,8 @@
 #define MOTIONLANG_HAS_IO_DETAIL_RUN_READER_HPP
 /// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
 
+#include <filesystem>  // folders
+
 #ifndef MOTIONLANG_HAS_IO_MODULE_FILE_HPP  // <motionlang/io/module_file.hpp>
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
 /// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
@@ -402,7 +404,6 @@ class JsonCursor {
 
 #include <cerrno>      // errno
 #include <cstdio>      // rename, remove
-#include <filesystem>  // folder of temporary files
 
 #ifndef MOTIONLANG_HAS_IO_FILE_PATH_HPP  // <motionlang/io/file_path.hpp>
 #define MOTIONLANG_HAS_IO_FILE_PATH_HPP
@@ -5546,6 +5547,13 @@ inline WeightFile open_weights(const FilePath& path, const WeightOptions& option
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
+/// The folder around one, also of "a/b/" and ".".
+inline std::filesystem::path folder_around(const std::filesystem::path& folder) {
+  auto own = folder.lexically_normal();
+  if (!own.has_filename()) own = own.parent_path();
+  return own == "." || own.filename() == ".." ? own / ".." : own.parent_path();
+}
+
 /// Options of a run and shapes of its tensors, compared.
 class RunReader {
  public:
@@ -5927,6 +5935,18 @@ void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence&
   }
 }
 
+/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and not
+/// run. Throws io_error 402 to 407 for anything else.
+inline std::string amass_gender(const FilePath& path) {
+  const ZipArchive zip = ZipArchive::open(path);
+  const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
+  const std::string where = concat_text(zip.name(), "/gender");
+  const NpyParts npy = npy_parts(bytes, where);
+  if (npy.header.descr != "|O") return parse_npy(bytes, where).text();
+  const Pickle pickle(npy.raw, where);
+  return std::string(pickle.root().state()[4][0].text());  // version, shape, element type, order, elements
+}
+
 }  // namespace detail
 
 /// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
@@ -5936,7 +5956,8 @@ inline std::string_view amass_poses(const NpzArchive& npz) {
 }
 
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
-/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced.
+/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced,
+/// or that as an object of Python.
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
 ///         motion), 407 if one has another shape, 403 for an impossible frame rate
 inline AmassSequence read_amass_sequence(const FilePath& path) {
@@ -5963,7 +5984,7 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
   out.trans = trans.to<double>();
   out.fps = npz.read(npz.has("mocap_frame_rate") ? "mocap_frame_rate" : "mocap_framerate").value<double>();
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
-  if (npz.has("gender")) out.gender = npz.read("gender").text();
+  if (npz.has("gender")) out.gender = detail::amass_gender(path);
   if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
   return out;
 }
@@ -10696,7 +10717,7 @@ inline constexpr const char* bert_places[] = {"text_encoder", "distilbert-base-u
 inline std::filesystem::path find_text_encoder(const std::filesystem::path& model, const std::string& kind) {
   std::vector<std::string> tried;
   const auto places = kind == "clip" ? std::span<const char* const>(clip_places) : bert_places;
-  for (const auto& folder : {model, model.parent_path()}) {
+  for (const auto& folder : {model, folder_around(model)}) {
     for (const char* name : places) {
       std::error_code ignored;
       if (std::filesystem::exists(folder / name, ignored)) return folder / name;
@@ -10712,7 +10733,7 @@ inline std::filesystem::path find_text_encoder(const std::filesystem::path& mode
 
 /// The vocabulary of a model that has CLIP in its checkpoint.
 inline std::filesystem::path clip_vocabulary_of(const std::filesystem::path& model) {
-  for (const auto& folder : {model, model / "text_encoder", model / "clip", model.parent_path()}) {
+  for (const auto& folder : {model, model / "text_encoder", model / "clip", folder_around(model)}) {
     for (const char* name : clip_vocabularies) {
       if (file_exists(folder / name)) return folder / name;
     }
@@ -14470,8 +14491,7 @@ inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& 
   namespace fs = std::filesystem;
   if (!options.tokenizer.string().empty()) return motionlang::find_run(options.tokenizer);
   if (run.packed) return run;
-  const fs::path beside = run.folder.lexically_normal();
-  const fs::path around = (beside.has_filename() ? beside : beside.parent_path()).parent_path();
+  const fs::path around = folder_around(run.folder);
   std::vector<RunFolder> found;
   for (const fs::path& folder : listed(around.empty() ? fs::path(".") : around)) {
     std::error_code ignored;
@@ -14863,7 +14883,7 @@ inline void require_checkpoint(const RunFolder& run, const char* system, const c
 /// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
 inline std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options) {
   std::filesystem::path folder = options.text_encoder.string();
-  for (const auto& near : {run.folder, run.folder.parent_path()}) {
+  for (const auto& near : {run.folder, folder_around(run.folder)}) {
     for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
       const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
       if (folder.empty() && found) folder = near / name;
