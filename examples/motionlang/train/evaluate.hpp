@@ -1,4 +1,4 @@
-// motionlang evaluate: what a trained ACTOR, TEMOS, TMR or TM2T is worth.
+// motionlang evaluate: what a trained ACTOR, TEMOS, TMR, SINC, TEACH or TM2T is worth.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,21 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier, generator, statistics, tokenizer, body, regressor;
+      strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts, temos;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
-  ml::Index samples = 10;   // of TEMOS, for each text
+  ml::Index samples = 10;   // of TEMOS, SINC and TEACH, for each text
   ml::Index count = 20;     // film strips
   ml::Index seeds = 20;     // of ACTOR
   ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   double stride = 0.2;                         // seconds from one to the next
+  std::string items = "pairs";            // of SINC: pairs, single or all
+  std::string conjunction = "same_time";  // of SINC: how labels become one sentence
+  std::string alignment = "full";         // of TEACH: full or translation
+  ml::Index slerp_window = 8;             // of TEACH: frames between two actions that are interpolated
   std::uint64_t seed = 0;
   MachineOptions machine;
 };
@@ -30,6 +34,11 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
 /// Errors of generated motions, and those of the mean pose and of random clips: of our training, or as published.
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
 void evaluate_published_temos(const EvaluationOptions& o);
+
+/// Errors of motions for several labels at the same time, or for single ones; the TEMOS score. Of our training, or as published.
+void evaluate_sinc(const EvaluationOptions& o);
+/// Errors of two actions one after the other, and the jump between them. Of our training, or as published.
+void evaluate_teach(const EvaluationOptions& o);
 
 /// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
 void evaluate_actor(const EvaluationOptions& o);
