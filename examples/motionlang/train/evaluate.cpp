@@ -119,10 +119,14 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--items", o->items, "SINC: two actions at the same time, single actions, or both")
       ->check(CLI::IsMember({"pairs", "single", "all"}))
       ->capture_default_str();
+  const std::map<std::string, ml::Conjunction> conjunctions{{"while", ml::Conjunction::while_},
+                                                            {"simultaneously", ml::Conjunction::simultaneously},
+                                                            {"comma", ml::Conjunction::comma},
+                                                            {"same_time", ml::Conjunction::same_time},
+                                                            {"during", ml::Conjunction::during}};
   c->add_option("--conjunction", o->conjunction,
-                "SINC: how two labels become a sentence; while is what its paper says, same_time what its program does")
-      ->check(CLI::IsMember({"while", "simultaneously", "comma", "same_time", "during"}))
-      ->capture_default_str();
+                "SINC: how two labels become a sentence: same_time unless given, as its program has it; while is what its paper says")
+      ->transform(CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
   c->add_option("--body-parts", o->body_parts,
                 "SINC: table as for training; also makes a motion for each label alone, and combines them by their body parts")
       ->check(CLI::ExistingFile);
@@ -130,9 +134,11 @@ void add_evaluate(CLI::App& app) {
                 "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions), of our "
                 "training or as published, or a TEMOS as published, of the same features at 30 frames a second")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--alignment", o->alignment, "TEACH: the second action is turned and moved to the end of the first, or moved only")
-      ->check(CLI::IsMember({"full", "translation"}))
-      ->capture_default_str();
+  const std::map<std::string, ml::Alignment> alignments{{"full", ml::Alignment::full},
+                                                        {"translation", ml::Alignment::translation}};
+  c->add_option("--alignment", o->alignment,
+                "TEACH: the second action is turned and moved to the end of the first, full, unless it is to be moved only")
+      ->transform(CLI::CheckedTransformer(alignments).description("full or translation"));
   c->add_option("--slerp-window", o->slerp_window, "TEACH: frames between two actions that are interpolated; 0: none")
       ->check(in_range(0, 1000))
       ->capture_default_str();

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 
+#include <motionlang/compose/alignment.hpp>
+#include <motionlang/text/joined_labels.hpp>
+
 #include "../machine_options.hpp"
 #include "text_motion_model.hpp"
 
@@ -21,10 +24,10 @@ struct EvaluationOptions {
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   double stride = 0.2;                         // seconds from one to the next
-  std::string items = "pairs";            // of SINC: pairs, single or all
-  std::string conjunction = "same_time";  // of SINC: how labels become one sentence
-  std::string alignment = "full";         // of TEACH: full or translation
-  ml::Index slerp_window = 8;             // of TEACH: frames between two actions that are interpolated
+  std::string items = "pairs";  // of SINC: pairs, single or all
+  ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
+  ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
+  ml::Index slerp_window = 8;                                // frames between both that are interpolated
   std::uint64_t seed = 0;
   MachineOptions machine;
 };

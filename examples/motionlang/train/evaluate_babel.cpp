@@ -2,14 +2,12 @@
 // motions of SINC are to a motion encoder, and how far TEACH's jump where two actions meet. Of our training, or as published.
 #include <algorithm>
 #include <cstdio>
-#include <map>
 
 #include <motionlang/features/smplh_joints.hpp>
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/io/body_part_table.hpp>
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/metrics/temos_score.hpp>
-#include <motionlang/text/joined_labels.hpp>
 
 #include "../generate/from_babel.hpp"
 #include "../progress_bar.hpp"
@@ -30,6 +28,15 @@ using Clip = ml::SmplVelpMotion<float>;
 ModelSources sources_of(const EvaluationOptions& o) { return {o.text_encoder.string(), o.statistics.string(), {}}; }
 bool is_trained(const std::filesystem::path& model) { return ml::find_run(model).system == "motionlang"; }
 
+/// Throws config_error 102 for options that contradict each other.
+BabelSources babel_of(const EvaluationOptions& o) {
+  const BabelSources out{o.data, o.babel, o.validation, o.splits, o.spelling};
+  out.require_sound();
+  if (o.part == "all" && !(o.validation.empty() && o.splits.empty()))
+    ml::raise<ml::config_error>(102, "--part all measures all of --babel: neither --babel-validation nor --splits");
+  return out;
+}
+
 /// Items of BABEL, which motions are measured, and what blind guesses are made of.
 struct Items {
   DescribedMotions data;
@@ -39,13 +46,9 @@ struct Items {
   /// lots    how clips are split; of `--part all` not at all
   /// reader  is asked for items as evaluations take them, of all parts
   /// wanted  which of them are measured
-  Items(const EvaluationOptions& o, const ml::MotionFeatures& features, DataConfig lots, const BabelReader& reader,
-        bool (*wanted)(const DescribedMotion&)) {
-    const BabelSources sources{o.data, o.babel, o.validation, o.splits, o.spelling};
-    sources.require_sound();
+  Items(const EvaluationOptions& o, const BabelSources& sources, const ml::MotionFeatures& features, DataConfig lots,
+        const BabelReader& reader, bool (*wanted)(const DescribedMotion&)) {
     const bool all = o.part == "all";
-    if (all && !(o.validation.empty() && o.splits.empty()))
-      ml::raise<ml::config_error>(102, "--part all measures all of --babel: neither --babel-validation nor --splits");
     if (all) lots.test_share = lots.validation_share = 0;
     ProgressBar bar("reading motions");
     data = read_babel_motions(sources, std::string(features.name), lots,
@@ -58,7 +61,8 @@ struct Items {
       if (wanted((*part)[static_cast<std::size_t>(i)])) measured.push_back(i);
     }
     if (measured.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-    std::printf("%zu motions of the %s part\n", measured.size(), o.part.c_str());
+    const std::string which = all ? o.babel.string() : "the " + o.part + " part";
+    std::printf("%zu motions of %s\n", measured.size(), which.c_str());
   }
   Items(const Items&) = delete;
   Items& operator=(const Items&) = delete;
@@ -176,20 +180,6 @@ class MotionLikeness {
   std::vector<std::vector<float>> made_, recorded_;
 };
 
-ml::Conjunction conjunction_of(const std::string& name) {
-  using enum ml::Conjunction;
-  static const std::map<std::string, ml::Conjunction> known{{"while", while_},
-                                                            {"simultaneously", simultaneously},
-                                                            {"comma", comma},
-                                                            {"same_time", same_time},
-                                                            {"during", during}};
-  const auto found = known.find(name);
-  if (found == known.end())
-    ml::raise<ml::config_error>(103, "--conjunction '", name,
-                                "' is not while, simultaneously, comma, same_time or during");
-  return found->second;
-}
-
 std::string types_of(const std::string& items) {
   if (items == "pairs") return "spatial_pairs";
   return items == "single" ? "seg+seq" : "seg+seq+spatial_pairs";
@@ -198,8 +188,8 @@ std::string types_of(const std::string& items) {
 }  // namespace
 
 void evaluate_sinc(const EvaluationOptions& o) {
+  const BabelSources sources = babel_of(o);
   const bool ours = is_trained(o.model);
-  const auto conjunction = conjunction_of(o.conjunction);
   SincDataConfig config = ours ? read_babel_config<SincTrainingConfig>(o.model).config.data : SincDataConfig();
   config.types = types_of(o.items);
   const SincLatents model = ours ? trained_sinc(o.model, sources_of(o)) : published_sinc(o.model, sources_of(o));
@@ -208,9 +198,9 @@ void evaluate_sinc(const EvaluationOptions& o) {
   if (!o.temos.empty()) likeness.emplace(o.temos, sources_of(o), *model.features);
   std::optional<ml::BodyPartTable> parts;
   if (!o.body_parts.empty()) parts = ml::open_body_part_table(ml::FilePath(o.body_parts));
-  const Items items(o, *model.features, lots_of(config), sinc_reader(config),
+  const Items items(o, sources, *model.features, lots_of(config), sinc_reader(config),
                     [](const DescribedMotion& m) { return m.texts.size() <= 2; });
-  std::printf("two labels as in '%s'\n", ml::join_labels(std::vector<std::string>{"walk", "wave"}, conjunction).c_str());
+  std::printf("two labels as in '%s'\n", ml::join_labels(std::vector<std::string>{"walk", "wave"}, o.conjunction).c_str());
   joints_of.tell();
 
   const JointErrors none(ml::sinc_rifke());
@@ -231,7 +221,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
         out.push_back(s.rows);
       return out;
     };
-    const std::string sentence = ml::join_labels(labels, conjunction);
+    const std::string sentence = ml::join_labels(labels, o.conjunction);
     std::vector<Joints> samples;
     for (const auto& rows : made(sentence, rng, o.samples, {})) {
       const Clip clip = ml::sinc_motion(model.normalizer, rows);
@@ -261,18 +251,18 @@ void evaluate_sinc(const EvaluationOptions& o) {
 }
 
 void evaluate_teach(const EvaluationOptions& o) {
+  const BabelSources sources = babel_of(o);
   const bool ours = is_trained(o.model);
   const TeachDataConfig config =
       ours ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
   const TeachLatents model = ours ? trained_teach(o.model, sources_of(o)) : published_teach(o.model, sources_of(o));
   const ComparedJoints joints_of("mmmns", o.body);
-  const Items items(o, *model.features, lots_of(config), teach_reader(config), [](const DescribedMotion& m) {
+  const Items items(o, sources, *model.features, lots_of(config), teach_reader(config), [](const DescribedMotion& m) {
     return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
   });
   using enum ml::Alignment;
-  const auto alignment = o.alignment == "full" ? full : translation;
   std::printf("the second action %s, %td frames between them interpolated\n",
-              alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first", o.slerp_window);
+              o.alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first", o.slerp_window);
   joints_of.tell();
 
   const ml::RifkeVariant variant = ml::temos_rifke();
@@ -301,9 +291,9 @@ void evaluate_teach(const EvaluationOptions& o) {
     const Joints truth = joints_of(recorded(d));
     std::vector<Joints> samples;
     for (Index s = 0; s < o.samples; ++s)
-      samples.push_back(joined(made(s, o.slerp_window, {}), o.slerp_window, alignment));
+      samples.push_back(joined(made(s, o.slerp_window, {}), o.slerp_window, o.alignment));
     sampled.add(samples, truth);
-    at_mean.add(joined(made(0, o.slerp_window, {.mean = true}), o.slerp_window, alignment), truth);
+    at_mean.add(joined(made(0, o.slerp_window, {.mean = true}), o.slerp_window, o.alignment), truth);
     blind.add(truth, items.own(i));
     const auto parts = made(0, 0, {});
     aligned += jump(joined(parts, 0, full)), moved += jump(joined(parts, 0, translation)), real += jump(truth);
