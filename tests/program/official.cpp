@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <motionlang/core/numpy_random.hpp>
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/statistics.hpp>
@@ -17,6 +18,8 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/metrics/guo_evaluator.hpp>
+#include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 
@@ -812,6 +815,107 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   refused("teach", {"--body", "small.npz"}, "small.npz: a body of 24 joints and 4 vertices; BABEL is measured on SMPL-H's 52 and 6890");
   CHECK(evaluate("teach", {"--alignment", "half"}).code == 2);
   CHECK(evaluate("sinc", {"--conjunction", "and"}).code == 2);
+}
+
+TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of Guo et al.") {
+  using official::B;
+  const Workplace w;
+  official::write_tm2t_runs(w.path, official::small_tm2t());
+  const std::string runs = "checkpoints/t2m/";
+  const auto write_evaluator = [&](const std::string& folder, ml::Index features) {
+    ml::Philox rng{.seed = 41};
+    const ml::GuoEvaluator<B> networks({.features = features,
+                                        .movement_hidden = 6,
+                                        .movement_latent = 5,
+                                        .word = 4,
+                                        .pos = 15,
+                                        .text_hidden = 7,
+                                        .motion_hidden = 6,
+                                        .embedding = 8},
+                                       rng);
+    TorchArchive archive;
+    archive.begin("text_encoder"), official::add_module(archive, networks.text_encoder), archive.end();
+    archive.begin("motion_encoder"), official::add_module(archive, networks.motion_encoder), archive.end();
+    archive.begin("movement_encoder"), official::add_module(archive, networks.movement_encoder), archive.end();
+    archive.begin("opt_text_encoder"), official::add_zeros(archive, "moment", {3}), archive.end();
+    archive.number("epoch", 10);
+    official::write_bytes(w / (runs + folder + "/model/finest.tar"), archive.finish());
+    return networks;
+  };
+  const auto networks = write_evaluator("text_mot_match", 263);
+  const std::vector<std::string> said{"a walk", "person turn", "walk turn"};
+  std::string captions, listed;
+  for (int i = 0; i < 3; ++i) {
+    const std::string id = "clip" + std::to_string(i);
+    ml::write_bvh(w / (id + ".bvh"), synthetic::walk({.frames = 70, .turn = 0.4 * i}));
+    captions += id + "\t0\t3\tlegs\t" + said[static_cast<std::size_t>(i)] + "\n";
+    listed += id + "\n";
+  }
+  ml::write_file(w / "captions.tsv", captions);
+  official::write_text(w / "splits/train.txt", listed);
+  const auto evaluate = [&](const std::string& model, std::vector<std::string> more) {
+    more.insert(more.begin(), {"evaluate", runs + model, "--data", ".", "--captions", "captions.tsv", "--splits", "splits", "--part",
+                               "training", "--seeds", "1"});
+    return w.run(more);
+  };
+  const Outcome judged = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match"});
+  REQUIRE_MESSAGE(judged.code == 0, judged.text);
+  CHECK_MESSAGE(contains(judged.text, "3 motions of the training part in batches of 3, drawn 1 times; diversity of 2 pairs, "
+                                      "multimodality of 3 texts"),
+                judged.text);
+  // R@1, R@2, R@3, FID, distance, diversity, multimodality
+  const auto recorded = numbers_of_row(judged.text, "recorded"), others = numbers_of_row(judged.text, "recorded, of other texts"),
+             generated = numbers_of_row(judged.text, "generated");
+  REQUIRE_MESSAGE(recorded.size() == 6, judged.text);
+  REQUIRE_MESSAGE(others.size() == 4, judged.text);
+  REQUIRE_MESSAGE(generated.size() == 7, judged.text);
+  for (const auto& row : {recorded, others, generated}) {
+    CHECK(row[0] <= row[1]);
+    CHECK(row[2] == 1);
+  }
+  // the texts in the order that the first replication draws, their motions with its noise
+  ml::NumpyRandom numpy(0);
+  std::vector<std::string> texts;
+  for (const ml::Index i : numpy.permutation(3)) texts.push_back(said[static_cast<std::size_t>(i)]);
+  const auto run = ml::load_tm2t_run<B>(ml::find_run(w / (runs + "T2M_Seq2Seq")));
+  const auto motions = run.model.generate(
+      run.words.encode<B>(texts),
+      ml::Philox{}.split("replications").split(std::uint64_t{0}).split("one").split(std::uint64_t{0}));
+  std::vector<float> rows;
+  std::vector<ml::Index> frames;
+  ml::Index empty = 0;
+  for (ml::Index i = 0; i < 3; ++i) {
+    frames.push_back(motions.offsets.length(i));
+    if (frames.back() == 0) {  // counts as four frames of the mean pose
+      ++empty, frames.back() = 4, rows.resize(rows.size() + 4 * 263);
+      continue;
+    }
+    const auto own = run.model.statistics.normalize(motions[i]).to_vector();
+    rows.insert(rows.end(), own.begin(), own.end());
+  }
+  const ml::Offsets offsets(frames);
+  const auto text = networks.embed_texts(run.words.encode<B>(texts).tokens).to_vector(),
+             motion = networks.embed_motions({ml::Tensor<B, 2>::from(rows, {offsets.rows(), 263}), offsets}).to_vector();
+  ml::MatchingMetric metric;
+  metric.add(ml::Rows(text, 8), ml::Rows(motion, 8));
+  CHECK(empty < 3);
+  CHECK(std::abs(generated[4] - metric.matching_score()) < 1.1e-3);
+  CHECK(std::abs(generated[0] - metric.r_precision(1)) < 1.1e-3);
+  CHECK(std::abs(generated[4] - recorded[4]) > 2e-3);
+  CHECK(generated[6] > 0);
+  const Outcome file = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match/model/finest.tar"});
+  CHECK(numbers_of_row(file.text, "generated") == generated);
+
+  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
+    const Outcome out = evaluate(model, more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused("T2M_Seq2Seq", {}, "--evaluator names their finest.tar");
+  refused("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match"}, "not TM2T's recurrent model from texts to motions");
+  refused("T2M_Seq2Seq", {"--evaluator", "splits"}, "[motionlang.io.401] --evaluator splits: no finest.tar");
+  write_evaluator("of_kit", 251);
+  refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");
 }
 
 TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer motions in parts") {

@@ -49,9 +49,9 @@ void run(const EvaluationOptions& o) {
 
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
-  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR, SINC, TEACH, TM2T (its descriptions) or classifier of actions by the tables of its paper");
+  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions by the tables of its paper");
   c->add_option("model", o->model,
-                "Folder of the model: of our training, or TMR, TEMOS, ACTOR, SINC, TEACH or TM2T (M2T_...) as published")
+                "Folder of the model: of our training, or TMR, TEMOS, ACTOR, SINC, TEACH or TM2T (M2T_..., or T2M_... with --evaluator) as published")
       ->required()
       ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
@@ -68,7 +68,11 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingFile);
   c->add_option("--joint-regressor", o->regressor, "J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar")
       ->check(CLI::ExistingFile);
-  c->add_option("--seeds", o->seeds, "ACTOR, classifier: how often everything is drawn anew")
+  c->add_option("--evaluator", o->evaluator,
+                "TM2T from texts to motions: finest.tar of the networks of Guo et al., or its folder (text_mot_match), which "
+                "judge its motions; glove/our_vab_data.npy is in a folder above, or where --text-encoder says")
+      ->check(CLI::ExistingPath);
+  c->add_option("--seeds", o->seeds, "ACTOR, classifier, TM2T with --evaluator: how often everything is drawn anew")
       ->check(in_range(1, 1000))
       ->capture_default_str();
   c->add_option("--annotations", o->annotations, "Unified annotation file, as for training")->check(CLI::ExistingFile);
@@ -87,7 +91,8 @@ void add_evaluate(CLI::App& app) {
                 "that of its words")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->statistics,
-                "Of a published TEMOS, SINC or TEACH: folder with mean and std of the features, if they are not in its own")
+                "Of a published TEMOS, SINC or TEACH: folder with mean and std of the features, if they are not in its own; "
+                "of --evaluator: those that it was trained with, if they are not those of TM2T")
       ->check(CLI::ExistingDirectory);
   c->add_option("--tokenizer", o->tokenizer, "Of a published TM2T: folder of its motion tokenizer, if it is not beside it")
       ->check(CLI::ExistingDirectory);

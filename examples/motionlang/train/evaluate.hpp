@@ -13,13 +13,14 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts, temos;
+      strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts, temos,
+      evaluator;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
   ml::Index samples = 10;   // of TEMOS, SINC and TEACH, for each text
   ml::Index count = 20;     // film strips
-  ml::Index seeds = 20;     // of ACTOR
+  ml::Index seeds = 20;     // of ACTOR, and TM2T's motions
   ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
@@ -47,7 +48,8 @@ void evaluate_teach(const EvaluationOptions& o);
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
-/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr.
+/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr. With an evaluator motions of texts:
+/// R-precision, FID, distance from the texts, diversity and multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.
 void evaluate_moments(const EvaluationOptions& o);
