@@ -675,17 +675,17 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
     ml::write_amass(w / ("CMU/" + id + "_poses.npz"), synthetic::walk({.frames = 120, .fps = 30, .turn = 0.2 * i}));
     clips.push_back(ml::read_amass(w / ("CMU/" + id + "_poses.npz")).motion);
     const auto label = [](const std::string& text, const std::string& start, const std::string& end) {
-      return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null, "start_t": )" + start +
-             R"(, "end_t": )" + end + "}";
+      return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null, "start_t": )" +
+             start + R"(, "end_t": )" + end + "}";
     };
-    entries += (i == 1 ? "\"" : ", \"") + id + R"(": {"babel_sid": )" + id + R"(, "url": "", "feat_p": "CMU/CMU/)" + id +
-               R"(_poses.npz", "dur": 4.0, "frame_ann": {"labels": [)" + label("walk", "0", "2") + ", " +
+    entries += (i == 1 ? "\"" : ", \"") + id + R"(": {"babel_sid": )" + id + R"(, "url": "", "feat_p": "CMU/CMU/)" +
+               id + R"(_poses.npz", "dur": 4.0, "frame_ann": {"labels": [)" + label("walk", "0", "2") + ", " +
                label("wave", "1", "3.5") + "]}}";
   }
   ml::write_file(w / "val.json", "{" + entries + "}");
   const auto evaluate = [&](const std::string& model, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"evaluate", model,          "--data",  ".",     "--babel",        "val.json", "--part",
-                                       "all",      "--statistics", "of135", "--text-encoder", "words"};
+    std::vector<std::string> arguments{"evaluate", model, "--data",       ".",     "--babel",        "val.json",
+                                       "--part",   "all", "--statistics", "of135", "--text-encoder", "words"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return w.run(arguments);
   };
@@ -717,7 +717,9 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
     const auto rows = ml::motion_features("smplvelp-published").from_motion(ml::crop(clip, first, last));
     return std::vector<float>(rows.begin(), rows.end());
   };
-  const auto recorded = [](const std::vector<float>& rows) { return ml::smplvelp_inverse(std::span<const float>(rows)); };
+  const auto recorded = [](const std::vector<float>& rows) {
+    return ml::smplvelp_inverse(std::span<const float>(rows));
+  };
   const ml::TemosRunOptions sources{.text_encoder = w / "words", .statistics = w / "of135"};
 
   // two labels at the same time, between 1 and 2 seconds
@@ -754,7 +756,8 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   CHECK(close(numbers_of_row(likeness, "one sample").at(0), ml::temos_score(rows(of_made), rows(of_recorded))));
   auto swapped = of_recorded;
   std::rotate(swapped.begin(), swapped.begin() + 16, swapped.end());
-  CHECK(close(numbers_of_row(likeness, "another recorded one").at(0), ml::temos_score(rows(swapped), rows(of_recorded))));
+  CHECK(
+      close(numbers_of_row(likeness, "another recorded one").at(0), ml::temos_score(rows(swapped), rows(of_recorded))));
   const std::string in_code = measured("sinc", {"--samples", "1"});
   CHECK(contains(in_code, "two labels as in 'walk and wave at the same time'"));
   CHECK(!contains(in_code, "TEMOS score"));
@@ -794,10 +797,15 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   const auto full = check_teach({"--samples", "2"}, 8, ml::Alignment::full);
   const auto moved = check_teach({"--samples", "1", "--alignment", "translation"}, 8, ml::Alignment::translation);
   const auto none = check_teach({"--samples", "1", "--slerp-window", "0"}, 0, ml::Alignment::full);
-  CHECK(!close(full[0], moved[0]));
-  CHECK(!close(full[0], none[0]));
+  const auto same = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), close);
+  };
+  CHECK(!same(full, moved));
+  CHECK(!same(full, none));
   const std::string of_teach = measured("teach", {"--samples", "1"});
-  const auto jump = [&](const Joints& joints) { return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), 21, 76); };
+  const auto jump = [&](const Joints& joints) {
+    return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), 21, 76);
+  };
   CHECK(close(numbers_of_row(of_teach, "turned and moved").at(0), jump(generated(0, ml::Alignment::full))));
   CHECK(close(numbers_of_row(of_teach, "moved").at(0), jump(generated(0, ml::Alignment::translation))));
   CHECK(close(numbers_of_row(of_teach, "recorded").at(0), (jump(truth[0]) + jump(truth[1])) / 2));
@@ -809,10 +817,12 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   };
   refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel");
   refused("sinc", {"--temos", "temos"},
-          "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published at 30");
+          "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published "
+          "at 30");
   refused("teach", {"--slerp-window", "28"}, "[motionlang.config.101] TEACH: action 1 of 29 frames with a gap of 28");
   ml::write_npz(w / "small.npz", body_arrays::chain(24, 4, 10));
-  refused("teach", {"--body", "small.npz"}, "small.npz: a body of 24 joints and 4 vertices; BABEL is measured on SMPL-H's 52 and 6890");
+  refused("teach", {"--body", "small.npz"},
+          "small.npz: a body of 24 joints and 4 vertices; BABEL is measured on SMPL-H's 52 and 6890");
   CHECK(evaluate("teach", {"--alignment", "half"}).code == 2);
   CHECK(evaluate("sinc", {"--conjunction", "and"}).code == 2);
 }
@@ -854,17 +864,19 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   ml::write_file(w / "captions.tsv", captions);
   official::write_text(w / "splits/train.txt", listed);
   const auto evaluate = [&](const std::string& model, std::vector<std::string> more) {
-    more.insert(more.begin(), {"evaluate", runs + model, "--data", ".", "--captions", "captions.tsv", "--splits", "splits", "--part",
-                               "training", "--seeds", "1"});
+    more.insert(more.begin(), {"evaluate", runs + model, "--data", ".", "--captions", "captions.tsv", "--splits",
+                               "splits", "--part", "training", "--seeds", "1"});
     return w.run(more);
   };
   const Outcome judged = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match"});
   REQUIRE_MESSAGE(judged.code == 0, judged.text);
-  CHECK_MESSAGE(contains(judged.text, "3 motions of the training part in batches of 3, drawn 1 times; diversity of 2 pairs, "
-                                      "multimodality of 3 texts"),
+  CHECK_MESSAGE(contains(judged.text,
+                         "3 motions of the training part in batches of 3, drawn 1 times; diversity of 2 pairs, "
+                         "multimodality of 3 texts"),
                 judged.text);
   // R@1, R@2, R@3, FID, distance, diversity, multimodality
-  const auto recorded = numbers_of_row(judged.text, "recorded"), others = numbers_of_row(judged.text, "recorded, of other texts"),
+  const auto recorded = numbers_of_row(judged.text, "recorded"),
+             others = numbers_of_row(judged.text, "recorded, of other texts"),
              generated = numbers_of_row(judged.text, "generated");
   REQUIRE_MESSAGE(recorded.size() == 6, judged.text);
   REQUIRE_MESSAGE(others.size() == 4, judged.text);
@@ -895,7 +907,8 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   }
   const ml::Offsets offsets(frames);
   const auto text = networks.embed_texts(run.words.encode<B>(texts).tokens).to_vector(),
-             motion = networks.embed_motions({ml::Tensor<B, 2>::from(rows, {offsets.rows(), 263}), offsets}).to_vector();
+             motion =
+                 networks.embed_motions({ml::Tensor<B, 2>::from(rows, {offsets.rows(), 263}), offsets}).to_vector();
   ml::MatchingMetric metric;
   metric.add(ml::Rows(text, 8), ml::Rows(motion, 8));
   CHECK(empty < 3);
@@ -912,7 +925,8 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   refused("T2M_Seq2Seq", {}, "--evaluator names their finest.tar");
-  refused("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match"}, "not TM2T's recurrent model from texts to motions");
+  refused("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match"},
+          "not TM2T's recurrent model from texts to motions");
   refused("T2M_Seq2Seq", {"--evaluator", "splits"}, "[motionlang.io.401] --evaluator splits: no finest.tar");
   write_evaluator("of_kit", 251);
   refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");

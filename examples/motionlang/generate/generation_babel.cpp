@@ -62,12 +62,12 @@ ml::Interval together(const ml::Timeline& timeline) {
 }  // namespace
 
 TeachLatents published_teach(const std::filesystem::path& run, const ModelSources& sources) {
-  return text_latents(ml::load_teach_run<B>(
-      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+  return text_latents(ml::load_teach_run<B>(ml::find_run(run),
+                                            {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
 }
 SincLatents published_sinc(const std::filesystem::path& run, const ModelSources& sources) {
-  return text_latents(ml::load_sinc_run<B>(
-      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+  return text_latents(ml::load_sinc_run<B>(ml::find_run(run),
+                                           {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
 }
 
 std::unique_ptr<Generator> from_teach(TeachLatents parts) { return std::make_unique<TeachGenerator>(std::move(parts)); }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 
 #include "../commands.hpp"
 #include "../generate/generation.hpp"
@@ -49,9 +50,12 @@ void run(const EvaluationOptions& o) {
 
 void add_evaluate(CLI::App& app) {
   const auto o = std::make_shared<EvaluationOptions>();
-  CLI::App* c = app.add_subcommand("evaluate", "Measures a trained TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions by the tables of its paper");
+  CLI::App* c = app.add_subcommand(
+      "evaluate",
+      "Measures a trained TMR, TEMOS, ACTOR, SINC, TEACH, TM2T or classifier of actions by the tables of its paper");
   c->add_option("model", o->model,
-                "Folder of the model: of our training, or TMR, TEMOS, ACTOR, SINC, TEACH or TM2T (M2T_..., or T2M_... with --evaluator) as published")
+                "Folder of the model: of our training, or TMR, TEMOS, ACTOR, SINC, TEACH or TM2T (M2T_..., or T2M_... "
+                "with --evaluator) as published")
       ->required()
       ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
@@ -61,16 +65,18 @@ void add_evaluate(CLI::App& app) {
                 "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, "
                 "uestc_rot6d_stgcn.tar)")
       ->check(CLI::ExistingPath);
-  c->add_option("--body", o->body,
-                "ACTOR: SMPL, whose points a published GRU is given: ntu13_gru.tar needs it, humanact12_gru.tar takes the "
-                "joints of our own skeleton without it; SINC, TEACH: SMPL-H, whose joints are compared in place of those of "
-                "our own skeleton")
+  c->add_option(
+       "--body", o->body,
+       "ACTOR: SMPL, whose points a published GRU is given: ntu13_gru.tar needs it, humanact12_gru.tar takes the "
+       "joints of our own skeleton without it; SINC, TEACH: SMPL-H, whose joints are compared in place of those of "
+       "our own skeleton")
       ->check(CLI::ExistingFile);
   c->add_option("--joint-regressor", o->regressor, "J_regressor_extra.npy of SPIN or VIBE, for ntu13_gru.tar")
       ->check(CLI::ExistingFile);
-  c->add_option("--evaluator", o->evaluator,
-                "TM2T from texts to motions: finest.tar of the networks of Guo et al., or its folder (text_mot_match), which "
-                "judge its motions; glove/our_vab_data.npy is in a folder above, or where --text-encoder says")
+  c->add_option(
+       "--evaluator", o->evaluator,
+       "TM2T from texts to motions: finest.tar of the networks of Guo et al., or its folder (text_mot_match), which "
+       "judge its motions; glove/our_vab_data.npy is in a folder above, or where --text-encoder says")
       ->check(CLI::ExistingPath);
   c->add_option("--seeds", o->seeds, "ACTOR, classifier, TM2T with --evaluator: how often everything is drawn anew")
       ->check(in_range(1, 1000))
@@ -80,19 +86,22 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingDirectory);
   c->add_option("--babel", o->babel, "SINC, TEACH: BABEL's JSON, as for training; or val.json, with --part all")
       ->check(CLI::ExistingFile);
-  c->add_option("--babel-validation", o->validation, "SINC, TEACH: as for training; it is then what --part validation measures")
+  c->add_option("--babel-validation", o->validation,
+                "SINC, TEACH: as for training; it is then what --part validation measures")
       ->check(CLI::ExistingFile);
   c->add_option("--spelling", o->spelling, "SINC, TEACH: as for training")->check(CLI::ExistingFile);
   c->add_option("--part", o->part, "What is measured; all is of SINC and TEACH: all of --babel")
       ->check(CLI::IsMember({"training", "validation", "test", "all"}))
       ->capture_default_str();
   c->add_option("--text-encoder", o->text_encoder,
-                "As for training; of a published TEMOS, SINC or TEACH the folder of its tokenizer (distilbert-base-uncased), of TM2T "
+                "As for training; of a published TEMOS, SINC or TEACH the folder of its tokenizer "
+                "(distilbert-base-uncased), of TM2T "
                 "that of its words")
       ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o->statistics,
-                "Of a published TEMOS, SINC or TEACH: folder with mean and std of the features, if they are not in its own; "
-                "of --evaluator: those that it was trained with, if they are not those of TM2T")
+  c->add_option(
+       "--statistics", o->statistics,
+       "Of a published TEMOS, SINC or TEACH: folder with mean and std of the features, if they are not in its own; "
+       "of --evaluator: those that it was trained with, if they are not those of TM2T")
       ->check(CLI::ExistingDirectory);
   c->add_option("--tokenizer", o->tokenizer, "Of a published TM2T: folder of its motion tokenizer, if it is not beside it")
       ->check(CLI::ExistingDirectory);
@@ -130,19 +139,24 @@ void add_evaluate(CLI::App& app) {
                                                             {"same_time", ml::Conjunction::same_time},
                                                             {"during", ml::Conjunction::during}};
   c->add_option("--conjunction", o->conjunction,
-                "SINC: how two labels become a sentence: same_time unless given, as its program has it; while is what its paper says")
-      ->transform(CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
-  c->add_option("--body-parts", o->body_parts,
-                "SINC: table as for training; also makes a motion for each label alone, and combines them by their body parts")
+                "SINC: how two labels become a sentence: same_time unless given, as its program has it; while is what "
+                "its paper says")
+      ->transform(
+          CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
+  c->add_option(
+       "--body-parts", o->body_parts,
+       "SINC: table as for training; also makes a motion for each label alone, and combines them by their body parts")
       ->check(CLI::ExistingFile);
-  c->add_option("--temos", o->temos,
-                "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions), of our "
-                "training or as published, or a TEMOS as published, of the same features at 30 frames a second")
+  c->add_option(
+       "--temos", o->temos,
+       "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions), of our "
+       "training or as published, or a TEMOS as published, of the same features at 30 frames a second")
       ->check(CLI::ExistingDirectory);
   const std::map<std::string, ml::Alignment> alignments{{"full", ml::Alignment::full},
                                                         {"translation", ml::Alignment::translation}};
-  c->add_option("--alignment", o->alignment,
-                "TEACH: the second action is turned and moved to the end of the first, full, unless it is to be moved only")
+  c->add_option(
+       "--alignment", o->alignment,
+       "TEACH: the second action is turned and moved to the end of the first, full, unless it is to be moved only")
       ->transform(CLI::CheckedTransformer(alignments).description("full or translation"));
   c->add_option("--slerp-window", o->slerp_window, "TEACH: frames between two actions that are interpolated; 0: none")
       ->check(in_range(0, 1000))

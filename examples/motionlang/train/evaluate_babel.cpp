@@ -1,5 +1,6 @@
-// motionlang evaluate of SINC and TEACH: errors of motions for the labels of BABEL, next to those of motions that know no label; how alike
-// motions of SINC are to a motion encoder, and how far TEACH's jump where two actions meet. Of our training, or as published.
+// motionlang evaluate of SINC and TEACH: errors of motions for labels of BABEL, next to those of motions that know no
+// label; how alike motions of SINC are to a motion encoder, and how far TEACH's jump where two actions meet. Of our
+// training, or as published.
 #include <algorithm>
 #include <cstdio>
 
@@ -51,11 +52,13 @@ struct Items {
     const bool all = o.part == "all";
     if (all) lots.test_share = lots.validation_share = 0;
     ProgressBar bar("reading motions");
-    data = read_babel_motions(sources, std::string(features.name), lots,
-                              [&](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool) {
-                                return reader(s, frames, spelling, false);
-                              },
-                              bar);
+    data = read_babel_motions(
+        sources, std::string(features.name), lots,
+        [&](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool) {
+          return reader(s, frames, spelling, false);
+        },
+        bar);
+    bar.finish();
     part = all ? &data.training : &data.part(o.part);
     for (Index i = 0; i < std::ssize(*part); ++i) {
       if (wanted((*part)[static_cast<std::size_t>(i)])) measured.push_back(i);
@@ -74,7 +77,8 @@ struct Items {
 
 Clip recorded(const DescribedMotion& m) { return ml::smplvelp_inverse(std::span<const float>(m.rows)); }
 
-/// The joints of a set (joint_sets.hpp): those of the user's SMPL-H, or of our own skeleton, whose ankles stand for the heels.
+/// The joints of a set (joint_sets.hpp): those of the user's SMPL-H, or of our own skeleton, whose ankles stand for the
+/// heels.
 class ComparedJoints {
  public:
   /// Throws config_error 102 for another body, and what read_body throws.
@@ -96,7 +100,8 @@ class ComparedJoints {
                                            ml::Tensor<B, 2>::from(trans, {frames, 3}));
       Joints out;
       const auto x = joints.span();
-      for (std::size_t i = 0; i < x.size(); i += 3) out.push_back(ml::vec_cast<double>(ml::Vec3{x[i], x[i + 1], x[i + 2]}));
+      for (std::size_t i = 0; i < x.size(); i += 3)
+        out.push_back(ml::vec_cast<double>(ml::Vec3{x[i], x[i + 1], x[i + 2]}));
       return out;
     }
     const auto own = ml::detail::turned_up(ml::detail::first_joints(ml::motion_of_smplvelp(clip, babel_fps), 22), true);
@@ -114,7 +119,8 @@ class ComparedJoints {
     return [this, &motions](Index i) { return (*this)(recorded(motions[static_cast<std::size_t>(i)])); };
   }
   void tell() const {
-    std::printf("joints of %s\n", body_ ? "SMPL-H" : "our own skeleton; --body SMPLH_MALE compares those of SMPL-H as published");
+    std::printf("joints of %s\n",
+                body_ ? "SMPL-H" : "our own skeleton; --body SMPLH_MALE compares those of SMPL-H as published");
   }
 
  private:
@@ -133,7 +139,8 @@ class MotionLikeness {
     const auto take = [&](auto parts) {
       if (parts.features->name != features.name || parts.fps != babel_fps)
         ml::raise<ml::config_error>(102, "--temos ", folder.string(), ": a model of ", parts.features->name, " at ",
-                                    parts.fps, " frames per second, the motions are ", features.name, " at ", babel_fps);
+                                    parts.fps, " frames per second, the motions are ", features.name, " at ",
+                                    babel_fps);
       mean_of_ = [parts = std::move(parts)](const std::vector<float>& rows) {
         const Index width = parts.features->width, frames = std::ssize(rows) / width;
         const auto x = parts.normalizer.normalize(ml::Tensor<B, 2>::from(rows, {frames, width}));
@@ -159,8 +166,8 @@ class MotionLikeness {
   void print() const {
     auto others = recorded_;
     std::rotate(others.begin(), others.begin() + 1, others.end());
-    std::printf("\n  TEMOS score\n  %-22s   %7.3f\n  %-22s   %7.3f\n", "one sample", score(made_), "another recorded one",
-                score(others));
+    std::printf("\n  TEMOS score\n  %-22s   %7.3f\n  %-22s   %7.3f\n", "one sample", score(made_),
+                "another recorded one", score(others));
   }
 
  private:
@@ -200,7 +207,8 @@ void evaluate_sinc(const EvaluationOptions& o) {
   if (!o.body_parts.empty()) parts = ml::open_body_part_table(ml::FilePath(o.body_parts));
   const Items items(o, sources, *model.features, lots_of(config), sinc_reader(config),
                     [](const DescribedMotion& m) { return m.texts.size() <= 2; });
-  std::printf("two labels as in '%s'\n", ml::join_labels(std::vector<std::string>{"walk", "wave"}, o.conjunction).c_str());
+  std::printf("two labels as in '%s'\n",
+              ml::join_labels(std::vector<std::string>{"walk", "wave"}, o.conjunction).c_str());
   joints_of.tell();
 
   const JointErrors none(ml::sinc_rifke());
@@ -215,9 +223,11 @@ void evaluate_sinc(const EvaluationOptions& o) {
     const auto labels = labels_of(d);
     const Joints truth = joints_of(recorded(d));
     const ml::Offsets length{std::ssize(d.rows) / items.data.width};
-    const auto made = [&](const std::string& text, const ml::Philox& noise, Index count, const ml::LatentSampling& how) {
+    const auto made = [&](const std::string& text, const ml::Philox& noise, Index count,
+                          const ml::LatentSampling& how) {
       std::vector<ml::Tensor<B, 2>> out;
-      for (const auto& s : ml::text_to_motion(model.model, model.tokens(std::span(&text, 1)), length, noise, count, how))
+      for (const auto& s :
+           ml::text_to_motion(model.model, model.tokens(std::span(&text, 1)), length, noise, count, how))
         out.push_back(s.rows);
       return out;
     };
@@ -253,8 +263,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
 void evaluate_teach(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
   const bool ours = is_trained(o.model);
-  const TeachDataConfig config =
-      ours ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
+  const TeachDataConfig config = ours ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
   const TeachLatents model = ours ? trained_teach(o.model, sources_of(o)) : published_teach(o.model, sources_of(o));
   const ComparedJoints joints_of("mmmns", o.body);
   const Items items(o, sources, *model.features, lots_of(config), teach_reader(config), [](const DescribedMotion& m) {
@@ -262,7 +271,8 @@ void evaluate_teach(const EvaluationOptions& o) {
   });
   using enum ml::Alignment;
   std::printf("the second action %s, %td frames between them interpolated\n",
-              o.alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first", o.slerp_window);
+              o.alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first",
+              o.slerp_window);
   joints_of.tell();
 
   const ml::RifkeVariant variant = ml::temos_rifke();
@@ -280,7 +290,8 @@ void evaluate_teach(const EvaluationOptions& o) {
     const ml::Offsets lengths{first, std::ssize(d.rows) / items.data.width - first};
     const auto tokens = model.tokens(labels_of(d));
     const auto made = [&](Index sample, Index window, const ml::LatentSampling& how) {
-      return ml::actions_to_motion(model.model, tokens, lengths, rng.split(static_cast<std::uint64_t>(sample)), window, how);
+      return ml::actions_to_motion(model.model, tokens, lengths, rng.split(static_cast<std::uint64_t>(sample)), window,
+                                   how);
     };
     const auto joined = [&](const ml::Sequences<B>& parts, Index window, ml::Alignment how) {
       return joints_of(ml::teach_motion(model.normalizer, parts, window, how));

@@ -1,5 +1,5 @@
-// motionlang evaluate of TM2T: what it says about motions, against what people said; what the networks of Guo et al. say about the motions
-// that it makes of texts.
+// motionlang evaluate of TM2T: what it says about motions, against what people said; what the networks of Guo et al.
+// say about the motions that it makes of texts.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -129,15 +129,15 @@ struct Embedded {
   ml::Rows<float> rows() const { return {values, width}; }
 };
 
-/// The networks of Guo et al. with what they need: `finest.tar` of text_mot_match, word vectors in a folder above it or where
-/// --text-encoder says, statistics of the features.
+/// The networks of Guo et al. with what they need: `finest.tar` of text_mot_match, word vectors in a folder above it or
+/// where --text-encoder says, statistics of the features.
 struct Evaluator {
   ml::GuoEvaluator<B> networks;
   ml::GloVe words;
   ml::Normalizer<B> statistics;
 
   /// usual   statistics that the motions of the model have, which the published program takes for its own, too
-  /// Throws  io_error 401 for what is missing, 406, 407 for other networks; config_error 102 for other features or words
+  /// Throws  io_error 401 for what is missing, 406, 407 for other networks; config_error 102 for other features, words
   Evaluator(const EvaluationOptions& o, ml::Normalizer<B> usual)
       : Evaluator(o, file_of(o.evaluator), std::move(usual)) {}
 
@@ -198,11 +198,13 @@ struct Evaluator {
       ml::raise<ml::config_error>(102, weights.name(), ": reads features of ", sizes.features,
                                   " numbers, the motions have ", width);
     if (sizes.word != words.width() || sizes.pos != ml::speech_tags)
-      ml::raise<ml::config_error>(102, weights.name(), ": reads word vectors of ", sizes.word, " numbers and ", sizes.pos,
-                                  " parts of speech, those found have ", words.width(), " and ", ml::speech_tags);
+      ml::raise<ml::config_error>(102, weights.name(), ": reads word vectors of ", sizes.word, " numbers and ",
+                                  sizes.pos, " parts of speech, those found have ", words.width(), " and ",
+                                  ml::speech_tags);
     ml::NoInit zeros;
     networks = ml::GuoEvaluator<B>(sizes, zeros);
-    ml::detail::load_run_module(networks, weights, "", [](const std::string& name) { return name.starts_with("opt_"); });
+    ml::detail::load_run_module(networks, weights, "",
+                                [](const std::string& name) { return name.starts_with("opt_"); });
     ml::prepare(networks);
   }
 };
@@ -213,8 +215,8 @@ struct Drawn {
   Embedded text, motion;
 };
 
-/// What the loader of Guo et al. hands out: a text of every entry by lot, a part of its motion, batches by lot, of which the last is left
-/// out unless it is whole.
+/// What the loader of Guo et al. hands out: a text of every entry by lot, a part of its motion, batches by lot, the last
+/// of which is left out unless it is whole.
 class GuoItems {
  public:
   /// Throws config_error 101 unless there are two or more entries of the lengths that the loader takes.
@@ -240,7 +242,8 @@ class GuoItems {
       std::vector<float> values;
       std::vector<Index> frames;
       for (Index i = at; i < at + batch; ++i) {
-        const Entry& e = entries_[static_cast<std::size_t>(kept_[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])])];
+        const Entry& e =
+            entries_[static_cast<std::size_t>(kept_[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])])];
         const DescribedText& t = *e.texts[static_cast<std::size_t>(python.randint(0, std::ssize(e.texts) - 1))];
         out.texts.push_back(tagged(t));
         const ml::FrameSlice part = ml::guo_item(e.frames.length, numpy, python);
@@ -305,8 +308,10 @@ void evaluate_motions(const EvaluationOptions& o, const ml::RunFolder& found) {
   const Index batch = items.batch, count = items.count;
   constexpr Index repeats = 30, compared = 10;  // motions of a text, and pairs of them
   const Index varied = std::min<Index>(100, count), pairs = std::min<Index>(300, count - 1);
-  std::printf("%td motions of the %s part in batches of %td, drawn %td times; diversity of %td pairs, multimodality of %td texts\n",
-              count, o.part.c_str(), batch, o.seeds, pairs, varied);
+  std::printf(
+      "%td motions of the %s part in batches of %td, drawn %td times; diversity of %td pairs, multimodality of %td "
+      "texts\n",
+      count, o.part.c_str(), batch, o.seeds, pairs, varied);
 
   Figures figures;
   Index empty = 0, steps = 0;
@@ -377,7 +382,8 @@ void evaluate_tm2t(const EvaluationOptions& o) {
     return;
   }
   if (ml::is_tm2t_generator(found) && !ml::is_tm2t_describer(found))
-    ml::raise<ml::config_error>(102, o.model.string(), ": TM2T's motions of texts are judged by the networks of Guo et al.: "
+    ml::raise<ml::config_error>(102, o.model.string(),
+                                ": TM2T's motions of texts are judged by the networks of Guo et al.: "
                                 "--evaluator names their finest.tar");
   evaluate_descriptions(o, found);
 }

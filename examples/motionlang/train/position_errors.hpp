@@ -1,5 +1,5 @@
-// Errors of the positions of joints, as evaluate prints them of TEMOS, TEACH and SINC: of several motions for each text, and of
-// motions that know no text.
+// Errors of the positions of joints, as evaluate prints them of TEMOS, TEACH and SINC: of several motions for each text,
+// and of motions that know no text.
 #pragma once
 
 #include <functional>
@@ -35,8 +35,8 @@ class SampledErrors {
   JointErrors best_, worst_;
 };
 
-/// Errors of what is the same for every text: the mean of all poses, seen from the body, standing still, and another motion
-/// by lot.
+/// Errors of what is the same for every text: the mean of all poses, seen from the body, standing still, and another
+/// motion by lot.
 class BlindErrors {
  public:
   /// joints_of(i): those of motion i of so many to train on
