@@ -155,6 +155,42 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     const auto info = run({"info", "train-" + system + "_whole/model"}, w.path);
     CHECK_MESSAGE(contains(info.text, "model of                 " + system), info.text);
   }
+
+  // measured on the clips that they did not see, or on all of a file
+  const auto evaluated = [&](const std::string& name, const std::vector<std::string>& more) {
+    const auto out = run(std::vector<std::string>{"evaluate", name + "_whole/model", "--data", ".", "--babel",
+                                                  "babel.json", "--spelling", "spelling.json", "--samples", "2"} +
+                             more,
+                         w.path);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  };
+  const std::vector<std::string> lists{"--splits", "splits"};
+  const auto row = [](const std::string& text, const std::string& name) {
+    const auto at = text.find("  " + name + " ");
+    REQUIRE_MESSAGE(at != text.npos, text);
+    return text.substr(at, text.find('\n', at) - at);
+  };
+  const std::string of_sinc =
+                        evaluated("train-sinc", lists + std::vector<std::string>{"--temos", "train-sinc_whole/model"}),
+                    other_seed = evaluated("train-sinc", lists + std::vector<std::string>{"--seed", "1"}),
+                    of_teach = evaluated("train-teach", lists);
+  CHECK_MESSAGE(contains(of_sinc, "1 motions of the test part"), of_sinc);
+  CHECK_MESSAGE(contains(of_teach, "2 motions of the test part"), of_teach);
+  CHECK(row(of_sinc, "one sample") != row(other_seed, "one sample"));
+  for (const char* name : {"mean pose", "mean of the latent"}) CHECK(row(of_sinc, name) == row(other_seed, name));
+  CHECK(contains(row(of_sinc, "another recorded one"), "1.000"));  // itself: there is one
+  for (const char* name :
+       {"best of 2 samples", "worst of 2 samples", "random clip", "turned and moved", "moved", "recorded"})
+    row(of_teach, name);
+  const auto counts = [&](const std::string& name, const std::vector<std::string>& more, const std::string& count) {
+    const std::string text = evaluated(name, more);
+    CHECK_MESSAGE(contains(text, count), text);
+  };
+  counts("train-sinc", lists + std::vector<std::string>{"--items", "single"}, "4 motions of the test part");
+  counts("train-sinc", lists + std::vector<std::string>{"--items", "all", "--part", "validation"},
+         "5 motions of the validation part");
+  counts("train-teach", {"--part", "all"}, "10 motions of babel.json");
 }
 
 TEST_CASE("items of BABEL: types of data, val.json to validate with, combined actions") {

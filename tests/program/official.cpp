@@ -1,20 +1,27 @@
 // The motionlang program on folders as the official repositories leave them: generate, evaluate, pack, info, embed.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
+#include <motionlang/core/numpy_random.hpp>
+#include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/io/amass.hpp>
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/embedding_cache.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/metrics/guo_evaluator.hpp>
+#include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/stgcn.hpp>
+#include <motionlang/metrics/temos_score.hpp>
 
 #include "../support/body_arrays.hpp"
 #include "../support/denoised.hpp"
@@ -646,7 +653,283 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
   const Outcome other = w.run({"evaluate", "teach", "--data", ".", "--captions", "captions.tsv"});
   CHECK(other.code == 1);
-  CHECK_MESSAGE(contains(other.text, "a checkpoint of teach, expected temos"), other.text);
+  CHECK_MESSAGE(contains(other.text, "[motionlang.config.102] --babel is required"), other.text);
+}
+
+TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
+  using official::B;
+  const Workplace w;
+  const auto small_sinc = official::small_sinc();
+  const auto small_teach = official::small_teach();
+  const auto small_temos = official::small_temos(135);
+  official::write_lightning_run(w / "sinc", official::sinc(small_sinc), small_sinc, 30);
+  official::write_lightning_run(w / "teach", official::teach(small_teach), small_teach, 30);
+  official::write_lightning_run(w / "temos", official::temos(small_temos), small_temos, 12.5);
+  official::write_temos_statistics(w / "of135", 135);
+  official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
+  fs::create_directories(w / "CMU");
+  std::string entries;
+  std::vector<ml::Motion> clips;
+  for (int i : {1, 2}) {
+    const std::string id = std::to_string(i);
+    ml::write_amass(w / ("CMU/" + id + "_poses.npz"), synthetic::walk({.frames = 120, .fps = 30, .turn = 0.2 * i}));
+    clips.push_back(ml::read_amass(w / ("CMU/" + id + "_poses.npz")).motion);
+    const auto label = [](const std::string& text, const std::string& start, const std::string& end) {
+      return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null, "start_t": )" +
+             start + R"(, "end_t": )" + end + "}";
+    };
+    entries += (i == 1 ? "\"" : ", \"") + id + R"(": {"babel_sid": )" + id + R"(, "url": "", "feat_p": "CMU/CMU/)" +
+               id + R"(_poses.npz", "dur": 4.0, "frame_ann": {"labels": [)" + label("walk", "0", "2") + ", " +
+               label("wave", "1", "3.5") + "]}}";
+  }
+  ml::write_file(w / "val.json", "{" + entries + "}");
+  const auto evaluate = [&](const std::string& model, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"evaluate", model, "--data",       ".",     "--babel",        "val.json",
+                                       "--part",   "all", "--statistics", "of135", "--text-encoder", "words"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return w.run(arguments);
+  };
+  const auto measured = [&](const std::string& model, const std::vector<std::string>& more) {
+    const Outcome out = evaluate(model, more);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return out.text;
+  };
+  const auto close = [](double a, double b) { return std::abs(a - b) < 1.1e-3 * (1 + std::abs(b)); };
+  using Joints = std::vector<ml::Vec3<double>>;
+  const auto check_row = [&](const std::string& said, const std::string& name, const ml::RifkeVariant& variant,
+                             const std::vector<Joints>& made, const std::vector<Joints>& truth) {
+    CAPTURE(name);
+    ml::ApeAveMetric<double> metric(variant);
+    for (std::size_t i = 0; i < made.size(); ++i) metric.add(made[i], truth[i]);
+    const auto e = metric.result();
+    std::vector<double> wanted;
+    for (const ml::PositionErrors* p : {&e.ape, &e.ave})
+      for (const double x : {p->root, p->trajectory, p->mean_local(), p->mean_joints()}) wanted.push_back(x);
+    const auto found = numbers_of_row(said, name);
+    REQUIRE_MESSAGE(found.size() == 8, said);
+    for (std::size_t i = 0; i < 8; ++i) CHECK_MESSAGE(close(found[i], wanted[i]), said << i << ": " << wanted[i]);
+    return wanted;
+  };
+  const auto joints_of = [](const ml::SmplVelpMotion<float>& clip) {
+    return ml::detail::turned_up(ml::detail::first_joints(ml::motion_of_smplvelp(clip, 30), 22), true);
+  };
+  const auto rows_of = [&](const ml::Motion& clip, ml::Index first, ml::Index last) {
+    const auto rows = ml::motion_features("smplvelp-published").from_motion(ml::crop(clip, first, last));
+    return std::vector<float>(rows.begin(), rows.end());
+  };
+  const auto recorded = [](const std::vector<float>& rows) {
+    return ml::smplvelp_inverse(std::span<const float>(rows));
+  };
+  const ml::TemosRunOptions sources{.text_encoder = w / "words", .statistics = w / "of135"};
+
+  // two labels at the same time, between 1 and 2 seconds
+  const auto sinc = ml::load_sinc_run<B>(ml::find_run(w / "sinc"), sources);
+  ml::write_file(w / "parts.json", R"({"walk": ["", "", "right leg\nleft leg"], "wave": ["", "", "right arm"]})");
+  const std::string of_sinc =
+      measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json", "--conjunction", "while"});
+  for (const char* text : {"2 motions of val.json", "two labels as in 'walk while wave'", "joints of our own skeleton",
+                           "  best of 2 samples ", "  mean of the latent ", "  labels alone, composed "})
+    CHECK_MESSAGE(contains(of_sinc, text), of_sinc);
+  std::vector<Joints> truth, made, others;
+  std::vector<float> of_made, of_recorded;
+  for (const ml::Motion& clip : clips) {
+    const auto rows = rows_of(clip, 30, 60);
+    const auto tokens = sinc.text_encoder.encode<B>(std::vector<std::string>{"walk while wave"}).tokens;
+    const auto motion = ml::sinc_motion(
+        sinc.normalizer, ml::text_to_motion(sinc.model, tokens, ml::Offsets{30}, ml::Philox{}).front().rows);
+    truth.push_back(joints_of(recorded(rows))), made.push_back(joints_of(motion));
+    const auto add = [&](std::vector<float>& to, const std::vector<float>& features) {
+      const auto x = sinc.normalizer.normalize(ml::Tensor<B, 2>::from(features, {30, 135}));
+      const auto mu = sinc.model.encode_motion({x, ml::Offsets{30}}).mu.to_vector();
+      to.insert(to.end(), mu.begin(), mu.end());
+    };
+    add(of_recorded, rows);
+    add(of_made, ml::smplvelp_features(std::span<const ml::Matrix3<float>>(motion.rotations),
+                                       std::span<const ml::Vec3<float>>(motion.trans)));
+  }
+  others = {truth[1], truth[0]};
+  const auto one = check_row(of_sinc, "one sample", ml::sinc_rifke(), made, truth);
+  const auto clip = check_row(of_sinc, "random clip", ml::sinc_rifke(), others, truth);
+  CHECK(!close(one[0], clip[0]));
+  const std::string likeness = of_sinc.substr(of_sinc.find("TEMOS score"));
+  const auto rows = [](const std::vector<float>& x) { return ml::Rows(std::span(x), 16); };
+  CHECK(close(numbers_of_row(likeness, "one sample").at(0), ml::temos_score(rows(of_made), rows(of_recorded))));
+  auto swapped = of_recorded;
+  std::rotate(swapped.begin(), swapped.begin() + 16, swapped.end());
+  CHECK(
+      close(numbers_of_row(likeness, "another recorded one").at(0), ml::temos_score(rows(swapped), rows(of_recorded))));
+  const std::string in_code = measured("sinc", {"--samples", "1"});
+  CHECK(contains(in_code, "two labels as in 'walk and wave at the same time'"));
+  CHECK(!contains(in_code, "TEMOS score"));
+  CHECK(numbers_of_row(in_code, "one sample") != numbers_of_row(of_sinc, "one sample"));  // another sentence
+  CHECK(numbers_of_row(in_code, "random clip") == numbers_of_row(of_sinc, "random clip"));
+  CHECK(contains(measured("sinc", {"--samples", "1", "--items", "single"}), "4 motions of val.json"));
+  CHECK(contains(measured("sinc", {"--samples", "1", "--items", "all"}), "6 motions of val.json"));
+
+  // one after the other: 76 frames, and 29 of the second, of which the first ones may be interpolated
+  const auto teach = ml::load_teach_run<B>(ml::find_run(w / "teach"), sources);
+  const auto mmm = [&](const ml::SmplVelpMotion<float>& motion) {
+    const Joints all = joints_of(motion);
+    Joints out;
+    for (std::size_t t = 0; t < motion.trans.size(); ++t) {
+      for (const std::size_t j : ml::mmm_of_smplh) {
+        const auto& p = all[22 * t + (j == 59 ? 7 : j == 62 ? 8 : j)];  // heels: ankles
+        out.push_back({p.y, p.z, -p.x});
+      }
+    }
+    return out;
+  };
+  const auto tokens = teach.text_encoder.encode<B>(std::vector<std::string>{"walk", "wave"}).tokens;
+  const auto generated = [&](ml::Index window, ml::Alignment alignment) {
+    const auto noise = ml::Philox{}.split(std::uint64_t{0});
+    return mmm(ml::teach_motion(teach.normalizer,
+                                ml::actions_to_motion(teach.model, tokens, ml::Offsets{76, 29}, noise, window), window,
+                                alignment));
+  };
+  truth = {mmm(recorded(rows_of(clips[0], 0, 105))), mmm(recorded(rows_of(clips[1], 0, 105)))};
+  const auto check_teach = [&](const std::vector<std::string>& more, ml::Index window, ml::Alignment alignment) {
+    const std::string said = measured("teach", more);
+    CHECK_MESSAGE(contains(said, "2 motions of val.json"), said);
+    const auto motion = generated(window, alignment);
+    check_row(said, "random clip", ml::temos_rifke(), {truth[1], truth[0]}, truth);
+    return check_row(said, "one sample", ml::temos_rifke(), {motion, motion}, truth);
+  };
+  const auto full = check_teach({"--samples", "2"}, 8, ml::Alignment::full);
+  const auto moved = check_teach({"--samples", "1", "--alignment", "translation"}, 8, ml::Alignment::translation);
+  const auto none = check_teach({"--samples", "1", "--slerp-window", "0"}, 0, ml::Alignment::full);
+  const auto same = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), close);
+  };
+  CHECK(!same(full, moved));
+  CHECK(!same(full, none));
+  const std::string of_teach = measured("teach", {"--samples", "1"});
+  const auto jump = [&](const Joints& joints) {
+    return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), 21, 76);
+  };
+  CHECK(close(numbers_of_row(of_teach, "turned and moved").at(0), jump(generated(0, ml::Alignment::full))));
+  CHECK(close(numbers_of_row(of_teach, "moved").at(0), jump(generated(0, ml::Alignment::translation))));
+  CHECK(close(numbers_of_row(of_teach, "recorded").at(0), (jump(truth[0]) + jump(truth[1])) / 2));
+
+  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
+    const Outcome out = evaluate(model, more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel");
+  refused("sinc", {"--temos", "temos"},
+          "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published "
+          "at 30");
+  refused("teach", {"--slerp-window", "28"}, "[motionlang.config.101] TEACH: action 1 of 29 frames with a gap of 28");
+  ml::write_npz(w / "small.npz", body_arrays::chain(24, 4, 10));
+  refused("teach", {"--body", "small.npz"},
+          "small.npz: a body of 24 joints and 4 vertices; BABEL is measured on SMPL-H's 52 and 6890");
+  CHECK(evaluate("teach", {"--alignment", "half"}).code == 2);
+  CHECK(evaluate("sinc", {"--conjunction", "and"}).code == 2);
+}
+
+TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of Guo et al.") {
+  using official::B;
+  const Workplace w;
+  official::write_tm2t_runs(w.path, official::small_tm2t());
+  const std::string runs = "checkpoints/t2m/";
+  const auto write_evaluator = [&](const std::string& folder, ml::Index features) {
+    ml::Philox rng{.seed = 41};
+    const ml::GuoEvaluator<B> networks({.features = features,
+                                        .movement_hidden = 6,
+                                        .movement_latent = 5,
+                                        .word = 4,
+                                        .pos = 15,
+                                        .text_hidden = 7,
+                                        .motion_hidden = 6,
+                                        .embedding = 8},
+                                       rng);
+    TorchArchive archive;
+    archive.begin("text_encoder"), official::add_module(archive, networks.text_encoder), archive.end();
+    archive.begin("motion_encoder"), official::add_module(archive, networks.motion_encoder), archive.end();
+    archive.begin("movement_encoder"), official::add_module(archive, networks.movement_encoder), archive.end();
+    archive.begin("opt_text_encoder"), official::add_zeros(archive, "moment", {3}), archive.end();
+    archive.number("epoch", 10);
+    official::write_bytes(w / (runs + folder + "/model/finest.tar"), archive.finish());
+    return networks;
+  };
+  const auto networks = write_evaluator("text_mot_match", 263);
+  const std::vector<std::string> said{"a walk", "person turn", "walk turn"};
+  std::string captions, listed;
+  for (int i = 0; i < 3; ++i) {
+    const std::string id = "clip" + std::to_string(i);
+    ml::write_bvh(w / (id + ".bvh"), synthetic::walk({.frames = 70, .turn = 0.4 * i}));
+    captions += id + "\t0\t3\tlegs\t" + said[static_cast<std::size_t>(i)] + "\n";
+    listed += id + "\n";
+  }
+  ml::write_file(w / "captions.tsv", captions);
+  official::write_text(w / "splits/train.txt", listed);
+  const auto evaluate = [&](const std::string& model, std::vector<std::string> more) {
+    more.insert(more.begin(), {"evaluate", runs + model, "--data", ".", "--captions", "captions.tsv", "--splits",
+                               "splits", "--part", "training", "--seeds", "1"});
+    return w.run(more);
+  };
+  const Outcome judged = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match"});
+  REQUIRE_MESSAGE(judged.code == 0, judged.text);
+  CHECK_MESSAGE(contains(judged.text,
+                         "3 motions of the training part in batches of 3, drawn 1 times; diversity of 2 pairs, "
+                         "multimodality of 3 texts"),
+                judged.text);
+  // R@1, R@2, R@3, FID, distance, diversity, multimodality
+  const auto recorded = numbers_of_row(judged.text, "recorded"),
+             others = numbers_of_row(judged.text, "recorded, of other texts"),
+             generated = numbers_of_row(judged.text, "generated");
+  REQUIRE_MESSAGE(recorded.size() == 6, judged.text);
+  REQUIRE_MESSAGE(others.size() == 4, judged.text);
+  REQUIRE_MESSAGE(generated.size() == 7, judged.text);
+  for (const auto& row : {recorded, others, generated}) {
+    CHECK(row[0] <= row[1]);
+    CHECK(row[2] == 1);
+  }
+  // the texts in the order that the first replication draws, their motions with its noise
+  ml::NumpyRandom numpy(0);
+  std::vector<std::string> texts;
+  for (const ml::Index i : numpy.permutation(3)) texts.push_back(said[static_cast<std::size_t>(i)]);
+  const auto run = ml::load_tm2t_run<B>(ml::find_run(w / (runs + "T2M_Seq2Seq")));
+  const auto motions = run.model.generate(
+      run.words.encode<B>(texts),
+      ml::Philox{}.split("replications").split(std::uint64_t{0}).split("one").split(std::uint64_t{0}));
+  std::vector<float> rows;
+  std::vector<ml::Index> frames;
+  ml::Index empty = 0;
+  for (ml::Index i = 0; i < 3; ++i) {
+    frames.push_back(motions.offsets.length(i));
+    if (frames.back() == 0) {  // counts as four frames of the mean pose
+      ++empty, frames.back() = 4, rows.resize(rows.size() + 4 * 263);
+      continue;
+    }
+    const auto own = run.model.statistics.normalize(motions[i]).to_vector();
+    rows.insert(rows.end(), own.begin(), own.end());
+  }
+  const ml::Offsets offsets(frames);
+  const auto text = networks.embed_texts(run.words.encode<B>(texts).tokens).to_vector(),
+             motion =
+                 networks.embed_motions({ml::Tensor<B, 2>::from(rows, {offsets.rows(), 263}), offsets}).to_vector();
+  ml::MatchingMetric metric;
+  metric.add(ml::Rows(text, 8), ml::Rows(motion, 8));
+  CHECK(empty < 3);
+  CHECK(std::abs(generated[4] - metric.matching_score()) < 1.1e-3);
+  CHECK(std::abs(generated[0] - metric.r_precision(1)) < 1.1e-3);
+  CHECK(std::abs(generated[4] - recorded[4]) > 2e-3);
+  CHECK(generated[6] > 0);
+  const Outcome file = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match/model/finest.tar"});
+  CHECK(numbers_of_row(file.text, "generated") == generated);
+
+  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
+    const Outcome out = evaluate(model, more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  refused("T2M_Seq2Seq", {}, "--evaluator names their finest.tar");
+  refused("M2T_EL2_DL1_NH2_PS", {"--evaluator", runs + "text_mot_match"},
+          "not TM2T's recurrent model from texts to motions");
+  refused("T2M_Seq2Seq", {"--evaluator", "splits"}, "[motionlang.io.401] --evaluator splits: no finest.tar");
+  write_evaluator("of_kit", 251);
+  refused("T2M_Seq2Seq", {"--evaluator", runs + "of_kit"}, "reads features of 251 numbers, the motions have 263");
 }
 
 TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer motions in parts") {

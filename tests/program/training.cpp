@@ -1170,7 +1170,7 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   refused("text-to-motion", {"--describer", "tokenizer/model"}, "not TM2T's transformer from motions to texts");
   const auto unmeasured = run({"evaluate", "alone/model", "--data", ".", "--captions", "captions.tsv"}, clips.path);
   CHECK(unmeasured.code == 1);
-  CHECK_MESSAGE(contains(unmeasured.text, "not TM2T's transformer from motions to texts"), unmeasured.text);
+  CHECK_MESSAGE(contains(unmeasured.text, "[motionlang.config.102] alone/model: TM2T's motions of texts are judged by"), unmeasured.text);
   refused("tokenizer", {"--set", "tokenizer.window=96"}, "no motion to train on has more than tokenizer.window = 96");
   refused("tokenizer", {"--set", "tokenizer.window=30"}, "window is 30, expected a multiple of 4");
   refused("tokenizer", {"--set", "features=rifke"}, "features 'rifke' is not guoh3d or kit");

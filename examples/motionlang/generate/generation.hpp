@@ -96,11 +96,13 @@ std::unique_ptr<Generator> load_published_eigen(const std::filesystem::path& run
 std::unique_ptr<Generator> load_published_xtensor(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_published_reference(const std::filesystem::path& run, const ModelSources& sources);
 /// ACTOR takes the name or the number of an action as its text; ACTOR and TEMOS take one text for the whole body, TEACH texts one after
-/// the other, SINC texts at the same time. load_temos looks which of the last three it is.
+/// the other, SINC texts at the same time. load_temos looks which of the last three it is, as system_of_run says it.
 std::unique_ptr<Generator> load_actor(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources);
+/// The system of a folder as io/run_folder.hpp finds it, where runs of TEACH and SINC look like those of TEMOS.
+std::string system_of_run(const std::filesystem::path& run);
 /// MDM's models of actions: the name or the number of an action. TM2T: one text; it decides itself how long the motion is.
 std::unique_ptr<Generator> load_mdm_actions(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_tm2t(const std::filesystem::path& run, const ModelSources& sources);

@@ -17,7 +17,7 @@ using ml::Index;
 
 class TeachGenerator final : public EachAlone {
  public:
-  explicit TeachGenerator(TextLatents<ml::Teach<B>> parts) : parts_(std::move(parts)) {}
+  explicit TeachGenerator(TeachLatents parts) : parts_(std::move(parts)) {}
 
   double fps() const override { return parts_.fps; }
   std::string system() const override { return "TEACH"; }
@@ -49,7 +49,7 @@ class TeachGenerator final : public EachAlone {
     return out;
   }
 
-  TextLatents<ml::Teach<B>> parts_;
+  TeachLatents parts_;
 };
 
 /// All texts, at the same time, as one sentence.
@@ -61,21 +61,26 @@ ml::Interval together(const ml::Timeline& timeline) {
 
 }  // namespace
 
-std::unique_ptr<Generator> from_teach(TextLatents<ml::Teach<B>> parts) {
-  return std::make_unique<TeachGenerator>(std::move(parts));
+TeachLatents published_teach(const std::filesystem::path& run, const ModelSources& sources) {
+  return text_latents(ml::load_teach_run<B>(ml::find_run(run),
+                                            {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
 }
-std::unique_ptr<Generator> from_sinc(TextLatents<ml::Sinc<B>> parts) {
+SincLatents published_sinc(const std::filesystem::path& run, const ModelSources& sources) {
+  return text_latents(ml::load_sinc_run<B>(ml::find_run(run),
+                                           {.text_encoder = sources.text_encoder, .statistics = sources.statistics}));
+}
+
+std::unique_ptr<Generator> from_teach(TeachLatents parts) { return std::make_unique<TeachGenerator>(std::move(parts)); }
+std::unique_ptr<Generator> from_sinc(SincLatents parts) {
   parts.wanted = together;
   return from_texts(std::move(parts));
 }
 
 std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources) {
-  return from_teach(text_latents(ml::load_teach_run<B>(
-      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+  return from_teach(published_teach(run, sources));
 }
 std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources) {
-  return from_sinc(text_latents(ml::load_sinc_run<B>(
-      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+  return from_sinc(published_sinc(run, sources));
 }
 
 }  // namespace program

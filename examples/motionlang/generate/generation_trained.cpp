@@ -26,15 +26,18 @@ TextLatents<System<B>> parts_of(TextMotionModel<B, System> model, const TextMode
                                .tokens = {},
                                .longest = longest};
   parts.tokens = [words = std::move(model.words), language = std::move(model.language),
-                  states = std::make_shared<ml::EmbeddingCache>(0), folder, encoder = file.config.text.encoder,
-                  text_encoder](std::span<const std::string> texts) {
+                  states = std::make_shared<ml::EmbeddingCache>(0), asked = std::make_shared<TextStates>(), folder,
+                  encoder = file.config.text.encoder, text_encoder](std::span<const std::string> texts) {
     if (words) return (*words)(texts).tokens;
     if (language) return (*language)(texts, {});
     if (text_encoder.empty())
       ml::raise<ml::config_error>(102, folder.string(), ": this model reads the states of ", encoder,
                                   ": --text-encoder names it");
     const auto is_known = [&](const std::string& text) { return states->contains(text); };
-    if (!std::all_of(texts.begin(), texts.end(), is_known)) *states = token_states(text_encoder, texts);
+    if (!std::all_of(texts.begin(), texts.end(), is_known)) {
+      if (!*asked) *asked = text_states(text_encoder);
+      *states = (*asked)(texts);
+    }
     return states->encode<B>(texts).tokens;
   };
   return parts;
@@ -45,21 +48,25 @@ TextLatents<System<B>> text_motion(const std::filesystem::path& folder, const Te
   return parts_of(load_text_motion<System, B>(folder, file), file, file.config.data.max_seconds, folder, text_encoder);
 }
 template <template <class> class System, class Config>
-TextLatents<System<B>> of_babel(const std::filesystem::path& folder, const ml::ModelFolder& model,
-                                const std::filesystem::path& text_encoder) {
-  const auto file = text_model_file<Config>(model, (folder / "config.json").string());
+TextLatents<System<B>> of_babel(const std::filesystem::path& folder, const std::filesystem::path& text_encoder) {
+  const auto file = read_babel_config<Config>(folder);
   return parts_of(load_babel_model<System, B>(folder, file), file, file.config.longest_seconds(), folder, text_encoder);
 }
 
 }  // namespace
 
+TeachLatents trained_teach(const std::filesystem::path& folder, const ModelSources& sources) {
+  return of_babel<ml::Teach, TeachTrainingConfig>(folder, sources.text_encoder);
+}
+SincLatents trained_sinc(const std::filesystem::path& folder, const ModelSources& sources) {
+  return of_babel<ml::Sinc, SincTrainingConfig>(folder, sources.text_encoder);
+}
+
 std::unique_ptr<Generator> load_trained_text_motion(const std::filesystem::path& folder, const ModelSources& sources) {
   if (ml::find_run(folder).system == "motionlang") {
-    const auto model = ml::read_model_folder(folder);
-    if (model.system == "sinc")
-      return from_sinc(of_babel<ml::Sinc, SincTrainingConfig>(folder, model, sources.text_encoder));
-    if (model.system == "teach")
-      return from_teach(of_babel<ml::Teach, TeachTrainingConfig>(folder, model, sources.text_encoder));
+    const std::string system = ml::read_model_folder(folder).system;
+    if (system == "sinc") return from_sinc(trained_sinc(folder, sources));
+    if (system == "teach") return from_teach(trained_teach(folder, sources));
   }
   const TextMotionFile file = read_text_motion_config(folder);
   return file.system == "tmr" ? from_texts(text_motion<ml::Tmr>(folder, file, sources.text_encoder))

@@ -21,15 +21,17 @@ std::unique_ptr<Generator> load_actor(const std::filesystem::path& run) {
            [=](std::span<const float> rows) { return ml::motion_of_actor(ml::actor_inverse(rows, 24, options), fps); },
        .rows_of = [=](const ml::Motion& motion) { return ml::actor_rows_of_motion(motion, options); }});
 }
-std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources) {
+std::string system_of_run(const std::filesystem::path& run) {
   const ml::RunFolder folder = ml::find_run(run);
-  if (!folder.weights.empty()) {
-    const std::string system = ml::lightning_system(ml::open_weights(folder.weights));
-    if (system == "teach") return load_teach(run, sources);
-    if (system == "sinc") return load_sinc(run, sources);
-  }
-  return from_texts(text_latents(
-      ml::load_temos_run<B>(folder, {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+  if (folder.system != "temos" || folder.weights.empty()) return folder.system;
+  return ml::lightning_system(ml::open_weights(folder.weights));
+}
+std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources) {
+  const std::string system = system_of_run(run);
+  if (system == "teach") return load_teach(run, sources);
+  if (system == "sinc") return load_sinc(run, sources);
+  return from_texts(text_latents(ml::load_temos_run<B>(
+      ml::find_run(run), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
 }
 
 }  // namespace program

@@ -31,6 +31,12 @@ inline ml::TeachConfig system_config(const TeachTrainingConfig& c, ml::Index wid
 inline double normalizer_eps(const SincTrainingConfig&) { return ml::sinc_eps; }
 inline double normalizer_eps(const TeachTrainingConfig&) { return 1e-12; }
 
+/// What config.json of train-sinc or train-teach says. Throws io_error 401, 403, config_error 101, 103, 107.
+template <class Config>
+TextModelFile<Config> read_babel_config(const std::filesystem::path& folder) {
+  return text_model_file<Config>(ml::read_model_folder(folder), (folder / "config.json").string());
+}
+
 /// New weights, with statistics that change nothing. Throws config_error 101, 103 for sizes and options that cannot be.
 template <template <class> class System, ml::Backend B, class Config>
 TextMotionModel<B, System> make_babel_model(const Config& c, ml::Index width, std::optional<ml::WordPiece> pieces,

@@ -22,6 +22,13 @@ struct BabelSources {
   std::filesystem::path validation;  // another, to validate with; then all of `babel` is for training
   std::filesystem::path splits;      // folder with lists of ids; "": by lot
   std::filesystem::path spelling;    // JSON of what words of labels are replaced by; "": by themselves
+
+  /// Throws config_error 102 without `babel`, and for `validation` beside `splits`.
+  void require_sound() const {
+    if (babel.empty()) ml::raise<ml::config_error>(102, "--babel is required");
+    if (!validation.empty() && !splits.empty())
+      ml::raise<ml::config_error>(102, "--babel-validation or --splits, not both");
+  }
 };
 
 /// Frames of a sequence, and labels in them.
@@ -37,6 +44,13 @@ struct BabelItems {
 /// The items of a sequence of so many frames.
 using BabelReader = std::function<BabelItems(const ml::BabelSequence& sequence, ml::Index frames,
                                              const ml::SpellingTable& spelling, bool training)>;
+
+/// What a motion's texts say.
+inline std::vector<std::string> labels_of(const DescribedMotion& m) {
+  std::vector<std::string> labels;
+  for (const DescribedText& t : m.texts) labels.push_back(t.text);
+  return labels;
+}
 
 /// Throws config_error 103 for an unknown type of data.
 BabelReader sinc_reader(const SincDataConfig& config);

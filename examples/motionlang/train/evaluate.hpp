@@ -1,7 +1,10 @@
-// motionlang evaluate: what a trained ACTOR, TEMOS, TMR or TM2T is worth.
+// motionlang evaluate: what a trained ACTOR, TEMOS, TMR, SINC, TEACH or TM2T is worth.
 #pragma once
 
 #include <filesystem>
+
+#include <motionlang/compose/alignment.hpp>
+#include <motionlang/text/joined_labels.hpp>
 
 #include "../machine_options.hpp"
 #include "text_motion_model.hpp"
@@ -10,17 +13,22 @@ namespace program {
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
-      strips, classifier, generator, statistics, tokenizer, body, regressor;
+      strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
+      temos, evaluator;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
-  ml::Index samples = 10;   // of TEMOS, for each text
+  ml::Index samples = 10;   // of TEMOS, SINC and TEACH, for each text
   ml::Index count = 20;     // film strips
-  ml::Index seeds = 20;     // of ACTOR
+  ml::Index seeds = 20;     // of ACTOR, and TM2T's motions
   ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   double stride = 0.2;                         // seconds from one to the next
+  std::string items = "pairs";                 // of SINC: pairs, single or all
+  ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
+  ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
+  ml::Index slerp_window = 8;                                // frames between both that are interpolated
   std::uint64_t seed = 0;
   MachineOptions machine;
 };
@@ -31,11 +39,18 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
 void evaluate_published_temos(const EvaluationOptions& o);
 
+/// Errors of motions for several labels at the same time, or for single ones; the TEMOS score. Of our training, or as
+/// published.
+void evaluate_sinc(const EvaluationOptions& o);
+/// Errors of two actions one after the other, and the jump between them. Of our training, or as published.
+void evaluate_teach(const EvaluationOptions& o);
+
 /// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
-/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr.
+/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr. With an evaluator
+/// motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.
 void evaluate_moments(const EvaluationOptions& o);

@@ -6,10 +6,10 @@
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/io/vae_run.hpp>
-#include <motionlang/metrics/ape_ave.hpp>
 
 #include "../files/feature_motion.hpp"
 #include "../files/motion_files.hpp"
+#include "position_errors.hpp"
 #include "text_motion_task.hpp"
 #include "text_sources.hpp"
 #include "train_text_motion.hpp"
@@ -170,8 +170,6 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
 
 namespace {
 
-using Joints = std::vector<ml::Vec3<double>>;
-
 /// How errors are measured: MMM's 21 joints as TEMOS has it (spec temos.md 8.1, 11.2), Y up, KIT's units taken for
 /// millimetres, seen from the heading of knees and elbows; SMPL's 22 in metres, Z up.
 struct MeasuredJoints {
@@ -199,44 +197,18 @@ std::span<const float> rows_of(const DescribedMotion& d, Index width) {
                                    static_cast<std::size_t>(frames.length * width));
 }
 
-/// The mean of all poses, seen from the body, standing still.
-Joints mean_pose(const std::vector<DescribedMotion>& motions, const ml::MotionFeatures& f) {
-  const MeasuredJoints joints_of(f);
-  const auto n = static_cast<std::size_t>(f.joints);
-  Joints sum(n);
-  double frames = 0;
-  for (const DescribedMotion& d : motions) {
-    const Joints joints = joints_of(f, rows_of(d, f.width));
-    const auto c = ml::canonical_motion(joints_of.variant, std::span<const ml::Vec3<double>>(joints));
-    for (Index t = 0; t < c.frames(); ++t, ++frames) {
-      const auto frame = static_cast<std::size_t>(t);
-      const ml::Vec3<double>& root = c.root[frame];
-      sum[0] = sum[0] + (joints_of.variant.z_up ? ml::Vec3<double>{0, 0, root.z} : ml::Vec3<double>{0, root.y, 0});
-      for (std::size_t j = 1; j < n; ++j) sum[j] = sum[j] + c.local[frame * (n - 1) + j - 1];
-    }
-  }
-  for (auto& p : sum) p = (1 / frames) * p;
-  return sum;
-}
-
-void print_errors(const char* what, const ml::ApeAve& e) {
-  std::printf("  %-22s", what);
-  for (const ml::PositionErrors* p : {&e.ape, &e.ave})
-    std::printf("   %7.3f %7.3f %7.3f %7.3f", p->root, p->trajectory, p->mean_local(), p->mean_joints());
-  std::printf("\n");
-}
-
 void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const Measured& m,
                    const TemosModel<B>& model) {
   const auto& features = ml::motion_features(file.config.features);
-  using Metric = ml::ApeAveMetric<double>;
   const MeasuredJoints joints_of(features);
-  const Metric none(joints_of.variant, joints_of.unit);
-  const auto n = static_cast<std::size_t>(o.samples);
-  std::vector<Metric> of_sample(n, none);
-  Metric best = none, worst = none, at_mean = none, pose = none, clip = none;
-  const auto still = mean_pose(m.data.training, features);
-  auto lot = ml::Philox{.seed = o.seed}.split("random clips");
+  const JointErrors none(joints_of.variant, joints_of.unit);
+  SampledErrors sampled(none, o.samples);
+  JointErrors at_mean = none;
+  const auto& training = m.data.training;
+  BlindErrors blind(
+      joints_of.variant, none, std::ssize(training),
+      [&](Index i) { return joints_of(features, rows_of(training[static_cast<std::size_t>(i)], features.width)); },
+      o.seed);
   std::set<std::string> shown;
   ProgressBar bar("generating");
   for (std::size_t i = 0; i < m.part->size(); ++i) {
@@ -251,21 +223,10 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
     const auto rng = ml::Philox{.seed = o.seed};
     for (const auto& s : ml::text_to_motion(model.system, tokens, length, rng, o.samples))
       samples.push_back(joints_of(features, made(s)));
-    std::vector<Metric::Joints> all(samples.begin(), samples.end());
-    for (std::size_t k = 0; k < n; ++k) of_sample[k].add(all[k], truth);
-    best.add_best(all, truth);
-    worst.add_worst(all, truth);
+    sampled.add(samples, truth);
     const auto mean_rows = made(ml::text_to_motion(model.system, tokens, length, rng, 1, {.mean = true}).front());
     at_mean.add(joints_of(features, mean_rows), truth);
-    Joints standing;
-    for (std::size_t t = 0; t < frames; ++t) standing.insert(standing.end(), still.begin(), still.end());
-    pose.add(standing, truth);
-    Joints other;  // a clip that is long enough, if one of a hundred is
-    for (int tries = 0; tries < 100 && other.size() < truth.size(); ++tries) {
-      const auto& any = m.data.training[lot.below(static_cast<std::uint32_t>(m.data.training.size()))];
-      other = joints_of(features, rows_of(any, features.width));
-    }
-    clip.add(other, truth);
+    blind.add(truth);
     if (!o.strips.empty() && shown.insert(text[0]).second && std::ssize(shown) <= o.count) {
       auto motion = motion_of_features(features, mean_rows, file.fps);
       motion.name = text[0];
@@ -274,20 +235,11 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
     bar(static_cast<Index>(i) + 1, std::ssize(*m.part));
   }
   bar.finish();
-  std::vector<ml::ApeAve> results;
-  for (const Metric& r : of_sample) results.push_back(r.result());
   if (joints_of.mmm) std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
-  std::printf("  %-22s   %-31s   %s\n  %22s      root   traj.   local  global      root   traj.   local  global\n", "",
-              "APE (m)", "AVE (m^2)", "");
-  print_errors("one sample", results.front());
-  if (n > 1) {
-    print_errors(ml::concat_text("mean of ", n, " samples").c_str(), ml::mean_errors(results));
-    print_errors(ml::concat_text("best of ", n, " samples").c_str(), best.result());
-    print_errors(ml::concat_text("worst of ", n, " samples").c_str(), worst.result());
-  }
+  print_error_heads();
+  sampled.print();
   print_errors("mean of the latent", at_mean.result());
-  print_errors("mean pose", pose.result());
-  print_errors("random clip", clip.result());
+  blind.print();
 }
 
 }  // namespace

@@ -11,12 +11,6 @@
 
 namespace program {
 
-inline std::vector<std::string> labels_of(const DescribedMotion& m) {
-  std::vector<std::string> labels;
-  for (const DescribedText& t : m.texts) labels.push_back(t.text);
-  return labels;
-}
-
 class SincTask : public BabelTask<ml::Sinc, SincTrainingConfig> {
  public:
   using Base = BabelTask<ml::Sinc, SincTrainingConfig>;

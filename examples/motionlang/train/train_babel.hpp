@@ -36,13 +36,11 @@ void run_babel(const BabelOptions& o, Config config, BabelReader (*reader)(const
   read_settings(config, o.common);
   config.require_sound();
   if (!begin_training(o.common, config_json(config))) return;
-  if (o.babel.empty()) ml::raise<ml::config_error>(102, "--babel is required");
-  if (!o.validation.empty() && !o.common.splits.empty())
-    ml::raise<ml::config_error>(102, "--babel-validation or --splits, not both");
+  const BabelSources sources{o.common.data, o.babel, o.validation, o.common.splits, o.spelling};
+  sources.require_sound();
   const bool pieces = reads_pieces(config.text, o.text_encoder);
   if (config.text.finetune)
     ml::raise<ml::config_error>(102, "text.finetune is of train-tmr and train-temos; DistilBERT is read here as it is");
-  const BabelSources sources{o.common.data, o.babel, o.validation, o.common.splits, o.spelling};
   const auto data = [&] {
     ProgressBar bar("reading motions");
     return read_babel_motions(sources, config.features, lots_of(config.data), reader(config.data), bar);
