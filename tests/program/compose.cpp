@@ -1,6 +1,9 @@
 // motionlang compose and join: whose joints are whose, how clips go on, and what is refused.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/glb.hpp>
 #include <motionlang/kinematics/blend.hpp>
@@ -107,4 +110,16 @@ TEST_CASE("join: each motion goes on where the one before it ends") {
   CHECK(synthetic::largest_distance(w.read("one.bvh"), walk) < 1e-3);
   const Outcome too_long = w.run({"join", "walk.bvh", "bent.bvh", "--blend", "2.5", "-o", "no.bvh"});
   CHECK_MESSAGE((too_long.code == 1 && contains(too_long.text, "blend_into: 50 frames of clips of 40 and 59")), too_long.text);
+}
+
+TEST_CASE("join: a motion of another skeleton stands on the floor of the first") {
+  const Clips w;
+  ml::Motion high = w.read("walk.bvh");
+  for (auto& root : high.root) root.y += 0.5;
+  ml::write_bvh(w / "high.bvh", high);
+  ml::write_bvh(w / "other.bvh", synthetic::walk({.frames = 40}, ml::humanml3d22_skeleton()));
+  const Outcome made = w.run({"join", "high.bvh", "other.bvh", "-o", "all.bvh"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  const ml::Motion all = w.read("all.bvh");
+  for (const ml::Index f : {10, 60, 70}) CHECK(std::abs(all.root_at(f).y - high.root_at(f % 40).y) < 0.1);
 }

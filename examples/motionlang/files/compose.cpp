@@ -66,9 +66,14 @@ std::string names_of(const ml::SincParts& parts) {
   return ml::join_text(names);
 }
 
-/// On the skeleton and at the rate of another motion.
+/// On the skeleton, at the rate and, where it comes from another skeleton, on the floor of another motion.
 ml::Motion like(const ml::Motion& other, ml::Motion m) {
-  if (m.skeleton != other.skeleton) m = ml::retarget(m, other.skeleton);
+  if (m.skeleton != other.skeleton) {
+    m = ml::retarget(m, other.skeleton);  // on y = 0
+    ml::Motion standing = other;
+    const double up = ml::place_on_floor(standing);
+    for (auto& root : m.root) root.y -= up;
+  }
   return m.fps == other.fps ? m : ml::resample(m, other.fps);
 }
 
