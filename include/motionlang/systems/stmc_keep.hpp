@@ -12,6 +12,8 @@
 ///         the frames before them have led
 #pragma once
 
+#include <cmath>  // isfinite
+
 #include <motionlang/systems/stmc.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -31,6 +33,17 @@ struct KeptMotion {
 
 namespace detail {
 
+/// Positions of all these parts in a feature vector.
+inline std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts) {
+  std::vector<Index> out;
+  for (int p = 0; p < body_part_count; ++p) {
+    if (!parts.has(static_cast<BodyPart>(p))) continue;
+    const std::vector<Index> own = layout.indices(static_cast<BodyPart>(p));
+    out.insert(out.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
 /// Normalised features where they are kept, over whatever is elsewhere.
 template <Backend B>
 class KeptRows {
@@ -46,25 +59,17 @@ class KeptRows {
     std::vector<S> open(static_cast<std::size_t>(shape.count()), S{1}), values(open.size(), S{0});
     for (std::size_t m = 0; m < kept.size(); ++m) {
       if (kept[m].parts.empty()) continue;
-      const Tensor<B, 2>& features = kept[m].features;
-      if (features.size(1) != layout.size)
-        raise<shape_error>(205, "generate_around: features ", features.shape(), ", the model's '", layout.name, "' are ", layout.size);
-      const std::vector<S> rows = normalizer.normalize(features).to_vector();
-      const Index first_row = static_cast<Index>(m) * stride, frames = std::min(features.size(0), plan.timelines[m].frames);
+      require_fitting(kept[m], layout, plan.timelines[m].frames);
+      const std::vector<S> rows = normalizer.normalize(kept[m].features).to_vector();
+      const std::size_t first = m * static_cast<std::size_t>(stride * layout.size);
       for (const KeptPart& part : kept[m].parts) {
-        if (part.frames.begin < 0 || part.frames.size() < 1 || part.frames.end > frames)
-          raise<config_error>(101, "generate_around: frames ", part.frames.begin, ":", part.frames.end, " are kept of ", features.size(0),
-                              " in a timeline of ", plan.timelines[m].frames);
+        const std::vector<Index> positions = positions_of(layout, part.parts);
         for (Index f = part.frames.begin; f < part.frames.end; ++f) {
-          for (int p = 0; p < body_part_count; ++p) {
-            if (!part.parts.has(static_cast<BodyPart>(p))) continue;
-            for (const Index i : layout.indices(static_cast<BodyPart>(p))) {
-              const S value = rows[static_cast<std::size_t>(f * layout.size + i)];
-              if (!std::isfinite(value))
-                raise<numeric_error>(301, "generate_around: number ", i, " of frame ", f, " that is kept is ", value);
-              const auto at = static_cast<std::size_t>((first_row + f) * layout.size + i);
-              values[at] = value, open[at] = S{0};
-            }
+          for (const Index i : positions) {
+            const auto at = static_cast<std::size_t>(f * layout.size + i);
+            if (!std::isfinite(rows[at]))
+              raise<numeric_error>(301, "generate_around: number ", i, " of frame ", f, " that is kept is ", rows[at]);
+            values[first + at] = rows[at], open[first + at] = S{0};
           }
         }
       }
@@ -76,6 +81,17 @@ class KeptRows {
   Tensor<B, 2> over(const Tensor<B, 2>& x0) const { return x0 * open_ + values_; }
 
  private:
+  static void require_fitting(const KeptMotion<B>& kept, const FeatureLayout& layout, Index frames) {
+    if (kept.features.size(1) != layout.size)
+      raise<shape_error>(205, "generate_around: features ", kept.features.shape(), ", the model's '", layout.name, "' are ", layout.size);
+    const Index known = kept.features.size(0);
+    for (const KeptPart& part : kept.parts) {
+      const IndexRange& r = part.frames;
+      if (r.begin < 0 || r.size() < 1 || r.end > std::min(known, frames))
+        raise<config_error>(101, "generate_around: frames ", r.begin, ":", r.end, " are kept of ", known, " in a timeline of ", frames);
+    }
+  }
+
   Tensor<B, 2> open_, values_;  // 1 where nothing is kept, and 0 there
 };
 
