@@ -5937,8 +5937,7 @@ void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence&
 
 /// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and not
 /// run. Throws io_error 402 to 407 for anything else.
-inline std::string amass_gender(const FilePath& path) {
-  const ZipArchive zip = ZipArchive::open(path);
+inline std::string amass_gender(const ZipArchive& zip) {
   const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
   const std::string where = concat_text(zip.name(), "/gender");
   const NpyParts npy = npy_parts(bytes, where);
@@ -5961,7 +5960,8 @@ inline std::string_view amass_poses(const NpzArchive& npz) {
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
 ///         motion), 407 if one has another shape, 403 for an impossible frame rate
 inline AmassSequence read_amass_sequence(const FilePath& path) {
-  const NpzArchive npz = NpzArchive::open(path);
+  const ZipArchive zip = ZipArchive::open(path);
+  const NpzArchive npz(zip);
   auto matrix = [&](std::string_view name) {
     NpyArray array = npz.read(name);
     if (array.shape.size() != 2) {
@@ -5984,7 +5984,7 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
   out.trans = trans.to<double>();
   out.fps = npz.read(npz.has("mocap_frame_rate") ? "mocap_frame_rate" : "mocap_framerate").value<double>();
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
-  if (npz.has("gender")) out.gender = detail::amass_gender(path);
+  if (npz.has("gender")) out.gender = detail::amass_gender(zip);
   if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
   return out;
 }

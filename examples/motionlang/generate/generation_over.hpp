@@ -31,9 +31,10 @@ class GeneratorOver final : public Generator {
     if (!s.sampler.empty()) options.sampling->sampler = ml::parse_sampler(s.sampler);
     options.progress = progress;
     if (s.notes != nullptr) *s.notes = {.layout = model_.layout.name};
+    const auto kept = s.keep ? clip_of(*s.keep) : ml::Motion();
     const auto features = !s.reuse_file.empty()    ? again(timelines, s, progress)
                           : !s.record_file.empty() ? recorded(cut(timelines, s.cut_texts), s, options)
-                          : s.keep                 ? around(cut(timelines, s.cut_texts), s, options)
+                          : s.keep                 ? around(cut(timelines, s.cut_texts), kept, s, options)
                           : s.noise_file.empty()
                               ? model_.generate(cut(timelines, s.cut_texts), ml::Philox{.seed = s.seed}, options)
                               : model_.generate_from(cut(timelines, s.cut_texts), noise_from(s.noise_file), options);
@@ -42,7 +43,7 @@ class GeneratorOver final : public Generator {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (s.notes != nullptr) s.notes->features.push_back(rows);
       ml::Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
-      if (s.keep) motion = in_its_place(std::move(motion), *s.keep);
+      if (s.keep) motion = in_its_place(std::move(motion), kept, *s.keep);
       motions.push_back(finished(std::move(motion), s));
     }
     return motions;
@@ -66,6 +67,11 @@ class GeneratorOver final : public Generator {
     return features;
   }
 
+  const ml::MotionFeatures& own_features() const { return features_of_layout(model_.layout.name, model_.layout.size); }
+  /// On the joints and at the rate of the model.
+  ml::Motion clip_of(const KeptClip& keep) const {
+    return ml::resample(on_joints_for(own_features(), keep.motion), model_.fps);
+  }
   /// Frames of the clip, of which there are so many, that are kept.
   std::vector<ml::IndexRange> kept_frames(const KeptClip& keep, ml::Index frames) const {
     if (keep.seconds.empty()) return {{0, frames}};
@@ -73,9 +79,10 @@ class GeneratorOver final : public Generator {
     for (const auto& [from, to] : keep.seconds) out.push_back({ml::frame_at(from, model_.fps), ml::frame_at(to, model_.fps)});
     return out;
   }
-  Features around(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s, const ml::StmcOptions& options) const {
+  Features around(const std::vector<ml::Timeline>& timelines, const ml::Motion& clip, const GenerationSettings& s,
+                  const ml::StmcOptions& options) const {
     const ml::Index width = model_.layout.size;
-    const auto rows = rows_of_motion(features_of_layout(model_.layout.name, width), s.keep->motion, model_.fps);
+    const auto rows = own_features().from_motion(clip);
     const std::vector<typename B::scalar> values(rows.begin(), rows.end());
     const ml::Index frames = std::ssize(values) / width;
     std::vector<ml::KeptMotion<B>> kept;
@@ -86,9 +93,8 @@ class GeneratorOver final : public Generator {
     return ml::generate_around<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, std::span<const ml::KeptMotion<B>>(kept));
   }
   /// Turned and moved over the floor to where the clip is, where its way is kept.
-  ml::Motion in_its_place(ml::Motion motion, const KeptClip& keep) const {
+  ml::Motion in_its_place(ml::Motion motion, const ml::Motion& clip, const KeptClip& keep) const {
     if (!keep.parts.has(ml::BodyPart::legs)) return motion;
-    const ml::Motion clip = ml::resample(on_joints_for(features_of_layout(model_.layout.name, model_.layout.size), keep.motion), model_.fps);
     const ml::Index first = kept_frames(keep, motion.frames()).front().begin;
     return ml::placed(motion, ml::placement_between(motion, first, clip, first));
   }

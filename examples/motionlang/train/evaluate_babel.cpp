@@ -223,15 +223,14 @@ void evaluate_sinc(const EvaluationOptions& o) {
     const auto labels = labels_of(d);
     const Joints truth = joints_of(recorded(d));
     const ml::Offsets length{std::ssize(d.rows) / items.data.width};
-    const auto made = [&](const std::string& text, const ml::Philox& noise, Index count,
+    const auto made = [&](const ml::Sequences<B>& tokens, const ml::Philox& noise, Index count,
                           const ml::LatentSampling& how) {
       std::vector<ml::Tensor<B, 2>> out;
-      for (const auto& s :
-           ml::text_to_motion(model.model, model.tokens(std::span(&text, 1)), length, noise, count, how))
-        out.push_back(s.rows);
+      for (const auto& s : ml::text_to_motion(model.model, tokens, length, noise, count, how)) out.push_back(s.rows);
       return out;
     };
-    const std::string sentence = ml::join_labels(labels, o.conjunction);
+    const auto tokens_of = [&](const std::string& text) { return model.tokens(std::span(&text, 1)); };
+    const auto sentence = tokens_of(ml::join_labels(labels, o.conjunction));
     std::vector<Joints> samples;
     for (const auto& rows : made(sentence, rng, o.samples, {})) {
       const Clip clip = ml::sinc_motion(model.normalizer, rows);
@@ -242,7 +241,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
     at_mean.add(joints_of(ml::sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front())), truth);
     if (parts && labels.size() == 2) {
       const auto alone = [&](std::size_t label) {
-        return made(labels[label], rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
+        return made(tokens_of(labels[label]), rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
       };
       composed.add(joints_of(ml::sinc_composed(model.normalizer, alone(0), parts->parts(labels[0]), alone(1),
                                                parts->parts(labels[1]))),
