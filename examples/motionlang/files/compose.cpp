@@ -78,9 +78,7 @@ ml::Motion like(const ml::Motion& other, ml::Motion m) {
 }
 
 void write(const ComposeOptions& o, const ml::Motion& m) {
-  write_motion(o.out, m, o.units);
-  std::printf("%s: %td frames at %g per second, %.2f s, %d joints\n", o.out.c_str(), m.frames(), m.fps, m.seconds(),
-              m.skeleton.size());
+  std::fputs(write_motion(o.out, m, o.units).c_str(), stdout);
 }
 
 void compose(const ComposeOptions& o) {

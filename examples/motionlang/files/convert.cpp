@@ -201,12 +201,9 @@ class Conversion {
   std::string write_one(const fs::path& path, const ml::Motion& m) const {
     if (loaded_.body != nullptr) return loaded_.body->write(path, {m}, betas_);
     if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
-    if (amass_ && kind_of(path) == ".npz")
-      ml::write_amass(path, on_smpl(m), *amass_);
-    else
-      write_motion(path, m, o_.scale);
-    return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps,
-                     m.seconds(), m.skeleton.size());
+    if (!amass_ || kind_of(path) != ".npz") return write_motion(path, m, o_.scale);
+    ml::write_amass(path, on_smpl(m), *amass_);
+    return line_about(path, m);
   }
 
   const ConvertOptions& o_;

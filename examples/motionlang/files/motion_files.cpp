@@ -208,7 +208,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   return motions;
 }
 
-void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre) {
+std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre) {
   const std::string kind = kind_of(path);
   if (kind == ".bvh")
     ml::write_bvh(path, motion, {.scale = bvh_units_per_metre});
@@ -227,6 +227,12 @@ void write_motion(const std::filesystem::path& path, const ml::Motion& motion, d
   else
     ml::raise<ml::config_error>(
         103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
+  return line_about(path, motion);
+}
+
+std::string line_about(const std::filesystem::path& path, const ml::Motion& motion) {
+  return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), motion.frames(), motion.fps,
+                   motion.seconds(), motion.skeleton.size());
 }
 
 ml::Motion read_only_motion(const std::filesystem::path& path, const MotionReadOptions& options) {

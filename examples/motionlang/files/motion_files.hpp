@@ -73,8 +73,11 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
 ml::Motion read_only_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
-/// AMASS needs SMPL's skeleton: another motion is retargeted first. Throws config_error 103 for another extension.
-void write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
+/// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws config_error 103 for another
+/// extension.
+std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
+/// The line: frames, rate, seconds and joints of a motion that is in a file now.
+std::string line_about(const std::filesystem::path& path, const ml::Motion& motion);
 
 /// Whether one file of this kind holds several motions: .glb, .html.
 bool holds_several(const std::filesystem::path& path);

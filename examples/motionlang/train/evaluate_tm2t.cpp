@@ -6,11 +6,11 @@
 #include <map>
 
 #include <motionlang/features/guo_clip.hpp>
+#include <motionlang/io/guo_evaluator_file.hpp>
 #include <motionlang/io/tm2t_run.hpp>
 #include <motionlang/metrics/captions.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
-#include <motionlang/metrics/guo_evaluator.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/summary.hpp>
 
@@ -183,17 +183,7 @@ struct Evaluator {
         statistics(o.statistics.empty() ? std::move(usual) : statistics_of(o.statistics, usual.mean.size(0))) {
     statistics.eps = 0;
     const ml::WeightFile weights = ml::open_weights(file, {.path = ""});
-    const ml::RunFolder no_options;
-    const ml::detail::RunReader r(no_options, weights, "");
-    const std::string movement = "movement_encoder.main.", text = "text_encoder.";
-    const ml::GuoEvaluatorConfig sizes{.features = r.size(movement + "0.weight", 1) + 4,
-                                       .movement_hidden = r.size(movement + "0.weight", 0),
-                                       .movement_latent = r.size(movement + "3.weight", 0),
-                                       .word = r.size(text + "pos_emb.weight", 0),
-                                       .pos = r.size(text + "pos_emb.weight", 1),
-                                       .text_hidden = r.size(text + "hidden", 2),
-                                       .motion_hidden = r.size("motion_encoder.hidden", 2),
-                                       .embedding = r.size(text + "output_net.3.weight", 0)};
+    const ml::GuoEvaluatorConfig sizes = ml::guo_evaluator_config(weights);
     if (const Index width = statistics.mean.size(0); sizes.features != width)
       ml::raise<ml::config_error>(102, weights.name(), ": reads features of ", sizes.features,
                                   " numbers, the motions have ", width);
@@ -201,11 +191,7 @@ struct Evaluator {
       ml::raise<ml::config_error>(102, weights.name(), ": reads word vectors of ", sizes.word, " numbers and ",
                                   sizes.pos, " parts of speech, those found have ", words.width(), " and ",
                                   ml::speech_tags);
-    ml::NoInit zeros;
-    networks = ml::GuoEvaluator<B>(sizes, zeros);
-    ml::detail::load_run_module(networks, weights, "",
-                                [](const std::string& name) { return name.starts_with("opt_"); });
-    ml::prepare(networks);
+    networks = ml::load_guo_evaluator<B>(weights);
   }
 };
 
