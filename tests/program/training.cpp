@@ -907,9 +907,10 @@ TEST_CASE("actions of whole clips, of ready-made features, of annotation files: 
   CHECK_MESSAGE(contains(texts.text, "data.actions are labels, and texts are to be learnt"), texts.text);
 
   // data sets in the form of HumanML3D and KIT-ML have lists of their own; one clip is broken
-  for (const auto& [set, form] :
+  for (const auto& kind :
        {std::pair(std::string("guoh3d"), ml::humanml3d_form), {std::string("kit"), ml::kit_ml_form}}) {
-    CAPTURE(set);
+    CAPTURE(kind.first);
+    const auto& [set, form] = kind;
     const std::string folder = (clips / set).string();
     for (int i = 0; i < 4; ++i)
       add_walk(folder, "00000" + std::to_string(i), 60, set, form, {.turn = i % 2 == 1 ? 0.8 : 0.0});

@@ -64,8 +64,9 @@ TEST_CASE("ClipTokenizer: the rows of the spec") {
       {"'\u017F", {6, 129, 379}},      // a long s is an s without case
       {"walk\u0345walk", {514, 514}},  // lost, see append_words
   };
-  for (const auto& [text, ids] : rows) {
-    CAPTURE(text);
+  for (const auto& row : rows) {
+    CAPTURE(row.first);
+    const auto& [text, ids] = row;
     CHECK(clip.encode_words(text) == ids);
     Ids framed{525};
     framed.insert(framed.end(), ids.begin(), ids.end());
@@ -183,8 +184,9 @@ TEST_CASE("repair_text: each of its steps") {
       {"\xFF", "\uFFFD"},
       {"", ""},
   };
-  for (const auto& [text, want] : rows) {
-    CAPTURE(text);
+  for (const auto& row : rows) {
+    CAPTURE(row.first);
+    const auto& [text, want] = row;
     CHECK(ml::repair_text(text) == want);
   }
 }
@@ -200,8 +202,9 @@ TEST_CASE("html_unescape: as HTML5 has it") {
       {"&NotEqualTilde;&bne;", "\u2242\u0338=\u20e5"},
       {"&amp;lt;", "&lt;"},
   };
-  for (const auto& [text, want] : rows) {
-    CAPTURE(text);
+  for (const auto& row : rows) {
+    CAPTURE(row.first);
+    const auto& [text, want] = row;
     CHECK(ml::html_unescape(text) == want);
   }
 }

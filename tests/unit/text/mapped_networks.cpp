@@ -73,8 +73,9 @@ template <class Layers>
 void check_packed_once(const Layers& layers) {
   const auto found = matrices(layers);
   CHECK(found.size() >= 8);
-  for (const auto& [path, t] : found) {
-    CAPTURE(path);
+  for (const auto& matrix : found) {
+    CAPTURE(matrix.first);
+    const auto& t = matrix.second;
     CHECK(t.data().attached() != nullptr);
     CHECK(ml::MappedFile::that_holds(std::as_bytes(t.span())) != nullptr);
   }

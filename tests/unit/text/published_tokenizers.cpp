@@ -96,8 +96,9 @@ TEST_CASE("published tokenizers: single characters between letters") {
       {"[CLS][SEP]", ids({"[CLS]", "[SEP]"})},
       {"a[MASK]b", ids({"a", "[MASK]", "b"})},
   };
-  for (const auto& [text, want] : rows) {
-    CAPTURE(text);
+  for (const auto& row : rows) {
+    CAPTURE(row.first);
+    const auto& [text, want] = row;
     CHECK(p->bert.encode_words(text) == want);
   }
 }
