@@ -67,7 +67,8 @@ TEST_CASE("tensors of more axes than ours have") {
   CHECK(floats(array, "array") == six);
   const auto again = ml::SafetensorsFile::from_bytes(ml::safetensors_bytes(array.tensors()));
   CHECK(again.tensor("array").shape == ml::FileShape(sizes));
-  CHECK_ERROR(ml::Shape{array.tensor("array").shape}, "[motionlang.shape.206]");
+  const auto in_memory = [](const ml::FileShape& s) { return ml::Shape(s); };
+  CHECK_ERROR(in_memory(array.tensor("array").shape), "[motionlang.shape.206]");
 }
 
 TEST_CASE("PyTorch: tensors that lie in order in the file are views of it") {
