@@ -308,8 +308,10 @@ void add_generate(CLI::App& app) {
       ->needs(reuse);
   CLI::Option* keep =
       c->add_option("--keep", o->keep,
-                    "Motion (file as for convert) of which a part is kept, from the start of the timeline on: the texts make the rest. A "
-                    "T-pose that was put in front of it is left out. For diffusion models of texts. Smoothing and feet that are put right may still move it a little: --no-smooth, --no-fix-feet")
+                    "Motion (file as for convert; a T-pose that was put in front of it is left out) of which a part is kept, "
+                    "from the start of the timeline on: the texts make the rest. For diffusion models of texts. Smoothing, which "
+                    "also takes away jumps where it begins and ends, within --overlap, and feet that are put right may still "
+                    "move it a little: --no-smooth, --no-fix-feet")
           ->check(CLI::ExistingFile);
   c->add_option("--keep-seconds", o->keep_seconds,
                 "Of --keep: stretches of time in which all of it is kept, for instance 0-0.5 (how to begin) or 0-1,4-5 (what is between is made)")
