@@ -404,6 +404,14 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   }
   // in whatever order, with spaces
   CHECK(synthetic::largest_distance(keeping("again", {"--keep-seconds", "0.8-1, 0-0.25"}), begun) < 1e-3);
+  // a T-pose that was put in front is no part of it
+  ml::Motion pose = ml::crop(walk, 0, 1);
+  std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
+  ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
+  const Outcome performed = w.generate("performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1",
+                                                     "--no-smooth", "--no-fix-feet"});
+  CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
+  CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
   // what is made goes on where what is kept ends, and comes to where it begins again
   REQUIRE(w.generate("fitted", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-fix-feet"}).code == 0);
   const ml::Motion fitted = ml::read_bvh_motion(w / "fitted/two.bvh");

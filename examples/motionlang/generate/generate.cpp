@@ -318,7 +318,7 @@ void add_generate(CLI::App& app) {
       ->delimiter(',')
       ->needs(keep);
   c->add_option("--keep-parts", o->keep_parts,
-                "Of --keep: body parts that are kept (the others are made), all of the time or in --keep-seconds; legs have the way")
+                "Of --keep: body parts that are kept (the others are made), as long as it lasts or in --keep-seconds; legs have the way")
       ->delimiter(',')
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
