@@ -1,6 +1,8 @@
 // The motionlang program: help, exit codes, files that it writes, noise from outside, Ctrl-C.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/annotations.hpp>
