@@ -78,6 +78,28 @@ TEST_CASE("compose: legs, pelvis and path stay together; the motion with fewer p
                  "both move: right arm; the motion with fewer parts has them"));
 }
 
+TEST_CASE("compose: two motions of the whole body are none at the same time") {
+  const Clips w;
+  const Outcome made = w.run({"compose", "walk.bvh", "bent.bvh", "--second", "tail", "-o", "no.bvh"});
+  const char* said = "[motionlang.config.102] compose: both motions have all parts, nothing of 'walk' would be left";
+  CHECK_MESSAGE((made.code == 1 && contains(made.text, said)), made.text);
+}
+
+TEST_CASE("compose, join: a T-pose that was put in front of a recording is left out, and this is said") {
+  const Clips w;
+  const ml::Motion walk = w.read("walk.bvh");
+  ml::Motion pose = ml::crop(walk, 0, 1);
+  std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
+  ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
+  const char* said = "exported.bvh: left out is 1 frame of an inserted T-pose at the start\n";
+  const Outcome joined = w.run({"join", "exported.bvh", "exported.bvh", "-o", "all.bvh"});
+  REQUIRE_MESSAGE((joined.code == 0 && contains(joined.text, said)), joined.text);
+  CHECK(synthetic::largest_distance(w.read("all.bvh"), ml::blend_into(walk, walk, 6)) < 1e-3);
+  const Outcome made = w.run({"compose", "exported.bvh", "bent.bvh", "--second", "right arm", "-o", "both.bvh"});
+  REQUIRE_MESSAGE((made.code == 0 && contains(made.text, said)), made.text);
+  CHECK(angle_between(w.read("both.bvh"), 0, walk, 0, "left_shoulder") < 1e-4);
+}
+
 TEST_CASE("compose: body parts by a table of answers, as SINC has them") {
   const Clips w;
   ml::write_file(w / "table.json", std::string_view(R"({"salute": ["", "", "Answer: left arm\ntorso"]})"));
@@ -109,7 +131,13 @@ TEST_CASE("join: each motion goes on where the one before it ends") {
   CHECK_MESSAGE(one.code == 0, one.text);
   CHECK(synthetic::largest_distance(w.read("one.bvh"), walk) < 1e-3);
   const Outcome too_long = w.run({"join", "walk.bvh", "bent.bvh", "--blend", "2.5", "-o", "no.bvh"});
-  CHECK_MESSAGE((too_long.code == 1 && contains(too_long.text, "blend_into: 50 frames of clips of 40 and 59")), too_long.text);
+  const char* said = "join: 'walk' has 40 frames at 20 per second, --blend 2.5 takes 50";
+  CHECK_MESSAGE((too_long.code == 1 && contains(too_long.text, said)), too_long.text);
+  const Outcome endless = w.run({"join", "walk.bvh", "bent.bvh", "--blend", "1e30", "-o", "no.bvh"});
+  CHECK_MESSAGE((endless.code == 1 && contains(endless.text, "--blend 1e+30 takes")), endless.text);
+  CHECK(w.run({"join", "walk.bvh", "bent.bvh", "-o", "named by the file.glb"}).code == 0);
+  const auto names = ml::GlbFile::open(w / "named by the file.glb").animation_names();
+  CHECK((names.size() == 1 && names[0] == "named by the file"));
 }
 
 TEST_CASE("join: a motion of another skeleton stands on the floor of the first") {

@@ -1,6 +1,8 @@
 // The motionlang program: help, exit codes, files that it writes, noise from outside, Ctrl-C.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/annotations.hpp>
@@ -402,6 +404,26 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
     const auto apart = steps.root_at(f) - walk.root_at(f);
     CHECK(std::hypot(apart.x, apart.z) < 1e-3);
   }
+  // in whatever order, with spaces
+  CHECK(synthetic::largest_distance(keeping("again", {"--keep-seconds", "0.8-1, 0-0.25"}), begun) < 1e-3);
+  // a T-pose that was put in front is no part of it
+  ml::Motion pose = ml::crop(walk, 0, 1);
+  std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
+  ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
+  const Outcome performed = w.generate("performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1",
+                                                     "--no-smooth", "--no-fix-feet"});
+  CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
+  CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
+  // what is made goes on where what is kept ends, and comes to where it begins again
+  REQUIRE(w.generate("fitted", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-fix-feet"}).code == 0);
+  const ml::Motion fitted = ml::read_bvh_motion(w / "fitted/two.bvh");
+  const auto largest_step = [](const ml::Motion& m, ml::Index frame) {
+    double out = 0;
+    for (std::size_t j = 1; j < m.rotations(frame).size(); ++j)
+      out = std::max(out, ml::distance(m.rotations(frame - 1)[j], m.rotations(frame)[j]));
+    return out;
+  };
+  for (const ml::Index f : {5, 16}) CHECK(largest_step(fitted, f) < 0.7 * largest_step(begun, f));
   CHECK(turn(begun, 0, "pelvis") < 1e-3);
   CHECK(std::hypot(begun.root_at(4).x - walk.root_at(4).x, begun.root_at(4).z - walk.root_at(4).z) < 1e-3);
 
@@ -414,7 +436,11 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   refused({}, 2, "say what is kept: --keep-seconds or --keep-parts");
   refused({"--keep-parts", "tail"}, 1, "--keep-parts: 'tail' is none of left arm");
   refused({"--keep-seconds", "3-1"}, 1, "'3-1' is no stretch of time like 0-1.5");
-  refused({"--keep-seconds", "0-1.5"}, 1, "frames 0:30 are kept of 40 in a timeline of 20");
+  for (const char* none : {"-1", "-1-1", "1-", "1", "-", "nan-1", "0-inf", "0-1x"})
+    refused({std::string("--keep-seconds=") + none}, 1, "is no stretch of time like 0-1.5");
+  refused({"--keep-seconds", "0-1.5"}, 1,
+          "0-1.5 is frames 0:30 at 20 per second; the motion to keep has 40, the timeline 20");
+  refused({"--keep-seconds", "0.5-0.51"}, 1, "0.5-0.51 is frames 10:10 at 20 per second");
   refused({"--keep-parts", "legs", "--record"}, 2, "--record");
 }
 

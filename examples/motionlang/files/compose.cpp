@@ -84,31 +84,39 @@ void write(const ComposeOptions& o, const ml::Motion& m) {
 void compose(const ComposeOptions& o) {
   require_folder_of(o.out);
   const auto clip = [&](const std::string& file) {
-    return on_smpl(read_only_motion(file, options_in_folder(o.read, file)));
+    return on_smpl(read_only_performed_motion(file, options_in_folder(o.read, file)));
   };
   const ml::Motion first = clip(o.in[0]), second = like(first, clip(o.in[1]));
   const ml::SincParts of_first = parts_of(o.first, o.table), of_second = parts_of(o.second, o.table);
   std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), names_of(of_first).c_str(), o.in[1].c_str(),
               names_of(of_second).c_str());
+  if (of_first.all() && of_second.all())
+    ml::raise<ml::config_error>(102, "compose: both motions have all parts, nothing of '", first.name,
+                                "' would be left: name the parts of one by --first or --second");
   if (!ml::are_compatible(of_first, of_second) && !o.first.empty())
     std::printf("both move: %s; the motion with fewer parts has them\n", names_of(of_first & of_second).c_str());
   write(o, ml::compose_motions(first, of_first, second, of_second,
                                o.center ? ml::SincTrim::both_ends : ml::SincTrim::end));
 }
 
+/// Throws config_error 101 for a motion that is shorter than the blend.
+ml::Motion joined(const ml::Motion& first, const ml::Motion& second, double blend) {
+  const double frames = std::max(1.0, std::round(blend * first.fps));
+  const ml::Motion& shorter = first.frames() < second.frames() ? first : second;
+  if (frames > static_cast<double>(shorter.frames()))
+    ml::raise<ml::config_error>(101, "join: '", shorter.name, "' has ", shorter.frames(), " frames at ", shorter.fps,
+                                " per second, --blend ", blend, " takes ", frames);
+  return ml::blend_into(first, second, static_cast<ml::Index>(frames));
+}
+
 void join(const ComposeOptions& o) {
   require_folder_of(o.out);
   std::optional<ml::Motion> whole;
   for (const std::string& file : o.in) {
-    for (ml::Motion& m : read_motions(file, options_in_folder(o.read, file))) {
-      if (!whole) {
-        whole = std::move(m);
-        continue;
-      }
-      const double frames = o.blend * whole->fps;
-      whole = ml::blend_into(*whole, like(*whole, std::move(m)), std::max<ml::Index>(1, std::lround(frames)));
-    }
+    for (ml::Motion& m : read_performed_motions(file, options_in_folder(o.read, file)))
+      whole = whole ? joined(*whole, like(*whole, std::move(m)), o.blend) : std::move(m);
   }
+  whole->name = std::filesystem::path(o.out).stem().string();
   write(o, *whole);
 }
 
@@ -128,7 +136,8 @@ void add_compose(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
   CLI::App* c = app.add_subcommand("compose",
                                    "One motion out of two at the same time: each gives the body parts that its action "
-                                   "needs, by the rule of SINC; legs, pelvis and path stay together");
+                                   "needs, by the rule of SINC; legs, pelvis and path stay together. A T-pose that was put in "
+                                   "front of a recording is left out");
   c->add_option("motions", o->in, "Two files, as for convert; at the rate of the first, on SMPL's joints with its bones")
       ->required()
       ->expected(2)
@@ -149,12 +158,13 @@ void add_join(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
   CLI::App* c = app.add_subcommand("join",
                                    "Motions one after the other: each is turned and moved over the floor to go on where "
-                                   "the one before it ends, and blended into it");
+                                   "the one before it ends, and blended into it. A T-pose that was put in front of a recording "
+                                   "is left out");
   c->add_option("motions", o->in, "Files, as for convert; at the rate and on the skeleton of the first")
       ->required()
       ->expected(1, -1)
       ->check(CLI::ExistingFile);
-  c->add_option("--blend", o->blend, "Seconds in which one motion gives way to the next")
+  c->add_option("--blend", o->blend, "Seconds in which one motion gives way to the next, at least one frame")
       ->check(not_negative())
       ->capture_default_str();
   add_output(*c, *o);

@@ -235,8 +235,23 @@ std::string line_about(const std::filesystem::path& path, const ml::Motion& moti
                    motion.seconds(), motion.skeleton.size());
 }
 
-ml::Motion read_only_motion(const std::filesystem::path& path, const MotionReadOptions& options) {
-  auto motions = read_motions(path, options);
+std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, const MotionReadOptions& options) {
+  std::string told;
+  auto motions = read_motions(path, options, &told);
+  for (ml::Motion& m : motions) {
+    const ml::Index frames = ml::detect_t_pose_lead_in(m);
+    if (frames == 0) continue;
+    m = ml::crop(m, frames, m.frames());
+    told += formatted("%s: left out %s an inserted T-pose at the start%s\n", path.c_str(),
+                      frames == 1 ? "is 1 frame of" : formatted("are %td frames of", frames).c_str(),
+                      motions.size() == 1 ? "" : (" of " + m.name).c_str());
+  }
+  std::fputs(told.c_str(), stdout);
+  return motions;
+}
+
+ml::Motion read_only_performed_motion(const std::filesystem::path& path, const MotionReadOptions& options) {
+  auto motions = read_performed_motions(path, options);
   if (motions.size() == 1) return std::move(motions.front());
   std::vector<std::string> names;
   for (const ml::Motion& m : motions) names.push_back(m.name);

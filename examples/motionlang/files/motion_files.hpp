@@ -69,8 +69,12 @@ std::filesystem::path asf_beside(const std::filesystem::path& amc);
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {},
                                      std::string* told = nullptr);
 
-/// The only motion of a file. Throws config_error 102 if there are several, and as read_motions.
-ml::Motion read_only_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
+/// The motions of a file without T-poses that were put in front of them (detect_t_pose_lead_in): for what puts motions
+/// together. Prints what is left out.
+std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
+
+/// The only one of them. Throws config_error 102 if there are several, and as read_motions.
+ml::Motion read_only_performed_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
 /// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws config_error 103 for another

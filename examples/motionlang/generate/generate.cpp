@@ -1,6 +1,5 @@
 // motionlang generate: a timeline in, motions out in every format, and a page to look at.
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <set>
 
@@ -155,18 +154,22 @@ void warn_of_unknown_words(const GenerateOptions& o, const std::vector<ml::Timel
   for (const std::string& text : texts) std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
 }
 
+/// From "0-1.5". Throws config_error 101.
+std::pair<double, double> stretch_of(const std::string& text) {
+  const std::string_view stretch = ml::detail::trim(text);
+  const std::size_t dash = std::min(stretch.find('-'), stretch.size());
+  const auto from = ml::detail::parse_seconds(stretch.substr(0, dash));
+  const auto to = ml::detail::parse_seconds(stretch.substr(std::min(dash + 1, stretch.size())));
+  if (!from || !to || *from >= *to)
+    ml::raise<ml::config_error>(101, "--keep-seconds: '", text, "' is no stretch of time like 0-1.5");
+  return {*from, *to};
+}
+
 /// Null without --keep. Throws config_error 101, 103 for what is no stretch of time and no body part.
 std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
   if (o.keep.empty()) return nullptr;
-  KeptClip out{read_only_motion(o.keep)};
-  for (const std::string& stretch : o.keep_seconds) {
-    double from = 0, to = 0;
-    const char *const end = stretch.data() + stretch.size(), *const dash = std::find(stretch.data(), end, '-');
-    const bool good = dash != end && std::from_chars(stretch.data(), dash, from).ptr == dash &&
-                      std::from_chars(dash + 1, end, to).ptr == end && from < to;
-    if (!good) ml::raise<ml::config_error>(101, "--keep-seconds: '", stretch, "' is no stretch of time like 0-1.5");
-    out.seconds.emplace_back(from, to);
-  }
+  KeptClip out{read_only_performed_motion(o.keep)};
+  for (const std::string& stretch : o.keep_seconds) out.seconds.push_back(stretch_of(stretch));
   if (!o.keep_parts.empty()) out.parts = {};
   for (const std::string& name : o.keep_parts) {
     const auto part = ml::parse_body_part(ml::detail::trim(name));
@@ -305,15 +308,17 @@ void add_generate(CLI::App& app) {
       ->needs(reuse);
   CLI::Option* keep =
       c->add_option("--keep", o->keep,
-                    "Motion (file as for convert) of which a part is kept, from the start of the timeline on: the texts make the rest. For "
-                    "diffusion models of texts. Smoothing and feet that are put right may still move it a little: --no-smooth, --no-fix-feet")
+                    "Motion (file as for convert; a T-pose that was put in front of it is left out) of which a part is kept, "
+                    "from the start of the timeline on: the texts make the rest. For diffusion models of texts. Smoothing, which "
+                    "also takes away jumps where it begins and ends, within --overlap, and feet that are put right may still "
+                    "move it a little: --no-smooth, --no-fix-feet")
           ->check(CLI::ExistingFile);
   c->add_option("--keep-seconds", o->keep_seconds,
                 "Of --keep: stretches of time in which all of it is kept, for instance 0-0.5 (how to begin) or 0-1,4-5 (what is between is made)")
       ->delimiter(',')
       ->needs(keep);
   c->add_option("--keep-parts", o->keep_parts,
-                "Of --keep: body parts that are kept (the others are made), all of the time or in --keep-seconds; legs have the way")
+                "Of --keep: body parts that are kept (the others are made), as long as it lasts or in --keep-seconds; legs have the way")
       ->delimiter(',')
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);

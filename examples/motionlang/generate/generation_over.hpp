@@ -3,8 +3,8 @@
 
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/io/stmc_record.hpp>
+#include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
-#include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/systems/stmc_keep.hpp>
 
 #include "../files/feature_motion.hpp"
@@ -31,7 +31,7 @@ class GeneratorOver final : public Generator {
     if (!s.sampler.empty()) options.sampling->sampler = ml::parse_sampler(s.sampler);
     options.progress = progress;
     if (s.notes != nullptr) *s.notes = {.layout = model_.layout.name};
-    const auto kept = s.keep ? clip_of(*s.keep) : ml::Motion();
+    const Kept kept = s.keep ? on_model(*s.keep) : Kept{};
     const auto features = !s.reuse_file.empty()    ? again(timelines, s, progress)
                           : !s.record_file.empty() ? recorded(cut(timelines, s.cut_texts), s, options)
                           : s.keep                 ? around(cut(timelines, s.cut_texts), kept, s, options)
@@ -43,7 +43,7 @@ class GeneratorOver final : public Generator {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (s.notes != nullptr) s.notes->features.push_back(rows);
       ml::Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
-      if (s.keep) motion = in_its_place(std::move(motion), kept, *s.keep);
+      if (s.keep) motion = in_its_place(motion, kept, s);
       motions.push_back(finished(std::move(motion), s));
     }
     return motions;
@@ -68,35 +68,67 @@ class GeneratorOver final : public Generator {
   }
 
   const ml::MotionFeatures& own_features() const { return features_of_layout(model_.layout.name, model_.layout.size); }
-  /// On the joints and at the rate of the model.
-  ml::Motion clip_of(const KeptClip& keep) const {
-    return ml::resample(on_joints_for(own_features(), keep.motion), model_.fps);
-  }
-  /// Frames of the clip, of which there are so many, that are kept.
-  std::vector<ml::IndexRange> kept_frames(const KeptClip& keep, ml::Index frames) const {
-    if (keep.seconds.empty()) return {{0, frames}};
-    std::vector<ml::IndexRange> out;
-    for (const auto& [from, to] : keep.seconds) out.push_back({ml::frame_at(from, model_.fps), ml::frame_at(to, model_.fps)});
+  /// A motion to keep, on the joints and at the rate of the model.
+  struct Kept {
+    ml::Motion clip{};
+    std::vector<typename B::scalar> rows{};  // its features
+    ml::Index frames = 0;                    // that they have
+  };
+  Kept on_model(const KeptClip& keep) const {
+    Kept out{ml::resample(on_joints_for(own_features(), keep.motion), model_.fps)};
+    const auto rows = own_features().from_motion(out.clip);
+    out.rows.assign(rows.begin(), rows.end());
+    out.frames = std::ssize(rows) / model_.layout.size;
     return out;
   }
-  Features around(const std::vector<ml::Timeline>& timelines, const ml::Motion& clip, const GenerationSettings& s,
+  /// The frames that are kept of so many in a timeline of `wanted`. Throws config_error 101 for others.
+  std::vector<ml::IndexRange> kept_frames(const KeptClip& keep, ml::Index frames, ml::Index wanted) const {
+    const ml::Index common = std::min(frames, wanted);
+    if (keep.seconds.empty()) return {{0, common}};
+    std::vector<ml::IndexRange> out;
+    for (const auto& [from, to] : keep.seconds) {
+      const ml::IndexRange range{ml::frame_at(from, model_.fps), ml::frame_at(to, model_.fps)};
+      if (range.begin < 0 || range.size() < 1 || range.end > common)
+        ml::raise<ml::config_error>(101, "--keep-seconds: ", from, "-", to, " is frames ", range.begin, ":", range.end,
+                                    " at ", model_.fps, " per second; the motion to keep has ", frames,
+                                    ", the timeline ", wanted);
+      out.push_back(range);
+    }
+    return out;
+  }
+  Features around(const std::vector<ml::Timeline>& timelines, const Kept& clip, const GenerationSettings& s,
                   const ml::StmcOptions& options) const {
-    const ml::Index width = model_.layout.size;
-    const auto rows = own_features().from_motion(clip);
-    const std::vector<typename B::scalar> values(rows.begin(), rows.end());
-    const ml::Index frames = std::ssize(values) / width;
     std::vector<ml::KeptMotion<B>> kept;
     for (const ml::Timeline& t : timelines) {
-      auto& own = kept.emplace_back(ml::KeptMotion<B>{ml::Tensor<B, 2>::from(values, {frames, width})});
-      for (const ml::IndexRange& range : kept_frames(*s.keep, std::min(frames, t.end()))) own.parts.push_back({range, s.keep->parts});
+      auto& own = kept.emplace_back();
+      own.features = ml::Tensor<B, 2>::from(clip.rows, {clip.frames, model_.layout.size});
+      for (const ml::IndexRange& range : kept_frames(*s.keep, clip.frames, t.end()))
+        own.parts.push_back({range, s.keep->parts});
     }
     return ml::generate_around<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, std::span<const ml::KeptMotion<B>>(kept));
   }
-  /// Turned and moved over the floor to where the clip is, where its way is kept.
-  ml::Motion in_its_place(ml::Motion motion, const ml::Motion& clip, const KeptClip& keep) const {
-    if (!keep.parts.has(ml::BodyPart::legs)) return motion;
-    const ml::Index first = kept_frames(keep, motion.frames()).front().begin;
-    return ml::placed(motion, ml::placement_between(motion, first, clip, first));
+  /// Without jumps where what is kept begins and ends; turned and moved over the floor to where the clip is, where its
+  /// way is kept.
+  ml::Motion in_its_place(ml::Motion motion, const Kept& kept, const GenerationSettings& s) const {
+    const auto ranges = kept_frames(*s.keep, kept.frames, motion.frames());
+    if (s.smooth) motion = without_jumps(std::move(motion), ranges, ml::frame_at(s.overlap, model_.fps));
+    if (!s.keep->parts.has(ml::BodyPart::legs)) return motion;
+    const ml::Index first = std::ranges::min(ranges, {}, &ml::IndexRange::begin).begin;
+    return ml::placed(motion, ml::placement_between(motion, first, kept.clip, first));
+  }
+  /// Made frames, at most so many beside those that are kept, lead from the ones to the others.
+  static ml::Motion without_jumps(ml::Motion motion, const std::vector<ml::IndexRange>& kept, ml::Index frames) {
+    const auto is_kept = [&](ml::Index f) {
+      return std::ranges::any_of(kept, [f](const ml::IndexRange& r) { return r.begin <= f && f < r.end; });
+    };
+    for (ml::Index begin = 0, end = 0; begin < motion.frames(); begin = end) {
+      for (end = begin + 1; end < motion.frames() && is_kept(end) == is_kept(begin);) ++end;
+      if (is_kept(begin)) continue;
+      const ml::Index reach = std::min(frames, end - begin);
+      if (begin > 0) motion = ml::without_jump(motion, begin, begin + reach);
+      if (end < motion.frames()) motion = ml::without_jump(motion, end - 1, end - 1 - reach);
+    }
+    return motion;
   }
 
   /// With what the record of an earlier run says about the part that was not edited.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Blending clips: one into another, and the end of a clip into its start, so that it can be repeated for ever.
+/// Blending clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
+/// into those beside them.
 ///
 ///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
 ///     Motion cycle = make_loop(in_place(walk), 8).motion;
+///     Motion whole = without_jump(motion, 20, 30);  // frame 20 follows on frame 19, frame 30 is as it was
 #pragma once
 
 #include <motionlang/geometry/slerp.hpp>
@@ -43,6 +45,35 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
     detail::add_mixed_frame(out, first, start + i, next, i, detail::share_of_second(i, frames));
   }
   return concatenate(out, crop(next, frames, next.frames()));
+}
+
+/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it by
+/// fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of frame
+/// `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
+///     w_i = 1 - smoothstep(|i - from| / |to - from|)
+/// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
+/// Throws  config_error 101 unless `from` and k are frames, and -1 <= to <= frames
+inline Motion without_jump(const Motion& motion, Index from, Index to) {
+  const Index step = to < from ? -1 : 1, k = from - step, last = motion.frames() - 1;
+  if (std::min(from, k) < 0 || std::max(from, k) > last || to < -1 || to > last + 1) {
+    raise<config_error>(101, "without_jump: frames ", from, " to ", to, " of a clip of ", motion.frames());
+  }
+  const Index before = k - step < 0 || k - step > last ? k : k - step;
+  const Vec3<double> way = 2 * motion.root_at(k) - motion.root_at(before) - motion.root_at(from);
+  std::vector<Vec3<double>> turns;
+  for (std::size_t j = 0; j < motion.rotations(k).size(); ++j) {
+    const auto of = [&](Index frame) { return motion.rotations(frame)[j]; };
+    turns.push_back(log_so3(inverse(of(from)) * of(k) * inverse(of(before)) * of(k)));
+  }
+  Motion out = motion;
+  for (Index i = from; i != to; i += step) {
+    const double w = 1 - smoothstep(static_cast<double>(i - from) / static_cast<double>(to - from));
+    out.root[static_cast<std::size_t>(i)] = motion.root_at(i) + w * way;
+    const auto q = out.rotations(i);
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] = normalized(q[j] * to_quaternion(AxisAngle<double>{w * turns[j]}));
+  }
+  return out;
 }
 
 /// One round of a loop.

@@ -9,7 +9,8 @@
 /// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
 /// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did, from wherever
-///         the frames before them have led
+///         the frames before them have led. Models that do not look at what is kept jump where it begins and ends:
+///         `without_jump` (kinematics/blend.hpp), as in the program
 #pragma once
 
 #include <cmath>  // isfinite

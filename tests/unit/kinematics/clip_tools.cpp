@@ -127,6 +127,42 @@ TEST_CASE("blend_into: before and after the blend both clips are as they were, i
   CHECK_ERROR(ml::blend_into(slow, ml::resample(fast, 30), 4), "[motionlang.config.102]");
 }
 
+TEST_CASE("without_jump: the frame after the jump goes where those before lead, and what that moves fades away") {
+  // turns and goes evenly, but for a jump into frame 20
+  const auto steady = [](const ml::Quaternion<double>& later, double up) {
+    ml::Motion m{synthetic::walk({.frames = 1}).skeleton, 20, {}, {}, "steady"};
+    for (int f = 0; f < 40; ++f) {
+      m.root.push_back({0.05 * f, 1 + (f < 20 ? 0 : up), 0});
+      const auto turned = synthetic::about_y(0.1 * f);
+      m.local.insert(m.local.end(), 24, f < 20 ? turned : turned * later);
+    }
+    return m;
+  };
+  const auto even = steady(ml::Quaternion<double>::identity(), 0), jumping = steady(synthetic::about_x(0.5), 0.4);
+  CHECK(synthetic::largest_distance(ml::without_jump(even, 20, 30), even) < 1e-9);
+  for (const bool back : {false, true}) {
+    CAPTURE(back);
+    const auto m = back ? ml::without_jump(jumping, 19, 9) : ml::without_jump(jumping, 20, 30);
+    const ml::Index from = back ? 9 : 20, to = back ? 19 : 30, middle = back ? 14 : 25;
+    const auto same = [&](ml::Index a, ml::Index b) {
+      return synthetic::largest_distance(ml::crop(m, a, b), ml::crop(jumping, a, b)) == 0;
+    };
+    CHECK((same(0, back ? 10 : 20) && same(back ? 20 : 30, 40)));
+    CHECK(ml::norm(m.root_at(20) - m.root_at(19) - Vec{0.05, 0, 0}) < 1e-12);
+    CHECK(ml::distance(m.rotations(19)[3], m.rotations(20)[3]) == Approx(0.1));
+    for (ml::Index f = from; f <= to; ++f) {
+      CHECK(std::abs(m.root_at(f).y - m.root_at(f - 1).y) < 0.061);  // of 0.4 m, with the weights of a smooth step
+      CHECK(ml::distance(m.rotations(f)[3], jumping.rotations(f)[3]) < 0.5 + 1e-9);
+    }
+    CHECK(std::abs(m.root_at(middle).y - jumping.root_at(middle).y) == Approx(0.2));
+    CHECK(ml::distance(m.rotations(middle)[3], jumping.rotations(middle)[3]) == Approx(0.25));
+  }
+  // a clip has nothing before its second frame that would lead on: that frame is held
+  CHECK(ml::norm(ml::without_jump(even, 1, 5).root_at(1) - even.root_at(0)) < 1e-12);
+  for (const auto& [from, to] : {std::pair{0, 5}, {40, 45}, {39, 41}, {39, 30}, {3, -2}})
+    CHECK_ERROR(ml::without_jump(even, from, to), "[motionlang.config.101] without_jump: frames ");
+}
+
 TEST_CASE("a loop of a periodic walk is one period of it, and `next` the way of a period") {
   for (const double turn : {0.0, 0.7}) {
     const auto walk = periodic_walk(90, turn);
