@@ -809,6 +809,34 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   CHECK(close(numbers_of_row(of_teach, "turned and moved").at(0), jump(generated(0, ml::Alignment::full))));
   CHECK(close(numbers_of_row(of_teach, "moved").at(0), jump(generated(0, ml::Alignment::translation))));
   CHECK(close(numbers_of_row(of_teach, "recorded").at(0), (jump(truth[0]) + jump(truth[1])) / 2));
+  CHECK(!contains(of_teach, "independent"));
+
+  // its baselines: both actions alone, and both as one text
+  const auto noise = ml::Philox{}.split(std::uint64_t{0});
+  const auto alone = [&](ml::Index window, ml::Alignment alignment) {
+    auto own = noise;
+    const auto eps = ml::Tensor<B, 2>::randn({2, sinc.model.config.latent_dim}, own);
+    const auto states = sinc.text_encoder.encode<B>(std::vector<std::string>{"walk", "wave"}).tokens;
+    const auto parts = ml::independent_actions(sinc.model, states, ml::Offsets{76, 29}, eps, window);
+    return mmm(ml::teach_motion(sinc.normalizer, parts, window, alignment));
+  };
+  const auto sentence = sinc.text_encoder.encode<B>(std::vector<std::string>{"walk, wave"}).tokens;
+  const auto together = mmm(ml::sinc_motion(
+      sinc.normalizer, ml::text_to_motion(sinc.model, sentence, ml::Offsets{105}, noise).front().rows));
+  const std::string beside = measured("teach", {"--samples", "1", "--independent", "sinc", "--joint", "sinc"});
+  const auto independent = alone(8, ml::Alignment::full);
+  const auto of_alone = check_row(beside, "independent", ml::temos_rifke(), {independent, independent}, truth);
+  const auto of_both = check_row(beside, "joint", ml::temos_rifke(), {together, together}, truth);
+  CHECK(!same(of_alone, of_both));
+  CHECK(!same(of_alone, full));
+  CHECK(numbers_of_row(beside, "one sample") == numbers_of_row(of_teach, "one sample"));
+  const std::string distances = beside.substr(beside.find("transition distance"));
+  CHECK(close(numbers_of_row(distances, "independent, turned and moved").at(0), jump(alone(0, ml::Alignment::full))));
+  CHECK(close(numbers_of_row(distances, "independent, moved").at(0), jump(alone(0, ml::Alignment::translation))));
+  CHECK(close(numbers_of_row(distances, "joint").at(0), jump(together)));
+  const std::string without_past = measured("teach", {"--samples", "1", "--independent", "teach"});
+  CHECK(numbers_of_row(without_past, "independent") != numbers_of_row(without_past, "one sample"));
+  CHECK(!contains(without_past, "  joint "));
 
   const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
     const Outcome out = evaluate(model, more);
@@ -819,6 +847,9 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   refused("sinc", {"--temos", "temos"},
           "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published "
           "at 30");
+  refused("teach", {"--joint", "temos"}, "--joint temos: a model of smplvelp-published at 12.5 frames per second");
+  refused("teach", {"--independent", "words"},
+          "[motionlang.config.103] --independent words: a model of ''; taken are sinc and teach, and temos as published");
   refused("teach", {"--slerp-window", "28"}, "[motionlang.config.101] TEACH: action 1 of 29 frames with a gap of 28");
   ml::write_npz(w / "small.npz", body_arrays::chain(24, 4, 10));
   refused("teach", {"--body", "small.npz"},

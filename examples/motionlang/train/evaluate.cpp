@@ -149,8 +149,8 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingFile);
   c->add_option(
        "--temos", o->temos,
-       "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions), of our "
-       "training or as published, or a TEMOS as published, of the same features at 30 frames a second")
+       "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions) or a TEACH, of "
+       "our training or as published, or a TEMOS as published, of the same features at 30 frames a second")
       ->check(CLI::ExistingDirectory);
   const std::map<std::string, ml::Alignment> alignments{{"full", ml::Alignment::full},
                                                         {"translation", ml::Alignment::translation}};
@@ -161,6 +161,13 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--slerp-window", o->slerp_window, "TEACH: frames between two actions that are interpolated; 0: none")
       ->check(in_range(0, 1000))
       ->capture_default_str();
+  c->add_option("--independent", o->independent,
+                "TEACH: model of single actions, which makes both actions, each alone, to be joined in the same way: a SINC "
+                "or a TEACH (without its past), of our training or as published, or a TEMOS as published, of the same "
+                "features at 30 frames a second")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--joint", o->joint, "TEACH: such a model of pairs of actions, which makes one motion of the text 'a, b'")
+      ->check(CLI::ExistingDirectory);
   c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();

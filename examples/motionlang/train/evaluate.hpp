@@ -14,7 +14,7 @@ namespace program {
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
-      temos, evaluator;
+      temos, independent, joint, evaluator;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -42,7 +42,8 @@ void evaluate_published_temos(const EvaluationOptions& o);
 /// Errors of motions for several labels at the same time, or for single ones; the TEMOS score. Of our training, or as
 /// published.
 void evaluate_sinc(const EvaluationOptions& o);
-/// Errors of two actions one after the other, and the jump between them. Of our training, or as published.
+/// Errors of two actions one after the other, and the jump between them, beside those of baselines. Of our training, or
+/// as published.
 void evaluate_teach(const EvaluationOptions& o);
 
 /// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
