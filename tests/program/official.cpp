@@ -613,7 +613,8 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
     return out.text;
   }();
   CHECK(contains(said, "1 motions of the test part"));
-  CHECK(fs::exists(w / "strips/1.svg"));
+  for (const char* file : {"strips/1.svg", "strips/1_recorded.svg"})
+    CHECK_MESSAGE(contains(ml::read_file(w / file), "a walk"), file);
   const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"),
                                                    {.text_encoder = w / "words", .statistics = w / "statistics"});
   const std::vector<std::string> text{"a walk"};
@@ -726,10 +727,19 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   const auto sinc = ml::load_sinc_run<B>(ml::find_run(w / "sinc"), sources);
   ml::write_file(w / "parts.json", R"({"walk": ["", "", "right leg\nleft leg"], "wave": ["", "", "right arm"]})");
   const std::string of_sinc =
-      measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json", "--conjunction", "while"});
+      measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json", "--conjunction", "while",
+                        "--strips", "strips"});
   for (const char* text : {"2 motions of val.json", "two labels as in 'walk while wave'", "joints of our own skeleton",
                            "  best of 2 samples ", "  mean of the latent ", "  labels alone, composed "})
     CHECK_MESSAGE(contains(of_sinc, text), of_sinc);
+  // both motions have the same text, of which there are strips once
+  const auto check_strips = [&](const std::string& folder, const std::string& text) {
+    for (const char* file : {"/1.svg", "/1_recorded.svg"})
+      CHECK_MESSAGE(contains(ml::read_file(w / (folder + file)), text), folder << file);
+    CHECK(ml::read_file(w / (folder + "/1.svg")) != ml::read_file(w / (folder + "/1_recorded.svg")));
+    CHECK(!fs::exists(w / (folder + "/2.svg")));
+  };
+  check_strips("strips", "walk while wave");
   std::vector<Joints> truth, made, others;
   std::vector<float> of_made, of_recorded;
   for (const ml::Motion& clip : clips) {
@@ -802,7 +812,8 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   };
   CHECK(!same(full, moved));
   CHECK(!same(full, none));
-  const std::string of_teach = measured("teach", {"--samples", "1"});
+  const std::string of_teach = measured("teach", {"--samples", "1", "--strips", "one_after_the_other"});
+  check_strips("one_after_the_other", "walk, wave");
   const auto jump = [&](const Joints& joints) {
     return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), 21, 76);
   };

@@ -168,7 +168,9 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingDirectory);
   c->add_option("--joint", o->joint, "TEACH: such a model of pairs of actions, which makes one motion of the text 'a, b'")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
+  c->add_option("--strips", o->strips,
+                "Folder for film strips: of TEMOS, SINC and TEACH of what is generated of different texts (the mean of the "
+                "latent) next to what was recorded, of ACTOR of an action each");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
   o->machine.add_to(*c);

@@ -15,6 +15,7 @@
 #include "babel_model.hpp"
 #include "babel_motions.hpp"
 #include "evaluate.hpp"
+#include "film_strips.hpp"
 #include "position_errors.hpp"
 
 namespace program {
@@ -110,6 +111,12 @@ struct Items {
 };
 
 Clip recorded(const DescribedMotion& m) { return ml::smplvelp_inverse(std::span<const float>(m.rows)); }
+/// Film strips of what was made and of what was recorded.
+void show(FilmStrips& strips, const std::string& text, const Clip& made, const DescribedMotion& truth) {
+  strips.add(
+      text, [&] { return ml::motion_of_smplvelp(made, babel_fps); },
+      [&] { return ml::motion_of_smplvelp(recorded(truth), babel_fps); });
+}
 
 /// The joints of a set (joint_sets.hpp): those of the user's SMPL-H, or of our own skeleton, whose ankles stand for the
 /// heels.
@@ -266,6 +273,7 @@ std::string types_of(const std::string& items) {
 
 void evaluate_sinc(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
+  FilmStrips strips(o);
   SincDataConfig config =
       is_trained(o.model) ? read_babel_config<SincTrainingConfig>(o.model).config.data : SincDataConfig();
   config.types = types_of(o.items);
@@ -300,7 +308,8 @@ void evaluate_sinc(const EvaluationOptions& o) {
       return out;
     };
     const auto tokens_of = [&](const std::string& text) { return model.tokens(std::span(&text, 1)); };
-    const auto sentence = tokens_of(ml::join_labels(labels, o.conjunction));
+    const std::string text = ml::join_labels(labels, o.conjunction);
+    const auto sentence = tokens_of(text);
     std::vector<Joints> samples;
     for (const auto& rows : made(sentence, rng, o.samples, {})) {
       const Clip clip = ml::sinc_motion(model.normalizer, rows);
@@ -308,7 +317,9 @@ void evaluate_sinc(const EvaluationOptions& o) {
       samples.push_back(joints_of(clip));
     }
     sampled.add(samples, truth);
-    at_mean.add(joints_of(ml::sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front())), truth);
+    const Clip mean = ml::sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front());
+    at_mean.add(joints_of(mean), truth);
+    show(strips, text, mean, d);
     if (parts && labels.size() == 2) {
       const auto alone = [&](std::size_t label) {
         return made(tokens_of(labels[label]), rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
@@ -331,6 +342,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
 
 void evaluate_teach(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
+  FilmStrips strips(o);
   const TeachDataConfig config =
       is_trained(o.model) ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
   const TeachLatents model = teach_of(o.model, sources_of(o));
@@ -365,29 +377,27 @@ void evaluate_teach(const EvaluationOptions& o) {
       return ml::actions_to_motion(model.model, tokens, lengths, rng.split(static_cast<std::uint64_t>(sample)), window,
                                    how);
     };
-    const auto joined = [&](const ml::Normalizer<B>& normalizer, const ml::Sequences<B>& parts, Index window,
-                            ml::Alignment how) {
-      return joints_of(ml::teach_motion(normalizer, parts, window, how));
-    };
     const auto as_asked = [&](const ml::Normalizer<B>& normalizer, const ml::Sequences<B>& parts) {
-      return joined(normalizer, parts, o.slerp_window, o.alignment);
+      return ml::teach_motion(normalizer, parts, o.slerp_window, o.alignment);
     };
     const auto jump = [&](const Joints& joints) {
       return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), variant.joints, first);
     };
     const auto add_jumps = [&](Jumps& to, const ml::Normalizer<B>& normalizer, const ml::Sequences<B>& parts) {
-      to.aligned += jump(joined(normalizer, parts, 0, full));
-      to.moved += jump(joined(normalizer, parts, 0, translation));
+      to.aligned += jump(joints_of(ml::teach_motion(normalizer, parts, 0, full)));
+      to.moved += jump(joints_of(ml::teach_motion(normalizer, parts, 0, translation)));
     };
     const Joints truth = joints_of(recorded(d));
     std::vector<Joints> samples;
     for (Index s = 0; s < o.samples; ++s)
-      samples.push_back(as_asked(model.normalizer, made(s, o.slerp_window, {})));
+      samples.push_back(joints_of(as_asked(model.normalizer, made(s, o.slerp_window, {}))));
     sampled.add(samples, truth);
-    at_mean.add(as_asked(model.normalizer, made(0, o.slerp_window, {.mean = true})), truth);
+    const Clip mean = as_asked(model.normalizer, made(0, o.slerp_window, {.mean = true}));
+    at_mean.add(joints_of(mean), truth);
+    show(strips, ml::join_labels(labels, ml::Conjunction::comma), mean, d);
     for (Baseline& b : baselines) {
       const auto parts = [&](Index window) { return b.parts(labels, lengths, rng.split(std::uint64_t{0}), window); };
-      b.errors.add(as_asked(b.normalizer, parts(o.slerp_window)), truth);
+      b.errors.add(joints_of(as_asked(b.normalizer, parts(o.slerp_window))), truth);
       add_jumps(b.jumps, b.normalizer, parts(0));
     }
     blind.add(truth, items.own(i));
