@@ -130,9 +130,13 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--samples", o->samples, "TEMOS, SINC, TEACH: motions for each text")
       ->check(in_range(1, 1000))
       ->capture_default_str();
-  c->add_option("--items", o->items, "SINC: two actions at the same time, single actions, or both")
-      ->check(CLI::IsMember({"pairs", "single", "all"}))
+  c->add_option("--items", o->items,
+                "SINC: two actions at the same time, such of them as the training part has not and without 'stand' (the "
+                "published evaluation), single actions, or all")
+      ->check(CLI::IsMember({"pairs", "unseen", "single", "all"}))
       ->capture_default_str();
+  c->add_option("--keys", o->keys, "SINC, TEACH: list of the items to be measured, spatial_pairs-4242-0 on a line")
+      ->check(CLI::ExistingFile);
   const std::map<std::string, ml::Conjunction> conjunctions{{"while", ml::Conjunction::while_},
                                                             {"simultaneously", ml::Conjunction::simultaneously},
                                                             {"comma", ml::Conjunction::comma},
@@ -143,6 +147,10 @@ void add_evaluate(CLI::App& app) {
                 "its paper says")
       ->transform(
           CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
+  c->add_option("--tags", o->tags,
+                "SINC: sentences with their words as spaCy tags them, 'walk while wave#walk/VERB while/SCONJ "
+                "wave/VERB#0.0#0.0' on a line, of which while and during take the -ing form of the second verb")
+      ->check(CLI::ExistingFile);
   c->add_option(
        "--body-parts", o->body_parts,
        "SINC: table as for training; also makes a motion for each label alone, and combines them by their body parts")

@@ -14,7 +14,7 @@ namespace program {
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
-      temos, independent, joint, evaluator;
+      temos, independent, joint, keys, tags, evaluator;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -25,7 +25,7 @@ struct EvaluationOptions {
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   double stride = 0.2;                         // seconds from one to the next
-  std::string items = "pairs";                 // of SINC: pairs, single or all
+  std::string items = "pairs";                 // of SINC: pairs, unseen, single or all
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
   ml::Index slerp_window = 8;                                // frames between both that are interpolated

@@ -3,10 +3,13 @@
 // baselines. Of our training, or as published.
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <set>
 
 #include <motionlang/features/smplh_joints.hpp>
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/io/body_part_table.hpp>
+#include <motionlang/io/humanml3d_texts.hpp>
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 
@@ -81,9 +84,8 @@ struct Items {
 
   /// lots    how clips are split; of `--part all` not at all
   /// reader  is asked for items as evaluations take them, of all parts
-  /// wanted  which of them are measured
   Items(const EvaluationOptions& o, const BabelSources& sources, const ml::MotionFeatures& features, DataConfig lots,
-        const BabelReader& reader, bool (*wanted)(const DescribedMotion&)) {
+        const BabelReader& reader) {
     const bool all = o.part == "all";
     if (all) lots.test_share = lots.validation_share = 0;
     ProgressBar bar("reading motions");
@@ -95,12 +97,23 @@ struct Items {
         bar);
     bar.finish();
     part = all ? &data.training : &data.part(o.part);
-    for (Index i = 0; i < std::ssize(*part); ++i) {
-      if (wanted((*part)[static_cast<std::size_t>(i)])) measured.push_back(i);
+  }
+  /// Chooses what is measured: of the items that are wanted, those that `--keys` names. Throws config_error 101 if there
+  /// are none, io_error 401, 403 of the list.
+  void choose(const EvaluationOptions& o, const std::function<bool(const DescribedMotion&)>& wanted) {
+    std::set<std::string> keys;
+    if (!o.keys.empty()) {
+      const auto ids = ml::read_ids(o.keys);
+      keys = {ids.begin(), ids.end()};
     }
-    if (measured.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-    const std::string which = all ? o.babel.string() : "the " + o.part + " part";
-    std::printf("%zu motions of %s\n", measured.size(), which.c_str());
+    for (Index i = 0; i < std::ssize(*part); ++i) {
+      const DescribedMotion& m = (*this)[i];
+      if (wanted(m) && (o.keys.empty() || keys.contains(m.id))) measured.push_back(i);
+    }
+    const std::string which = o.part == "all" ? o.babel.string() : "the " + o.part + " part",
+                      by_keys = o.keys.empty() ? "" : ml::concat_text(", of ", keys.size(), " keys");
+    if (measured.empty()) ml::raise<ml::config_error>(101, which, " has no motions to measure", by_keys);
+    std::printf("%zu motions of %s%s\n", measured.size(), which.c_str(), by_keys.c_str());
   }
   Items(const Items&) = delete;
   Items& operator=(const Items&) = delete;
@@ -265,14 +278,81 @@ std::vector<Baseline> baselines_of(const EvaluationOptions& o, const ml::MotionF
 }
 
 std::string types_of(const std::string& items) {
-  if (items == "pairs") return "spatial_pairs";
+  if (items == "pairs" || items == "unseen") return "spatial_pairs";
   return items == "single" ? "seg+seq" : "seg+seq+spatial_pairs";
 }
+
+/// What the published evaluation leaves out: pairs of labels that training has, in whatever order, and those with "stand".
+/// Source  thesis B.3.1
+class SeenPairs {
+ public:
+  explicit SeenPairs(const std::vector<DescribedMotion>& training) {
+    for (const DescribedMotion& m : training) pairs_.insert(pair_of(m));
+  }
+  bool is_new(const DescribedMotion& m) const {
+    const auto pair = pair_of(m);
+    return !pair.contains("stand") && !pairs_.contains(pair);
+  }
+
+ private:
+  static std::multiset<std::string> pair_of(const DescribedMotion& m) {
+    const auto labels = labels_of(m);
+    return {labels.begin(), labels.end()};
+  }
+  std::set<std::multiset<std::string>> pairs_;
+};
+
+/// Labels as sentences. Where a file says which of their words are verbs, the second one gets its -ing form.
+class Sentences {
+ public:
+  /// Throws config_error 102 for such a file where there is no -ing form, and what read_captions throws.
+  explicit Sentences(const EvaluationOptions& o) : conjunction_(o.conjunction), tags_(o.tags) {
+    const bool has_gerund = o.conjunction == ml::Conjunction::while_ || o.conjunction == ml::Conjunction::during;
+    if (tags_.empty()) {
+      if (has_gerund) verbs_ = ", without the -ing form of its paper, for which --tags says what the verbs are";
+      return;
+    }
+    if (!has_gerund) ml::raise<ml::config_error>(102, "--tags is for --conjunction while and during");
+    for (ml::MotionCaption& c : ml::read_captions(tags_)) words_.emplace(c.text, std::move(c.words));
+    verbs_ = ", with the -ing form of the second verb";
+  }
+
+  /// Throws config_error 103, with the sentences, if the file lacks some of these motions.
+  void require(const Items& items) const {
+    std::set<std::string> missing;
+    for (const Index i : items.measured) {
+      const std::string plain = ml::join_labels(labels_of(items[i]), conjunction_);
+      if (!tags_.empty() && !words_.contains(plain)) missing.insert(plain);
+    }
+    if (missing.empty()) return;
+    std::string lines;
+    for (const std::string& s : missing) lines += "\n" + s;
+    ml::raise<ml::config_error>(103, "--tags ", tags_.string(), ": no words of ", missing.size(), " sentences:", lines);
+  }
+  std::string operator()(const std::vector<std::string>& labels) const {
+    if (tags_.empty()) return ml::join_labels(labels, conjunction_);
+    return ml::join_labels(labels, conjunction_, [&](std::string_view plain) { return words_.at(std::string(plain)); });
+  }
+  void tell() const {
+    std::printf("two labels as in '%s'%s\n",
+                ml::join_labels(std::vector<std::string>{"walk", "wave"}, conjunction_).c_str(), verbs_.c_str());
+  }
+
+ private:
+  ml::Conjunction conjunction_;
+  std::filesystem::path tags_;
+  std::string verbs_;
+  std::map<std::string, std::vector<ml::TaggedWord>> words_;  // of sentences
+};
 
 }  // namespace
 
 void evaluate_sinc(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
+  const bool unseen = o.items == "unseen";
+  if (unseen && o.part == "all")
+    ml::raise<ml::config_error>(102, "--items unseen needs motions to train on, which --part all has not");
+  const Sentences sentence_of(o);
   FilmStrips strips(o);
   SincDataConfig config =
       is_trained(o.model) ? read_babel_config<SincTrainingConfig>(o.model).config.data : SincDataConfig();
@@ -283,10 +363,11 @@ void evaluate_sinc(const EvaluationOptions& o) {
   if (!o.temos.empty()) likeness.emplace(o.temos, sources_of(o), *model.features);
   std::optional<ml::BodyPartTable> parts;
   if (!o.body_parts.empty()) parts = ml::open_body_part_table(ml::FilePath(o.body_parts));
-  const Items items(o, sources, *model.features, lots_of(config), sinc_reader(config),
-                    [](const DescribedMotion& m) { return m.texts.size() <= 2; });
-  std::printf("two labels as in '%s'\n",
-              ml::join_labels(std::vector<std::string>{"walk", "wave"}, o.conjunction).c_str());
+  Items items(o, sources, *model.features, lots_of(config), sinc_reader(config));
+  const SeenPairs seen(items.data.training);
+  items.choose(o, [&](const DescribedMotion& m) { return m.texts.size() <= 2 && (!unseen || seen.is_new(m)); });
+  sentence_of.require(items);
+  sentence_of.tell();
   joints_of.tell();
 
   const JointErrors none(ml::sinc_rifke());
@@ -308,7 +389,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
       return out;
     };
     const auto tokens_of = [&](const std::string& text) { return model.tokens(std::span(&text, 1)); };
-    const std::string text = ml::join_labels(labels, o.conjunction);
+    const std::string text = sentence_of(labels);
     const auto sentence = tokens_of(text);
     std::vector<Joints> samples;
     for (const auto& rows : made(sentence, rng, o.samples, {})) {
@@ -347,7 +428,8 @@ void evaluate_teach(const EvaluationOptions& o) {
       is_trained(o.model) ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
   const TeachLatents model = teach_of(o.model, sources_of(o));
   const ComparedJoints joints_of("mmmns", o.body);
-  const Items items(o, sources, *model.features, lots_of(config), teach_reader(config), [](const DescribedMotion& m) {
+  Items items(o, sources, *model.features, lots_of(config), teach_reader(config));
+  items.choose(o, [](const DescribedMotion& m) {
     return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
   });
   using enum ml::Alignment;
