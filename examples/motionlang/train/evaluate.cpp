@@ -78,6 +78,14 @@ void add_evaluate(CLI::App& app) {
        "TM2T from texts to motions: finest.tar of the networks of Guo et al., or its folder (text_mot_match), which "
        "judge its motions; glove/our_vab_data.npy is in a folder above, or where --text-encoder says")
       ->check(CLI::ExistingPath);
+  CLI::Option* bert = c->add_option("--bert", o->bert,
+                                    "TM2T from motions to texts: folder of a DistilBERT, BERT or MPNet (Hugging Face) "
+                                    "whose states compare descriptions: BERTScore")
+                          ->check(CLI::ExistingDirectory);
+  c->add_option("--bert-layer", o->bert_layer, "The layer whose states these are; 0: the last one")
+      ->needs(bert)
+      ->check(in_range(0, 1000))
+      ->capture_default_str();
   c->add_option("--seeds", o->seeds, "ACTOR, classifier, TM2T with --evaluator: how often everything is drawn anew")
       ->check(in_range(1, 1000))
       ->capture_default_str();

@@ -14,7 +14,7 @@ namespace program {
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
-      temos, independent, joint, keys, tags, evaluator;
+      temos, independent, joint, keys, tags, evaluator, bert;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -29,6 +29,7 @@ struct EvaluationOptions {
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
   ml::Index slerp_window = 8;                                // frames between both that are interpolated
+  ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
   std::uint64_t seed = 0;
   MachineOptions machine;
 };
@@ -50,7 +51,7 @@ void evaluate_teach(const EvaluationOptions& o);
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
-/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr. With an evaluator
+/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L, CIDEr and BERTScore. With an evaluator
 /// motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.
