@@ -428,6 +428,9 @@ void evaluate_teach(const EvaluationOptions& o) {
       is_trained(o.model) ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
   const TeachLatents model = teach_of(o.model, sources_of(o));
   const ComparedJoints joints_of("mmmns", o.body);
+  const ml::RifkeVariant variant = ml::temos_rifke();
+  const JointErrors none(variant);
+  std::vector<Baseline> baselines = baselines_of(o, *model.features, none);
   Items items(o, sources, *model.features, lots_of(config), teach_reader(config));
   items.choose(o, [](const DescribedMotion& m) {
     return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
@@ -438,11 +441,8 @@ void evaluate_teach(const EvaluationOptions& o) {
               o.slerp_window);
   joints_of.tell();
 
-  const ml::RifkeVariant variant = ml::temos_rifke();
-  const JointErrors none(variant);
   SampledErrors sampled(none, o.samples);
   JointErrors at_mean = none;
-  std::vector<Baseline> baselines = baselines_of(o, *model.features, none);
   BlindErrors blind(variant, none, std::ssize(items.data.training), joints_of.of(items.data.training), o.seed);
   Jumps own;
   double real = 0;
