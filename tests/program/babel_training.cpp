@@ -165,7 +165,8 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return out.text;
   };
-  const std::vector<std::string> lists{"--splits", "splits"};
+  const std::vector<std::string> lists{"--splits", "splits"},
+      baselines{"--independent", "train-sinc_whole/model", "--joint", "train-sinc_whole/model"};
   const auto row = [](const std::string& text, const std::string& name) {
     const auto at = text.find("  " + name + " ");
     REQUIRE_MESSAGE(at != text.npos, text);
@@ -174,14 +175,15 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
   const std::string of_sinc =
                         evaluated("train-sinc", lists + std::vector<std::string>{"--temos", "train-sinc_whole/model"}),
                     other_seed = evaluated("train-sinc", lists + std::vector<std::string>{"--seed", "1"}),
-                    of_teach = evaluated("train-teach", lists);
+                    of_teach = evaluated("train-teach", lists + baselines);
   CHECK_MESSAGE(contains(of_sinc, "1 motions of the test part"), of_sinc);
   CHECK_MESSAGE(contains(of_teach, "2 motions of the test part"), of_teach);
   CHECK(row(of_sinc, "one sample") != row(other_seed, "one sample"));
   for (const char* name : {"mean pose", "mean of the latent"}) CHECK(row(of_sinc, name) == row(other_seed, name));
   CHECK(contains(row(of_sinc, "another recorded one"), "1.000"));  // itself: there is one
   for (const char* name :
-       {"best of 2 samples", "worst of 2 samples", "random clip", "turned and moved", "moved", "recorded"})
+       {"best of 2 samples", "worst of 2 samples", "independent", "joint", "random clip", "turned and moved", "moved",
+        "independent, turned and moved", "independent, moved", "recorded"})
     row(of_teach, name);
   const auto counts = [&](const std::string& name, const std::vector<std::string>& more, const std::string& count) {
     const std::string text = evaluated(name, more);

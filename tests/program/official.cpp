@@ -613,7 +613,8 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
     return out.text;
   }();
   CHECK(contains(said, "1 motions of the test part"));
-  CHECK(fs::exists(w / "strips/1.svg"));
+  for (const char* file : {"strips/1.svg", "strips/1_recorded.svg"})
+    CHECK_MESSAGE(contains(ml::read_file(w / file), "a walk"), file);
   const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"),
                                                    {.text_encoder = w / "words", .statistics = w / "statistics"});
   const std::vector<std::string> text{"a walk"};
@@ -668,21 +669,25 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   official::write_temos_statistics(w / "of135", 135);
   official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
   fs::create_directories(w / "CMU");
-  std::string entries;
+  const auto entry = [](const std::string& id, const std::string& second) {
+    const auto label = [](const std::string& text, const std::string& start, const std::string& end) {
+      return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null, "start_t": )" +
+             start + R"(, "end_t": )" + end + "}";
+    };
+    return "\"" + id + R"(": {"babel_sid": )" + id + R"(, "url": "", "feat_p": "CMU/CMU/)" + id +
+           R"(_poses.npz", "dur": 4.0, "frame_ann": {"labels": [)" + label("walk", "0", "2") + ", " +
+           label(second, "1", "3.5") + "]}}";
+  };
   std::vector<ml::Motion> clips;
   for (int i : {1, 2}) {
     const std::string id = std::to_string(i);
     ml::write_amass(w / ("CMU/" + id + "_poses.npz"), synthetic::walk({.frames = 120, .fps = 30, .turn = 0.2 * i}));
     clips.push_back(ml::read_amass(w / ("CMU/" + id + "_poses.npz")).motion);
-    const auto label = [](const std::string& text, const std::string& start, const std::string& end) {
-      return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null, "start_t": )" +
-             start + R"(, "end_t": )" + end + "}";
-    };
-    entries += (i == 1 ? "\"" : ", \"") + id + R"(": {"babel_sid": )" + id + R"(, "url": "", "feat_p": "CMU/CMU/)" +
-               id + R"(_poses.npz", "dur": 4.0, "frame_ann": {"labels": [)" + label("walk", "0", "2") + ", " +
-               label("wave", "1", "3.5") + "]}}";
   }
-  ml::write_file(w / "val.json", "{" + entries + "}");
+  ml::write_file(w / "val.json", "{" + entry("1", "wave") + ", " + entry("2", "wave") + "}");
+  ml::write_file(w / "train.json", "{" + entry("1", "turn") + "}");
+  ml::write_file(w / "same.json", "{" + entry("1", "wave") + "}");
+  ml::write_file(w / "stand.json", "{" + entry("2", "stand") + "}");
   const auto evaluate = [&](const std::string& model, const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"evaluate", model, "--data",       ".",     "--babel",        "val.json",
                                        "--part",   "all", "--statistics", "of135", "--text-encoder", "words"};
@@ -722,14 +727,24 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   };
   const ml::TemosRunOptions sources{.text_encoder = w / "words", .statistics = w / "of135"};
 
+  ml::write_file(w / "keys.txt", std::string_view("spatial_pairs-2-0\nspatial_pairs-7-0\n"));
   // two labels at the same time, between 1 and 2 seconds
   const auto sinc = ml::load_sinc_run<B>(ml::find_run(w / "sinc"), sources);
   ml::write_file(w / "parts.json", R"({"walk": ["", "", "right leg\nleft leg"], "wave": ["", "", "right arm"]})");
   const std::string of_sinc =
-      measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json", "--conjunction", "while"});
+      measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json", "--conjunction", "while",
+                        "--strips", "strips"});
   for (const char* text : {"2 motions of val.json", "two labels as in 'walk while wave'", "joints of our own skeleton",
                            "  best of 2 samples ", "  mean of the latent ", "  labels alone, composed "})
     CHECK_MESSAGE(contains(of_sinc, text), of_sinc);
+  // both motions have the same text, of which there are strips once
+  const auto check_strips = [&](const std::string& folder, const std::string& text) {
+    for (const char* file : {"/1.svg", "/1_recorded.svg"})
+      CHECK_MESSAGE(contains(ml::read_file(w / (folder + file)), text), folder << file);
+    CHECK(ml::read_file(w / (folder + "/1.svg")) != ml::read_file(w / (folder + "/1_recorded.svg")));
+    CHECK(!fs::exists(w / (folder + "/2.svg")));
+  };
+  check_strips("strips", "walk while wave");
   std::vector<Joints> truth, made, others;
   std::vector<float> of_made, of_recorded;
   for (const ml::Motion& clip : clips) {
@@ -763,6 +778,26 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   CHECK(!contains(in_code, "TEMOS score"));
   CHECK(numbers_of_row(in_code, "one sample") != numbers_of_row(of_sinc, "one sample"));  // another sentence
   CHECK(numbers_of_row(in_code, "random clip") == numbers_of_row(of_sinc, "random clip"));
+  CHECK(contains(of_sinc, "without the -ing form of its paper"));
+  // with the second verb in its -ing form, as the published routine writes it
+  ml::write_file(w / "tags.txt", std::string_view("walk while wave#walk/VERB while/SCONJ wave/VERB#0.0#0.0\n"));
+  const std::string gerund = measured(
+      "sinc", {"--samples", "1", "--conjunction", "while", "--tags", "tags.txt", "--strips", "gerund", "--keys", "keys.txt"});
+  check_strips("gerund", "walk while waveing");
+  CHECK_MESSAGE(contains(gerund, "1 motions of val.json, of 2 keys"), gerund);
+  CHECK(contains(gerund, "'walk while wave', with the -ing form of the second verb"));
+  // pairs that training has not
+  const auto unseen = [&](const std::string& training, const std::string& validation) {
+    return w.run({"evaluate", "sinc", "--data", ".", "--babel", training, "--babel-validation", validation, "--part",
+                  "validation", "--items", "unseen", "--samples", "1", "--statistics", "of135", "--text-encoder", "words"});
+  };
+  const Outcome others_learnt = unseen("train.json", "val.json");
+  CHECK(others_learnt.code == 0);
+  CHECK_MESSAGE(contains(others_learnt.text, "2 motions of the validation part"), others_learnt.text);
+  for (const Outcome& none : {unseen("same.json", "val.json"), unseen("train.json", "stand.json")}) {
+    CHECK(none.code == 1);
+    CHECK_MESSAGE(contains(none.text, "[motionlang.config.101] the validation part has no motions to measure"), none.text);
+  }
   CHECK(contains(measured("sinc", {"--samples", "1", "--items", "single"}), "4 motions of val.json"));
   CHECK(contains(measured("sinc", {"--samples", "1", "--items", "all"}), "6 motions of val.json"));
 
@@ -802,23 +837,61 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   };
   CHECK(!same(full, moved));
   CHECK(!same(full, none));
-  const std::string of_teach = measured("teach", {"--samples", "1"});
+  const std::string of_teach = measured("teach", {"--samples", "1", "--strips", "one_after_the_other"});
+  check_strips("one_after_the_other", "walk, wave");
   const auto jump = [&](const Joints& joints) {
     return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), 21, 76);
   };
   CHECK(close(numbers_of_row(of_teach, "turned and moved").at(0), jump(generated(0, ml::Alignment::full))));
   CHECK(close(numbers_of_row(of_teach, "moved").at(0), jump(generated(0, ml::Alignment::translation))));
   CHECK(close(numbers_of_row(of_teach, "recorded").at(0), (jump(truth[0]) + jump(truth[1])) / 2));
+  CHECK(!contains(of_teach, "independent"));
+
+  // its baselines: both actions alone, and both as one text
+  const auto noise = ml::Philox{}.split(std::uint64_t{0});
+  const auto alone = [&](ml::Index window, ml::Alignment alignment) {
+    auto own = noise;
+    const auto eps = ml::Tensor<B, 2>::randn({2, sinc.model.config.latent_dim}, own);
+    const auto states = sinc.text_encoder.encode<B>(std::vector<std::string>{"walk", "wave"}).tokens;
+    const auto parts = ml::independent_actions(sinc.model, states, ml::Offsets{76, 29}, eps, window);
+    return mmm(ml::teach_motion(sinc.normalizer, parts, window, alignment));
+  };
+  const auto sentence = sinc.text_encoder.encode<B>(std::vector<std::string>{"walk, wave"}).tokens;
+  const auto together = mmm(ml::sinc_motion(
+      sinc.normalizer, ml::text_to_motion(sinc.model, sentence, ml::Offsets{105}, noise).front().rows));
+  const std::string beside = measured("teach", {"--samples", "1", "--independent", "sinc", "--joint", "sinc"});
+  const auto independent = alone(8, ml::Alignment::full);
+  const auto of_alone = check_row(beside, "independent", ml::temos_rifke(), {independent, independent}, truth);
+  const auto of_both = check_row(beside, "joint", ml::temos_rifke(), {together, together}, truth);
+  CHECK(!same(of_alone, of_both));
+  CHECK(!same(of_alone, full));
+  CHECK(numbers_of_row(beside, "one sample") == numbers_of_row(of_teach, "one sample"));
+  const std::string distances = beside.substr(beside.find("transition distance"));
+  CHECK(close(numbers_of_row(distances, "independent, turned and moved").at(0), jump(alone(0, ml::Alignment::full))));
+  CHECK(close(numbers_of_row(distances, "independent, moved").at(0), jump(alone(0, ml::Alignment::translation))));
+  CHECK(close(numbers_of_row(distances, "joint").at(0), jump(together)));
+  const std::string without_past = measured("teach", {"--samples", "1", "--independent", "teach"});
+  CHECK(numbers_of_row(without_past, "independent") != numbers_of_row(without_past, "one sample"));
+  CHECK(!contains(without_past, "  joint "));
 
   const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
     const Outcome out = evaluate(model, more);
     CHECK(out.code == 1);
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
+  ml::write_file(w / "other.txt", std::string_view("walk while turn#walk/VERB while/SCONJ turn/VERB#0.0#0.0\n"));
+  refused("sinc", {"--conjunction", "while", "--tags", "other.txt"},
+          "[motionlang.config.103] --tags other.txt: no words of 1 sentences:\nwalk while wave");
+  refused("sinc", {"--tags", "tags.txt"}, "[motionlang.config.102] --tags is for --conjunction while and during");
+  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on, which --part all has not");
+  refused("teach", {"--keys", "keys.txt"}, "[motionlang.config.101] val.json has no motions to measure, of 2 keys");
   refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel");
   refused("sinc", {"--temos", "temos"},
           "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published "
           "at 30");
+  refused("teach", {"--joint", "temos"}, "--joint temos: a model of smplvelp-published at 12.5 frames per second");
+  refused("teach", {"--independent", "words"},
+          "[motionlang.config.103] --independent words: a model of ''; taken are sinc and teach, and temos as published");
   refused("teach", {"--slerp-window", "28"}, "[motionlang.config.101] TEACH: action 1 of 29 frames with a gap of 28");
   ml::write_npz(w / "small.npz", body_arrays::chain(24, 4, 10));
   refused("teach", {"--body", "small.npz"},

@@ -125,6 +125,24 @@ double mean(std::span<const float> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
+/// A tiny DistilBERT as Hugging Face has them, which knows the words of these captions.
+ml::DistilBert<ml::EigenBackend<float>> write_distilbert(const std::filesystem::path& folder) {
+  ml::Philox rng{.seed = 7};
+  const ml::BertConfig tiny{.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 2, .positions = 16};
+  const ml::DistilBert<ml::EigenBackend<float>> network(tiny, rng);
+  ml::TensorStore store;
+  store.add_module(network, "distilbert.");
+  std::filesystem::create_directories(folder);
+  ml::write_safetensors(folder / "model.safetensors", store.views());
+  ml::write_file(folder / "config.json",
+                 std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
+    "hidden_dim": 12, "vocab_size": 12, "max_position_embeddings": 16, "activation": "gelu"})"));
+  ml::write_file(
+      folder / "vocab.txt",
+      std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
+  return network;
+}
+
 }  // namespace
 
 TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curves; two halves, one recomputed, make the same weights") {
@@ -610,20 +628,7 @@ TEST_CASE("a classifier learns from motions that a model samples, denoises or pu
 
 TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and tokenizer are the model's own") {
   const Clips clips;
-  ml::Philox rng{.seed = 7};
-  const ml::BertConfig tiny{.vocabulary = 12, .width = 8, .heads = 2, .d_ff = 12, .layers = 2, .positions = 16};
-  const ml::DistilBert<ml::EigenBackend<float>> network(tiny, rng);
-  ml::TensorStore store;
-  store.add_module(network, "distilbert.");
-  std::filesystem::create_directories(clips / "bert");
-  ml::write_safetensors(clips / "bert/model.safetensors", store.views());
-  ml::write_file(clips / "bert/config.json",
-                 std::string_view(R"({"model_type": "distilbert", "dim": 8, "n_heads": 2, "n_layers": 2,
-    "hidden_dim": 12, "vocab_size": 12, "max_position_embeddings": 16, "activation": "gelu"})"));
-  ml::write_file(
-      clips / "bert/vocab.txt",
-      std::string_view("[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\na\nperson\nsomeone\nwalks\nturns\nahead\nleft\n"));
-
+  const auto network = write_distilbert(clips / "bert");
   const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
     more.insert(more.begin(),
                 {"--set", "text.encoder=distilbert", "--text-encoder", "bert", "--set", "losses.threshold=0"});
@@ -1125,6 +1130,33 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   const auto described = scores.find("  described");
   REQUIRE(described != scores.npos);
   CHECK_MESSAGE(scores.substr(described, scores.find('\n', described) - described).find("  100.00") != scores.npos, scores);
+
+  // the same, and by a language model: 100 of what is said word by word, and less of anything else
+  write_distilbert(clips / "bert");
+  std::vector<std::string> with_bert{"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv",
+                                     "--part", "training", "--bert", "bert"};
+  const std::string judged = did(with_bert);
+  CHECK_MESSAGE(contains(judged, "BERTScore by layer 2 of 2 of bert, without a baseline"), judged);
+  CHECK_MESSAGE(contains(judged, "BLEU-4  ROUGE-L    CIDEr  BERTScore"), judged);
+  const auto numbers = [](const std::string& text, const std::string& row) {
+    std::istringstream rest(text.substr(text.find("  " + row) + row.size() + 2));
+    std::vector<double> out(7);
+    for (double& x : out) rest >> x;
+    return rest ? out : std::vector<double>(7);
+  };
+  for (const char* row : {"described", "a text of the training part by lot"}) {
+    const auto found = numbers(judged, row);
+    CHECK(found[6] != 0);
+    CHECK_MESSAGE((found[6] == 100) == (found[4] == 100), judged);  // and so ROUGE-L
+  }
+  with_bert.insert(with_bert.end(), {"--bert-layer", "1"});
+  const std::string of_first = did(with_bert);
+  CHECK(contains(of_first, "BERTScore by layer 1 of 2 of bert"));
+  CHECK((numbers(of_first, "described")[6] == 100) == (numbers(judged, "described")[4] == 100));
+  with_bert.back() = "3";
+  const auto too_deep = run(with_bert, clips.path);
+  CHECK(too_deep.code == 1);
+  CHECK_MESSAGE(contains(too_deep.text, "[motionlang.config.101] --bert-layer 3: bert has 2 layers"), too_deep.text);
 
   // lemmas of a data set, and word vectors of a folder
   const std::string set = (clips / "h3d").string();

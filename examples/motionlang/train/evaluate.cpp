@@ -78,6 +78,14 @@ void add_evaluate(CLI::App& app) {
        "TM2T from texts to motions: finest.tar of the networks of Guo et al., or its folder (text_mot_match), which "
        "judge its motions; glove/our_vab_data.npy is in a folder above, or where --text-encoder says")
       ->check(CLI::ExistingPath);
+  CLI::Option* bert = c->add_option("--bert", o->bert,
+                                    "TM2T from motions to texts: folder of a DistilBERT, BERT or MPNet (Hugging Face) "
+                                    "whose states compare descriptions: BERTScore")
+                          ->check(CLI::ExistingDirectory);
+  c->add_option("--bert-layer", o->bert_layer, "The layer whose states these are; 0: the last one")
+      ->needs(bert)
+      ->check(in_range(0, 1000))
+      ->capture_default_str();
   c->add_option("--seeds", o->seeds, "ACTOR, classifier, TM2T with --evaluator: how often everything is drawn anew")
       ->check(in_range(1, 1000))
       ->capture_default_str();
@@ -130,9 +138,13 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--samples", o->samples, "TEMOS, SINC, TEACH: motions for each text")
       ->check(in_range(1, 1000))
       ->capture_default_str();
-  c->add_option("--items", o->items, "SINC: two actions at the same time, single actions, or both")
-      ->check(CLI::IsMember({"pairs", "single", "all"}))
+  c->add_option("--items", o->items,
+                "SINC: two actions at the same time, such of them as the training part has not and without 'stand' (the "
+                "published evaluation), single actions, or all")
+      ->check(CLI::IsMember({"pairs", "unseen", "single", "all"}))
       ->capture_default_str();
+  c->add_option("--keys", o->keys, "SINC, TEACH: list of the items to be measured, spatial_pairs-4242-0 on a line")
+      ->check(CLI::ExistingFile);
   const std::map<std::string, ml::Conjunction> conjunctions{{"while", ml::Conjunction::while_},
                                                             {"simultaneously", ml::Conjunction::simultaneously},
                                                             {"comma", ml::Conjunction::comma},
@@ -143,14 +155,18 @@ void add_evaluate(CLI::App& app) {
                 "its paper says")
       ->transform(
           CLI::CheckedTransformer(conjunctions).description("while, simultaneously, comma, same_time or during"));
+  c->add_option("--tags", o->tags,
+                "SINC: sentences with their words as spaCy tags them, 'walk while wave#walk/VERB while/SCONJ "
+                "wave/VERB#0.0#0.0' on a line, of which while and during take the -ing form of the second verb")
+      ->check(CLI::ExistingFile);
   c->add_option(
        "--body-parts", o->body_parts,
        "SINC: table as for training; also makes a motion for each label alone, and combines them by their body parts")
       ->check(CLI::ExistingFile);
   c->add_option(
        "--temos", o->temos,
-       "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions), of our "
-       "training or as published, or a TEMOS as published, of the same features at 30 frames a second")
+       "SINC: model whose motion encoder compares motions, the TEMOS score: a SINC (of single actions) or a TEACH, of "
+       "our training or as published, or a TEMOS as published, of the same features at 30 frames a second")
       ->check(CLI::ExistingDirectory);
   const std::map<std::string, ml::Alignment> alignments{{"full", ml::Alignment::full},
                                                         {"translation", ml::Alignment::translation}};
@@ -161,7 +177,16 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--slerp-window", o->slerp_window, "TEACH: frames between two actions that are interpolated; 0: none")
       ->check(in_range(0, 1000))
       ->capture_default_str();
-  c->add_option("--strips", o->strips, "TEMOS, ACTOR: folder for film strips of what is generated");
+  c->add_option("--independent", o->independent,
+                "TEACH: model of single actions, which makes both actions, each alone, to be joined in the same way: a SINC "
+                "or a TEACH (without its past), of our training or as published, or a TEMOS as published, of the same "
+                "features at 30 frames a second")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--joint", o->joint, "TEACH: such a model of pairs of actions, which makes one motion of the text 'a, b'")
+      ->check(CLI::ExistingDirectory);
+  c->add_option("--strips", o->strips,
+                "Folder for film strips: of TEMOS, SINC and TEACH of what is generated of different texts (the mean of the "
+                "latent) next to what was recorded, of ACTOR of an action each");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
   o->machine.add_to(*c);

@@ -14,7 +14,7 @@ namespace program {
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
-      temos, evaluator;
+      temos, independent, joint, keys, tags, evaluator, bert;
   bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
@@ -25,10 +25,11 @@ struct EvaluationOptions {
   ml::Index joined = 5;     // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
   double stride = 0.2;                         // seconds from one to the next
-  std::string items = "pairs";                 // of SINC: pairs, single or all
+  std::string items = "pairs";                 // of SINC: pairs, unseen, single or all
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
   ml::Index slerp_window = 8;                                // frames between both that are interpolated
+  ml::Index bert_layer = 0;                                  // of BERTScore; 0: the last one
   std::uint64_t seed = 0;
   MachineOptions machine;
 };
@@ -42,14 +43,15 @@ void evaluate_published_temos(const EvaluationOptions& o);
 /// Errors of motions for several labels at the same time, or for single ones; the TEMOS score. Of our training, or as
 /// published.
 void evaluate_sinc(const EvaluationOptions& o);
-/// Errors of two actions one after the other, and the jump between them. Of our training, or as published.
+/// Errors of two actions one after the other, and the jump between them, beside those of baselines. Of our training, or
+/// as published.
 void evaluate_teach(const EvaluationOptions& o);
 
 /// Accuracy, FID, diversity and multimodality over seeds, of recorded, generated, denoised and interpolated motions.
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
-/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L and CIDEr. With an evaluator
+/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L, CIDEr and BERTScore. With an evaluator
 /// motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
 /// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.

@@ -1,12 +1,15 @@
 // motionlang evaluate of SINC and TEACH: errors of motions for labels of BABEL, next to those of motions that know no
-// label; how alike motions of SINC are to a motion encoder, and how far TEACH's jump where two actions meet. Of our
-// training, or as published.
+// label; how alike motions of SINC are to a motion encoder; how far TEACH's jump where two actions meet, and its
+// baselines. Of our training, or as published.
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <set>
 
 #include <motionlang/features/smplh_joints.hpp>
 #include <motionlang/io/body_file.hpp>
 #include <motionlang/io/body_part_table.hpp>
+#include <motionlang/io/humanml3d_texts.hpp>
 #include <motionlang/io/vae_run.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 
@@ -15,6 +18,7 @@
 #include "babel_model.hpp"
 #include "babel_motions.hpp"
 #include "evaluate.hpp"
+#include "film_strips.hpp"
 #include "position_errors.hpp"
 
 namespace program {
@@ -28,6 +32,40 @@ using Clip = ml::SmplVelpMotion<float>;
 
 ModelSources sources_of(const EvaluationOptions& o) { return {o.text_encoder.string(), o.statistics.string(), {}}; }
 bool is_trained(const std::filesystem::path& model) { return ml::find_run(model).system == "motionlang"; }
+SincLatents sinc_of(const std::filesystem::path& folder, const ModelSources& sources) {
+  return is_trained(folder) ? trained_sinc(folder, sources) : published_sinc(folder, sources);
+}
+TeachLatents teach_of(const std::filesystem::path& folder, const ModelSources& sources) {
+  return is_trained(folder) ? trained_teach(folder, sources) : published_teach(folder, sources);
+}
+
+/// Calls f with the parts of a model that makes a motion of one text: SINC or TEACH, of our training or as published,
+/// or TEMOS as published.
+/// option    what names its folder
+/// features  that it has to have
+/// Throws    config_error 102 for other features or another rate, 103 for another system, and what the readers throw
+template <class F>
+void with_model(const std::string& option, const std::filesystem::path& folder, const ModelSources& sources,
+                const ml::MotionFeatures& features, F f) {
+  const auto take = [&](auto parts) {
+    if (parts.features->name != features.name || parts.fps != babel_fps)
+      ml::raise<ml::config_error>(102, option, " ", folder.string(), ": a model of ", parts.features->name, " at ",
+                                  parts.fps, " frames per second, the motions are ", features.name, " at ", babel_fps);
+    f(std::move(parts));
+  };
+  const bool ours = is_trained(folder);
+  const std::string system = ours ? ml::read_model_folder(folder).system : system_of_run(folder);
+  if (system == "sinc")
+    take(sinc_of(folder, sources));
+  else if (system == "teach")
+    take(teach_of(folder, sources));
+  else if (system == "temos" && !ours)
+    take(text_latents(ml::load_temos_run<B>(
+        ml::find_run(folder), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+  else
+    ml::raise<ml::config_error>(103, option, " ", folder.string(), ": a model of '", system,
+                                "'; taken are sinc and teach, and temos as published");
+}
 
 /// Throws config_error 102 for options that contradict each other.
 BabelSources babel_of(const EvaluationOptions& o) {
@@ -46,9 +84,8 @@ struct Items {
 
   /// lots    how clips are split; of `--part all` not at all
   /// reader  is asked for items as evaluations take them, of all parts
-  /// wanted  which of them are measured
   Items(const EvaluationOptions& o, const BabelSources& sources, const ml::MotionFeatures& features, DataConfig lots,
-        const BabelReader& reader, bool (*wanted)(const DescribedMotion&)) {
+        const BabelReader& reader) {
     const bool all = o.part == "all";
     if (all) lots.test_share = lots.validation_share = 0;
     ProgressBar bar("reading motions");
@@ -60,12 +97,23 @@ struct Items {
         bar);
     bar.finish();
     part = all ? &data.training : &data.part(o.part);
-    for (Index i = 0; i < std::ssize(*part); ++i) {
-      if (wanted((*part)[static_cast<std::size_t>(i)])) measured.push_back(i);
+  }
+  /// Chooses what is measured: of the items that are wanted, those that `--keys` names. Throws config_error 101 if there
+  /// are none, io_error 401, 403 of the list.
+  void choose(const EvaluationOptions& o, const std::function<bool(const DescribedMotion&)>& wanted) {
+    std::set<std::string> keys;
+    if (!o.keys.empty()) {
+      const auto ids = ml::read_ids(o.keys);
+      keys = {ids.begin(), ids.end()};
     }
-    if (measured.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-    const std::string which = all ? o.babel.string() : "the " + o.part + " part";
-    std::printf("%zu motions of %s\n", measured.size(), which.c_str());
+    for (Index i = 0; i < std::ssize(*part); ++i) {
+      const DescribedMotion& m = (*this)[i];
+      if (wanted(m) && (o.keys.empty() || keys.contains(m.id))) measured.push_back(i);
+    }
+    const std::string which = o.part == "all" ? o.babel.string() : "the " + o.part + " part",
+                      by_keys = o.keys.empty() ? "" : ml::concat_text(", of ", keys.size(), " keys");
+    if (measured.empty()) ml::raise<ml::config_error>(101, which, " has no motions to measure", by_keys);
+    std::printf("%zu motions of %s%s\n", measured.size(), which.c_str(), by_keys.c_str());
   }
   Items(const Items&) = delete;
   Items& operator=(const Items&) = delete;
@@ -76,6 +124,12 @@ struct Items {
 };
 
 Clip recorded(const DescribedMotion& m) { return ml::smplvelp_inverse(std::span<const float>(m.rows)); }
+/// Film strips of what was made and of what was recorded.
+void show(FilmStrips& strips, const std::string& text, const Clip& made, const DescribedMotion& truth) {
+  strips.add(
+      text, [&] { return ml::motion_of_smplvelp(made, babel_fps); },
+      [&] { return ml::motion_of_smplvelp(recorded(truth), babel_fps); });
+}
 
 /// The joints of a set (joint_sets.hpp): those of the user's SMPL-H, or of our own skeleton, whose ankles stand for the
 /// heels.
@@ -131,29 +185,16 @@ class ComparedJoints {
 /// Motions as an encoder of motions sees them: the TEMOS score.
 class MotionLikeness {
  public:
-  /// folder    a SINC of our training, or a SINC or TEMOS as published, of the same features
-  /// features  of the motions
-  /// Throws    config_error 102 for other features or another rate, and what the readers throw
+  /// folder    a model of the same features (with_model)
   MotionLikeness(const std::filesystem::path& folder, const ModelSources& sources, const ml::MotionFeatures& features)
       : exact_yaw_(features.name == "smplvelp") {
-    const auto take = [&](auto parts) {
-      if (parts.features->name != features.name || parts.fps != babel_fps)
-        ml::raise<ml::config_error>(102, "--temos ", folder.string(), ": a model of ", parts.features->name, " at ",
-                                    parts.fps, " frames per second, the motions are ", features.name, " at ",
-                                    babel_fps);
+    with_model("--temos", folder, sources, features, [&](auto parts) {
       mean_of_ = [parts = std::move(parts)](const std::vector<float>& rows) {
         const Index width = parts.features->width, frames = std::ssize(rows) / width;
         const auto x = parts.normalizer.normalize(ml::Tensor<B, 2>::from(rows, {frames, width}));
         return parts.model.encode_motion(ml::Sequences<B>(x, ml::Offsets{frames})).mu.to_vector();
       };
-    };
-    if (is_trained(folder))
-      take(trained_sinc(folder, sources));
-    else if (system_of_run(folder) == "sinc")
-      take(published_sinc(folder, sources));
-    else
-      take(text_latents(ml::load_temos_run<B>(
-          ml::find_run(folder), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+    });
   }
 
   /// As published, what was made is turned ahead once more.
@@ -187,28 +228,146 @@ class MotionLikeness {
   std::vector<std::vector<float>> made_, recorded_;
 };
 
+/// How far joints jump from the first action to the second, the sum over the motions: where the second is turned and
+/// moved to the end of the first, and where it is moved only.
+struct Jumps {
+  double aligned = 0, moved = 0;
+};
+
+/// A model that knows no action before, as a baseline of TEACH.
+struct Baseline {
+  std::string name;
+  bool has_parts;  // which are joined; else one motion for both labels
+  ml::Normalizer<B> normalizer;
+  /// The parts of one motion, normalised, as of Teach::generate.
+  std::function<ml::Sequences<B>(const std::vector<std::string>& labels, const ml::Offsets& lengths, ml::Philox noise,
+                                 Index window)>
+      parts;
+  JointErrors errors;
+  Jumps jumps{};
+};
+
+/// "independent": both actions alone, joined as TEACH's are; "joint": one motion of the text "a, b". Throws what
+/// with_model throws.
+/// Source  thesis A.3.3; spec teach.md 5.2
+std::vector<Baseline> baselines_of(const EvaluationOptions& o, const ml::MotionFeatures& features,
+                                   const JointErrors& none) {
+  std::vector<Baseline> out;
+  if (!o.independent.empty()) {
+    with_model("--independent", o.independent, sources_of(o), features, [&](auto model) {
+      const auto parts = [model](const std::vector<std::string>& labels, const ml::Offsets& lengths, ml::Philox noise,
+                                 Index window) {
+        const auto eps = ml::Tensor<B, 2>::randn({std::ssize(labels), model.model.config.latent_dim}, noise);
+        return ml::independent_actions(model.model, model.tokens(labels), lengths, eps, window);
+      };
+      out.push_back({"independent", true, model.normalizer, parts, none});
+    });
+  }
+  if (!o.joint.empty()) {
+    with_model("--joint", o.joint, sources_of(o), features, [&](auto model) {
+      const auto parts = [model](const std::vector<std::string>& labels, const ml::Offsets& lengths, ml::Philox noise,
+                                 Index) {
+        const std::string text = ml::join_labels(labels, ml::Conjunction::comma);
+        const ml::Offsets whole{lengths.rows()};
+        return ml::text_to_motion(model.model, model.tokens(std::span(&text, 1)), whole, noise).front();
+      };
+      out.push_back({"joint", false, model.normalizer, parts, none});
+    });
+  }
+  return out;
+}
+
 std::string types_of(const std::string& items) {
-  if (items == "pairs") return "spatial_pairs";
+  if (items == "pairs" || items == "unseen") return "spatial_pairs";
   return items == "single" ? "seg+seq" : "seg+seq+spatial_pairs";
 }
+
+/// What the published evaluation leaves out: pairs of labels that training has, in whatever order, and those with "stand".
+/// Source  thesis B.3.1
+class SeenPairs {
+ public:
+  explicit SeenPairs(const std::vector<DescribedMotion>& training) {
+    for (const DescribedMotion& m : training) pairs_.insert(pair_of(m));
+  }
+  bool is_new(const DescribedMotion& m) const {
+    const auto pair = pair_of(m);
+    return !pair.contains("stand") && !pairs_.contains(pair);
+  }
+
+ private:
+  static std::multiset<std::string> pair_of(const DescribedMotion& m) {
+    const auto labels = labels_of(m);
+    return {labels.begin(), labels.end()};
+  }
+  std::set<std::multiset<std::string>> pairs_;
+};
+
+/// Labels as sentences. Where a file says which of their words are verbs, the second one gets its -ing form.
+class Sentences {
+ public:
+  /// Throws config_error 102 for such a file where there is no -ing form, and what read_captions throws.
+  explicit Sentences(const EvaluationOptions& o) : conjunction_(o.conjunction), tags_(o.tags) {
+    const bool has_gerund = o.conjunction == ml::Conjunction::while_ || o.conjunction == ml::Conjunction::during;
+    if (tags_.empty()) {
+      if (has_gerund) verbs_ = ", without the -ing form of its paper, for which --tags says what the verbs are";
+      return;
+    }
+    if (!has_gerund) ml::raise<ml::config_error>(102, "--tags is for --conjunction while and during");
+    for (ml::MotionCaption& c : ml::read_captions(tags_)) words_.emplace(c.text, std::move(c.words));
+    verbs_ = ", with the -ing form of the second verb";
+  }
+
+  /// Throws config_error 103, with the sentences, if the file lacks some of these motions.
+  void require(const Items& items) const {
+    std::set<std::string> missing;
+    for (const Index i : items.measured) {
+      const std::string plain = ml::join_labels(labels_of(items[i]), conjunction_);
+      if (!tags_.empty() && !words_.contains(plain)) missing.insert(plain);
+    }
+    if (missing.empty()) return;
+    std::string lines;
+    for (const std::string& s : missing) lines += "\n" + s;
+    ml::raise<ml::config_error>(103, "--tags ", tags_.string(), ": no words of ", missing.size(), " sentences:", lines);
+  }
+  std::string operator()(const std::vector<std::string>& labels) const {
+    if (tags_.empty()) return ml::join_labels(labels, conjunction_);
+    return ml::join_labels(labels, conjunction_, [&](std::string_view plain) { return words_.at(std::string(plain)); });
+  }
+  void tell() const {
+    std::printf("two labels as in '%s'%s\n",
+                ml::join_labels(std::vector<std::string>{"walk", "wave"}, conjunction_).c_str(), verbs_.c_str());
+  }
+
+ private:
+  ml::Conjunction conjunction_;
+  std::filesystem::path tags_;
+  std::string verbs_;
+  std::map<std::string, std::vector<ml::TaggedWord>> words_;  // of sentences
+};
 
 }  // namespace
 
 void evaluate_sinc(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
-  const bool ours = is_trained(o.model);
-  SincDataConfig config = ours ? read_babel_config<SincTrainingConfig>(o.model).config.data : SincDataConfig();
+  const bool unseen = o.items == "unseen";
+  if (unseen && o.part == "all")
+    ml::raise<ml::config_error>(102, "--items unseen needs motions to train on, which --part all has not");
+  const Sentences sentence_of(o);
+  FilmStrips strips(o);
+  SincDataConfig config =
+      is_trained(o.model) ? read_babel_config<SincTrainingConfig>(o.model).config.data : SincDataConfig();
   config.types = types_of(o.items);
-  const SincLatents model = ours ? trained_sinc(o.model, sources_of(o)) : published_sinc(o.model, sources_of(o));
+  const SincLatents model = sinc_of(o.model, sources_of(o));
   const ComparedJoints joints_of("smplnh", o.body);
   std::optional<MotionLikeness> likeness;
   if (!o.temos.empty()) likeness.emplace(o.temos, sources_of(o), *model.features);
   std::optional<ml::BodyPartTable> parts;
   if (!o.body_parts.empty()) parts = ml::open_body_part_table(ml::FilePath(o.body_parts));
-  const Items items(o, sources, *model.features, lots_of(config), sinc_reader(config),
-                    [](const DescribedMotion& m) { return m.texts.size() <= 2; });
-  std::printf("two labels as in '%s'\n",
-              ml::join_labels(std::vector<std::string>{"walk", "wave"}, o.conjunction).c_str());
+  Items items(o, sources, *model.features, lots_of(config), sinc_reader(config));
+  const SeenPairs seen(items.data.training);
+  items.choose(o, [&](const DescribedMotion& m) { return m.texts.size() <= 2 && (!unseen || seen.is_new(m)); });
+  sentence_of.require(items);
+  sentence_of.tell();
   joints_of.tell();
 
   const JointErrors none(ml::sinc_rifke());
@@ -230,7 +389,8 @@ void evaluate_sinc(const EvaluationOptions& o) {
       return out;
     };
     const auto tokens_of = [&](const std::string& text) { return model.tokens(std::span(&text, 1)); };
-    const auto sentence = tokens_of(ml::join_labels(labels, o.conjunction));
+    const std::string text = sentence_of(labels);
+    const auto sentence = tokens_of(text);
     std::vector<Joints> samples;
     for (const auto& rows : made(sentence, rng, o.samples, {})) {
       const Clip clip = ml::sinc_motion(model.normalizer, rows);
@@ -238,7 +398,9 @@ void evaluate_sinc(const EvaluationOptions& o) {
       samples.push_back(joints_of(clip));
     }
     sampled.add(samples, truth);
-    at_mean.add(joints_of(ml::sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front())), truth);
+    const Clip mean = ml::sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front());
+    at_mean.add(joints_of(mean), truth);
+    show(strips, text, mean, d);
     if (parts && labels.size() == 2) {
       const auto alone = [&](std::size_t label) {
         return made(tokens_of(labels[label]), rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
@@ -261,11 +423,16 @@ void evaluate_sinc(const EvaluationOptions& o) {
 
 void evaluate_teach(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
-  const bool ours = is_trained(o.model);
-  const TeachDataConfig config = ours ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
-  const TeachLatents model = ours ? trained_teach(o.model, sources_of(o)) : published_teach(o.model, sources_of(o));
+  FilmStrips strips(o);
+  const TeachDataConfig config =
+      is_trained(o.model) ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
+  const TeachLatents model = teach_of(o.model, sources_of(o));
   const ComparedJoints joints_of("mmmns", o.body);
-  const Items items(o, sources, *model.features, lots_of(config), teach_reader(config), [](const DescribedMotion& m) {
+  const ml::RifkeVariant variant = ml::temos_rifke();
+  const JointErrors none(variant);
+  std::vector<Baseline> baselines = baselines_of(o, *model.features, none);
+  Items items(o, sources, *model.features, lots_of(config), teach_reader(config));
+  items.choose(o, [](const DescribedMotion& m) {
     return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
   });
   using enum ml::Alignment;
@@ -274,12 +441,11 @@ void evaluate_teach(const EvaluationOptions& o) {
               o.slerp_window);
   joints_of.tell();
 
-  const ml::RifkeVariant variant = ml::temos_rifke();
-  const JointErrors none(variant);
   SampledErrors sampled(none, o.samples);
   JointErrors at_mean = none;
   BlindErrors blind(variant, none, std::ssize(items.data.training), joints_of.of(items.data.training), o.seed);
-  double aligned = 0, moved = 0, real = 0;  // jumps
+  Jumps own;
+  double real = 0;
   const auto rng = ml::Philox{.seed = o.seed};
   ProgressBar bar("generating");
   for (std::size_t k = 0; k < items.measured.size(); ++k) {
@@ -287,37 +453,57 @@ void evaluate_teach(const EvaluationOptions& o) {
     const DescribedMotion& d = items[i];
     const Index first = d.texts[0].frames.length;  // the rest is the transition and the second action
     const ml::Offsets lengths{first, std::ssize(d.rows) / items.data.width - first};
-    const auto tokens = model.tokens(labels_of(d));
+    const auto labels = labels_of(d);
+    const auto tokens = model.tokens(labels);
     const auto made = [&](Index sample, Index window, const ml::LatentSampling& how) {
       return ml::actions_to_motion(model.model, tokens, lengths, rng.split(static_cast<std::uint64_t>(sample)), window,
                                    how);
     };
-    const auto joined = [&](const ml::Sequences<B>& parts, Index window, ml::Alignment how) {
-      return joints_of(ml::teach_motion(model.normalizer, parts, window, how));
+    const auto as_asked = [&](const ml::Normalizer<B>& normalizer, const ml::Sequences<B>& parts) {
+      return ml::teach_motion(normalizer, parts, o.slerp_window, o.alignment);
     };
     const auto jump = [&](const Joints& joints) {
       return ml::transition_distance(std::span<const ml::Vec3<double>>(joints), variant.joints, first);
     };
+    const auto add_jumps = [&](Jumps& to, const ml::Normalizer<B>& normalizer, const ml::Sequences<B>& parts) {
+      to.aligned += jump(joints_of(ml::teach_motion(normalizer, parts, 0, full)));
+      to.moved += jump(joints_of(ml::teach_motion(normalizer, parts, 0, translation)));
+    };
     const Joints truth = joints_of(recorded(d));
     std::vector<Joints> samples;
     for (Index s = 0; s < o.samples; ++s)
-      samples.push_back(joined(made(s, o.slerp_window, {}), o.slerp_window, o.alignment));
+      samples.push_back(joints_of(as_asked(model.normalizer, made(s, o.slerp_window, {}))));
     sampled.add(samples, truth);
-    at_mean.add(joined(made(0, o.slerp_window, {.mean = true}), o.slerp_window, o.alignment), truth);
+    const Clip mean = as_asked(model.normalizer, made(0, o.slerp_window, {.mean = true}));
+    at_mean.add(joints_of(mean), truth);
+    show(strips, ml::join_labels(labels, ml::Conjunction::comma), mean, d);
+    for (Baseline& b : baselines) {
+      const auto parts = [&](Index window) { return b.parts(labels, lengths, rng.split(std::uint64_t{0}), window); };
+      b.errors.add(joints_of(as_asked(b.normalizer, parts(o.slerp_window))), truth);
+      add_jumps(b.jumps, b.normalizer, parts(0));
+    }
     blind.add(truth, items.own(i));
-    const auto parts = made(0, 0, {});
-    aligned += jump(joined(parts, 0, full)), moved += jump(joined(parts, 0, translation)), real += jump(truth);
+    add_jumps(own, model.normalizer, made(0, 0, {}));
+    real += jump(truth);
     if (!bar(static_cast<std::ptrdiff_t>(k) + 1, std::ssize(items.measured))) throw ml::cancelled();
   }
   bar.finish();
   print_error_heads();
   sampled.print();
   print_errors("mean of the latent", at_mean.result());
+  for (const Baseline& b : baselines) print_errors(b.name, b.errors.result());
   blind.print();
   const auto count = static_cast<double>(items.measured.size());
   std::printf("\n  transition distance (m), nothing interpolated\n");
-  for (const auto& [what, sum] : {std::pair("turned and moved", aligned), {"moved", moved}, {"recorded", real}})
-    std::printf("  %-22s   %7.3f\n", what, sum / count);
+  const auto print = [&](const std::string& what, double sum) {
+    std::printf("  %-29s   %7.3f\n", what.c_str(), sum / count);
+  };
+  print("turned and moved", own.aligned), print("moved", own.moved);
+  for (const Baseline& b : baselines) {
+    print(b.has_parts ? b.name + ", turned and moved" : b.name, b.jumps.aligned);
+    if (b.has_parts) print(b.name + ", moved", b.jumps.moved);
+  }
+  print("recorded", real);
 }
 
 }  // namespace program

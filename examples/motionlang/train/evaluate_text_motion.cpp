@@ -3,12 +3,11 @@
 
 #include <cstdio>
 
-#include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/io/vae_run.hpp>
 
 #include "../files/feature_motion.hpp"
-#include "../files/motion_files.hpp"
+#include "film_strips.hpp"
 #include "position_errors.hpp"
 #include "text_motion_task.hpp"
 #include "text_sources.hpp"
@@ -198,7 +197,7 @@ std::span<const float> rows_of(const DescribedMotion& d, Index width) {
 }
 
 void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const Measured& m,
-                   const TemosModel<B>& model) {
+                   const TemosModel<B>& model, FilmStrips& strips) {
   const auto& features = ml::motion_features(file.config.features);
   const MeasuredJoints joints_of(features);
   const JointErrors none(joints_of.variant, joints_of.unit);
@@ -209,7 +208,6 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
       joints_of.variant, none, std::ssize(training),
       [&](Index i) { return joints_of(features, rows_of(training[static_cast<std::size_t>(i)], features.width)); },
       o.seed);
-  std::set<std::string> shown;
   ProgressBar bar("generating");
   for (std::size_t i = 0; i < m.part->size(); ++i) {
     const DescribedMotion& d = (*m.part)[i];
@@ -227,11 +225,9 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
     const auto mean_rows = made(ml::text_to_motion(model.system, tokens, length, rng, 1, {.mean = true}).front());
     at_mean.add(joints_of(features, mean_rows), truth);
     blind.add(truth);
-    if (!o.strips.empty() && shown.insert(text[0]).second && std::ssize(shown) <= o.count) {
-      auto motion = motion_of_features(features, mean_rows, file.fps);
-      motion.name = text[0];
-      write_motion(o.strips / ml::concat_text(shown.size(), ".svg"), motion);
-    }
+    strips.add(
+        text[0], [&] { return motion_of_features(features, mean_rows, file.fps); },
+        [&] { return motion_of_features(features, rows_of(d, features.width), file.fps); });
     bar(static_cast<Index>(i) + 1, std::ssize(*m.part));
   }
   bar.finish();
@@ -245,18 +241,18 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
 }  // namespace
 
 void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
-  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
+  FilmStrips strips(o);
   const Measured m(o, file);
-  measure_temos(o, file, m, load_text_motion<ml::Temos, B>(o.model, file));
+  measure_temos(o, file, m, load_text_motion<ml::Temos, B>(o.model, file), strips);
 }
 
 void evaluate_published_temos(const EvaluationOptions& o) {
-  if (!o.strips.empty()) make_output_folder("--strips", o.strips);
+  FilmStrips strips(o);
   auto run = ml::load_temos_run<B>(ml::FilePath(o.model), {.text_encoder = o.text_encoder, .statistics = o.statistics});
   TextMotionFile file{"temos", run.fps, temos_preset("temos-published"), {}};
   file.config.features = published_temos_features(run.width()).name;
   const Measured m(o, file, &run.text_encoder);
-  measure_temos(o, file, m, {.system = std::move(run.model), .motion_normalizer = std::move(run.normalizer)});
+  measure_temos(o, file, m, {.system = std::move(run.model), .motion_normalizer = std::move(run.normalizer)}, strips);
 }
 
 }  // namespace program

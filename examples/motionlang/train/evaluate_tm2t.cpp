@@ -4,10 +4,13 @@
 #include <array>
 #include <cstdio>
 #include <map>
+#include <optional>
 
 #include <motionlang/features/guo_clip.hpp>
 #include <motionlang/io/guo_evaluator_file.hpp>
+#include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/metrics/bert_score.hpp>
 #include <motionlang/metrics/captions.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
@@ -78,15 +81,80 @@ ml::CaptionPair references_of(const Entry& e, const ml::GloVe& words) {
   return out;
 }
 
-void print_scores(const char* what, const std::vector<ml::CaptionPair>& pairs) {
+/// BERTScore by a language model of the BERT family: the mean of F over the descriptions, without a baseline.
+class BertJudge {
+ public:
+  /// layers  that the model keeps; 0: all
+  /// Throws  config_error 102 for CLIP, 101 for more layers than the model has, and what load_text_encoder throws
+  BertJudge(const std::filesystem::path& folder, Index layers) : encoder_(ml::load_text_encoder<B>(folder)) {
+    std::visit(
+        [&](auto& network) {
+          if constexpr (requires { network.words; }) {
+            const Index all = std::ssize(network.layers);
+            if (layers > all)
+              ml::raise<ml::config_error>(101, "--bert-layer ", layers, ": ", folder.string(), " has ", all, " layers");
+            if (layers > 0) network.layers.resize(static_cast<std::size_t>(layers));
+            std::printf("BERTScore by layer %td of %td of %s, without a baseline\n", std::ssize(network.layers), all,
+                        folder.c_str());
+          } else {
+            ml::raise<ml::config_error>(102, "--bert ", folder.string(),
+                                        " is CLIP; BERTScore needs one of the BERT family");
+          }
+        },
+        encoder_.network.network);
+  }
+
+  double operator()(const std::vector<ml::CaptionPair>& pairs) {
+    ml::BertWeights weights;
+    for (const ml::CaptionPair& pair : pairs) {
+      for (const std::string& r : pair.references) weights.add(encoded(r).ids);
+    }
+    double sum = 0;
+    for (const ml::CaptionPair& pair : pairs) {
+      std::vector<ml::BertSentence<float>> references;
+      for (const std::string& r : pair.references) references.push_back(encoded(r).sentence());
+      sum += ml::bert_score(encoded(pair.candidate).sentence(), std::span<const ml::BertSentence<float>>(references),
+                            weights)
+                 .f;
+    }
+    return sum / static_cast<double>(pairs.size());
+  }
+
+ private:
+  struct Encoded {
+    std::vector<Index> ids;
+    ml::Tensor<B, 2> states;
+    ml::BertSentence<float> sentence() const { return {ids, {states.span(), states.size(1)}}; }
+  };
+  /// Stripped and behind a blank, as the published program has sentences.
+  const Encoded& encoded(const std::string& text) {
+    auto found = known_.find(text);
+    if (found == known_.end()) {
+      const std::vector<std::string> sentence{" " + std::string(ml::detail::trim(text))};
+      auto batch = ml::tokenize(encoder_.tokenizer, std::span(sentence));
+      auto states = encoder_.network(batch).tokens.rows;
+      found = known_.emplace(text, Encoded{std::move(batch.ids), std::move(states)}).first;
+    }
+    return found->second;
+  }
+
+  ml::AnyTextEncoder<B> encoder_;
+  std::map<std::string, Encoded> known_;
+};
+
+void print_scores(const char* what, const std::vector<ml::CaptionPair>& pairs, std::optional<BertJudge>& bert) {
   std::printf("  %-34s", what);
   for (const double b : ml::bleu(ml::corpus_counts(pairs))) std::printf("%8.2f", 100 * b);
-  std::printf("%9.2f%9.2f\n", 100 * ml::rouge_l(pairs), 100 * ml::cider(pairs));
+  std::printf("%9.2f%9.2f", 100 * ml::rouge_l(pairs), 100 * ml::cider(pairs));
+  if (bert) std::printf("%11.2f", 100 * (*bert)(pairs));
+  std::printf("\n");
 }
 
 void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& found) {
   const auto run =
       ml::load_tm2t_describer<B>(found, {.tokenizer = o.tokenizer.string(), .words = o.text_encoder.string()});
+  std::optional<BertJudge> bert;
+  if (!o.bert.empty()) bert.emplace(o.bert, o.bert_layer);
   const auto data = read_data(o, run.width());
   const auto& part = data.part(o.part);
   const auto entries = entries_of(part, o.part);
@@ -104,15 +172,16 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
       if (!bar(std::ssize(pairs), std::ssize(entries))) throw ml::cancelled();
     }
   }
-  std::printf("%zu motions of the %s part, %zu to describe\n\n  %-34s%8s%8s%8s%8s%9s%9s\n", part.size(), o.part.c_str(),
-              pairs.size(), "", "BLEU-1", "BLEU-2", "BLEU-3", "BLEU-4", "ROUGE-L", "CIDEr");
-  print_scores("described", pairs);
+  std::printf("%zu motions of the %s part, %zu to describe\n\n  %-34s%8s%8s%8s%8s%9s%9s%s\n", part.size(),
+              o.part.c_str(), pairs.size(), "", "BLEU-1", "BLEU-2", "BLEU-3", "BLEU-4", "ROUGE-L", "CIDEr",
+              bert ? "  BERTScore" : "");
+  print_scores("described", pairs, bert);
   auto lot = ml::Philox{.seed = o.seed}.split("chance");
   for (ml::CaptionPair& pair : pairs) {
     const auto& texts = data.training[lot.below(static_cast<std::uint32_t>(data.training.size()))].texts;
     pair.candidate = ml::lemmas(words_of(texts[lot.below(static_cast<std::uint32_t>(texts.size()))], run.words));
   }
-  print_scores("a text of the training part by lot", pairs);
+  print_scores("a text of the training part by lot", pairs, bert);
 }
 
 // ---- motions of texts ---------------------------------------------------------------------------------------------

@@ -1,0 +1,38 @@
+// Film strips of what evaluate generates of texts, next to those of the recorded motions: --strips.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "../files/motion_files.hpp"
+#include "evaluate.hpp"
+
+namespace program {
+
+class FilmStrips {
+ public:
+  /// Without a folder there are none. Throws io_error 401 if it cannot be written in.
+  explicit FilmStrips(const EvaluationOptions& o) : folder_(o.strips), count_(o.count) {
+    if (!folder_.empty()) make_output_folder("--strips", folder_);
+  }
+
+  /// 1.svg of made() and 1_recorded.svg of recorded(), 2.svg, ...: of the first texts that differ.
+  template <class Made, class Recorded>
+  void add(const std::string& text, Made made, Recorded recorded) {
+    if (folder_.empty() || std::ssize(shown_) >= count_ || !shown_.insert(text).second) return;
+    write(".svg", text, made());
+    write("_recorded.svg", text + " (recorded)", recorded());
+  }
+
+ private:
+  void write(const char* end, const std::string& title, ml::Motion motion) const {
+    motion.name = title;
+    write_motion(folder_ / ml::concat_text(shown_.size(), end), motion);
+  }
+
+  std::filesystem::path folder_;
+  ml::Index count_;
+  std::set<std::string> shown_;
+};
+
+}  // namespace program
