@@ -193,6 +193,18 @@ TEST_CASE("check and info show what a file holds") {
   const auto pieces = w.run({"check", "pieces.txt"});
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
+  CHECK(!contains(pieces.text, "moves nothing"));
+}
+
+TEST_CASE("a text that others hide at all times is named with its line") {
+  const Workplace w;
+  ml::write_file(w / "hidden.txt", "walk # 0 # 3 # legs\nrun # 1 # 2 # legs\nhop # 1 # 2 # legs\n");
+  for (const auto& out : {w.run({"check", "hidden.txt"}), w.run({"check", "hidden.txt", "--no-cut-texts"}),
+                          w.generate("out", {}, "hidden.txt")}) {
+    CHECK(out.code == 0);
+    CHECK_MESSAGE(contains(out.text, "hidden.txt:2:1: 'run' moves nothing: other texts take all its body parts\n"), out.text);
+    CHECK_MESSAGE(!contains(out.text, "'hop' moves nothing"), out.text);
+  }
 }
 
 TEST_CASE("info --features: ranges, meanings, units and body parts") {

@@ -201,6 +201,8 @@ void run(const GenerateOptions& o) {
 
   const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
   warn_of_unknown_words(o, timelines, generator->words());
+  if (generator->system() == diffusion_model)
+    std::fprintf(stderr, "%s", told_hidden_texts(timelines, timeline_source(o.timeline)).c_str());
   const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
                                       : line_of(o, o.samples.value_or(5), name, *generator, settings);
   std::printf("%s", notes.reuse.c_str());
