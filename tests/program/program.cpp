@@ -1,5 +1,6 @@
 // The motionlang program: help, exit codes, files that it writes, noise from outside, Ctrl-C.
 #include <doctest/doctest.h>
+#include <sys/wait.h>  // WEXITSTATUS
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/amass.hpp>
@@ -194,6 +195,15 @@ TEST_CASE("check and info show what a file holds") {
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
   CHECK(!contains(pieces.text, "moves nothing"));
+}
+
+TEST_CASE("standard output that cannot be written is an error") {
+  if (!std::filesystem::exists("/dev/full")) return;
+  const Workplace w;
+  const std::string two = (w / "two.txt").string(), told = (w / "told.txt").string();
+  const int status = std::system(("'" MOTIONLANG_PROGRAM "' check '" + two + "' > /dev/full 2> '" + told + "'").c_str());
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK(ml::read_file(told) == "[motionlang.io.401] standard output cannot be written\n");
 }
 
 TEST_CASE("a text that others hide at all times is named with its line") {
