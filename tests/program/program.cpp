@@ -472,6 +472,8 @@ TEST_CASE("noise from outside gives the motion of the seed that it was drawn wit
   REQUIRE_MESSAGE(noise.code == 0, noise.text);
   for (const char* file : {"two.bvh", "two.glb", "two.npz", "two.npy"})
     CHECK_MESSAGE(w.files("noise").at(file) == w.files("seed").at(file), file);
+  CHECK(contains(w.files("seed").at("two.html"), "seed 4, model model"));
+  CHECK(contains(w.files("noise").at("two.html"), "noise noise.safetensors, model model"));
 
   ml::write_file(w / "longer.txt", "walk forward # 0 # 2 # legs\n");
   const auto wrong = w.generate("wrong", {"--noise", "noise.safetensors"}, "longer.txt");

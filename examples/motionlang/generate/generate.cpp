@@ -209,10 +209,11 @@ void run(const GenerateOptions& o) {
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
   const auto model =
       std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
-  const std::string info =
-      "seed " + std::to_string(notes.seed.value_or(settings.seed)) + ", model " + model.filename().string();
+  const std::string drawn = settings.noise_file.empty()
+                                ? "seed " + std::to_string(notes.seed.value_or(settings.seed))
+                                : "noise " + std::filesystem::path(settings.noise_file).filename().string();
   const auto page = std::filesystem::path(o.out) / (name + ".html");
-  ml::write_viewer(page, made, {.title = name, .info = info});
+  ml::write_viewer(page, made, {.title = name, .info = drawn + ", model " + model.filename().string()});
   std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).c_str());
 }
 
