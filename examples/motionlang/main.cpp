@@ -65,6 +65,8 @@ int main(int argc, char** argv) {
   try {
     require_known_subcommand(app, argc, argv);
     app.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      motionlang::raise<motionlang::io_error>(401, "standard output cannot be written");
     return program::ok;
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? program::ok : program::usage;

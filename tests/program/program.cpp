@@ -1,5 +1,6 @@
 // The motionlang program: help, exit codes, files that it writes, noise from outside, Ctrl-C.
 #include <doctest/doctest.h>
+#include <sys/wait.h>  // WEXITSTATUS
 
 #include <algorithm>
 
@@ -195,6 +196,27 @@ TEST_CASE("check and info show what a file holds") {
   const auto pieces = w.run({"check", "pieces.txt"});
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
+  CHECK(!contains(pieces.text, "moves nothing"));
+}
+
+TEST_CASE("standard output that cannot be written is an error") {
+  if (!std::filesystem::exists("/dev/full")) return;
+  const Workplace w;
+  const std::string two = (w / "two.txt").string(), told = (w / "told.txt").string();
+  const int status = std::system(("'" MOTIONLANG_PROGRAM "' check '" + two + "' > /dev/full 2> '" + told + "'").c_str());
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK(ml::read_file(told) == "[motionlang.io.401] standard output cannot be written\n");
+}
+
+TEST_CASE("a text that others hide at all times is named with its line") {
+  const Workplace w;
+  ml::write_file(w / "hidden.txt", "walk # 0 # 3 # legs\nrun # 1 # 2 # legs\nhop # 1 # 2 # legs\n");
+  for (const auto& out : {w.run({"check", "hidden.txt"}), w.run({"check", "hidden.txt", "--no-cut-texts"}),
+                          w.generate("out", {}, "hidden.txt")}) {
+    CHECK(out.code == 0);
+    CHECK_MESSAGE(contains(out.text, "hidden.txt:2:1: 'run' moves nothing: other texts take all its body parts\n"), out.text);
+    CHECK_MESSAGE(!contains(out.text, "'hop' moves nothing"), out.text);
+  }
 }
 
 TEST_CASE("info --features: ranges, meanings, units and body parts") {
@@ -476,6 +498,8 @@ TEST_CASE("noise from outside gives the motion of the seed that it was drawn wit
   REQUIRE_MESSAGE(noise.code == 0, noise.text);
   for (const char* file : {"two.bvh", "two.glb", "two.npz", "two.npy"})
     CHECK_MESSAGE(w.files("noise").at(file) == w.files("seed").at(file), file);
+  CHECK(contains(w.files("seed").at("two.html"), "seed 4, model model"));
+  CHECK(contains(w.files("noise").at("two.html"), "noise noise.safetensors, model model"));
 
   ml::write_file(w / "longer.txt", "walk forward # 0 # 2 # legs\n");
   const auto wrong = w.generate("wrong", {"--noise", "noise.safetensors"}, "longer.txt");

@@ -21,6 +21,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     longest = config.denoiser.longest_crop();
   }
   const auto written = read_timelines(path, fps);
+  std::fprintf(stderr, "%s", told_hidden_texts(written, timeline_source(path)).c_str());
   auto timelines = written;
   if (cut) cut_texts(timelines, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {

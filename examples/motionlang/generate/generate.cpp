@@ -204,16 +204,19 @@ void run(const GenerateOptions& o) {
 
   const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
   warn_of_unknown_words(o, timelines, generator->words());
+  if (generator->system() == diffusion_model)
+    std::fprintf(stderr, "%s", told_hidden_texts(timelines, timeline_source(o.timeline)).c_str());
   const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
                                       : line_of(o, o.samples.value_or(5), name, *generator, settings);
   std::printf("%s", notes.reuse.c_str());
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
   const auto model =
       std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
-  const std::string info =
-      "seed " + std::to_string(notes.seed.value_or(settings.seed)) + ", model " + model.filename().string();
+  const std::string drawn = settings.noise_file.empty()
+                                ? "seed " + std::to_string(notes.seed.value_or(settings.seed))
+                                : "noise " + std::filesystem::path(settings.noise_file).filename().string();
   const auto page = std::filesystem::path(o.out) / (name + ".html");
-  ml::write_viewer(page, made, {.title = name, .info = info});
+  ml::write_viewer(page, made, {.title = name, .info = drawn + ", model " + model.filename().string()});
   std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).c_str());
 }
 

@@ -52,4 +52,24 @@ inline void cut_texts(std::vector<ml::Timeline>& timelines, double fps) {
   for (ml::Timeline& t : timelines) t = ml::cut_at_handovers(t, ml::frame_at(0.5, fps));
 }
 
+/// A line for each text that moves nothing at any time: others with fewer parts, or as many and later in the file, take all that it has.
+inline std::string told_hidden_texts(const std::vector<ml::Timeline>& timelines, const std::string& source) {
+  std::string out;
+  ml::FirstWins ties;
+  for (const ml::Timeline& t : timelines) {
+    std::vector<bool> moves(t.intervals.size());
+    for (const ml::Piece& piece : ml::elementary_pieces(t)) {
+      if (piece.intervals.empty()) continue;
+      for (const ml::Index owner : ml::assign_parts(t, piece.intervals, ties)) moves[static_cast<std::size_t>(owner)] = true;
+    }
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      const auto& [line, column] = t.intervals[i].place;
+      if (!moves[i])
+        out += ml::concat_text(source, ":", line, ":", column, ": '", t.intervals[i].text,
+                               "' moves nothing: other texts take all its body parts\n");
+    }
+  }
+  return out;
+}
+
 }  // namespace program

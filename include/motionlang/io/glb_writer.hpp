@@ -3,7 +3,9 @@
 /// metres, seconds, facing +Z: the library's own conventions.
 #pragma once
 
-#include <numeric>  // iota
+#include <algorithm>  // all_of
+#include <cmath>      // isfinite
+#include <numeric>    // iota
 
 #include <motionlang/io/detail/figure_mesh.hpp>
 #include <motionlang/io/detail/glb_container.hpp>
@@ -46,12 +48,17 @@ class GlbBuilder {
                                                                          : 5121;
 
   /// Stores values and gives the number of their accessor. `with_range`: the smallest and largest of every component.
+  /// Throws numeric_error 301 at a number that single precision cannot hold.
   template <class T>
   std::size_t add(std::span<const T> values, const char* type, Target target, bool with_range = false) {
     const std::size_t components = std::string_view(type) == "SCALAR" ? 1
                                    : std::string_view(type) == "VEC3" ? 3
                                    : std::string_view(type) == "VEC4" ? 4
                                                                       : 16;
+    if constexpr (std::same_as<T, float>) {
+      if (!std::ranges::all_of(values, [](float x) { return std::isfinite(x); }))
+        raise<numeric_error>(301, "GLB: a number is too large for single precision");
+    }
     binary_.resize((binary_.size() + 3) / 4 * 4);
     nlohmann::ordered_json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
     if (target != none) view["target"] = static_cast<int>(target);

@@ -120,6 +120,7 @@ TEST_CASE("AMC: the axis named first is turned about first") {
   constexpr double d = std::numbers::pi / 180;
   const auto wanted = ml::axis_rotation(2, -40 * d) * ml::axis_rotation(1, 20 * d) * ml::axis_rotation(0, 30 * d);
   for (std::size_t i = 0; i < 9; ++i) CHECK(m.m[i] == Approx(wanted.m[i]));
+  CHECK(ml::parse_amc("\xEF\xBB\xBF  1\r  2\r\n\t3\nshin 9 8 7", asf).frames() == 3);
   CHECK(ml::parse_amc("1", asf).frames() == 1);  // bones that a frame leaves out are at rest
 }
 
@@ -192,6 +193,9 @@ TEST_CASE("AMC: malformed motions are refused where they are wrong") {
   refuses("1\nshin x", "expected a value of the motion, found 'x'");
   refuses("1\nroot 1 2 3", "[motionlang.io.402]");
   refuses("1\nshin nan", "[motionlang.io.403]");
+  refuses("1\n shin 90 7\n2\n", "[motionlang.io.403] m.amc:2:10: '7' is a value too many");
+  refuses("1 2\nshin 90", "[motionlang.io.403] m.amc:1:3: '2' is a value too many");
+  refuses("\xEF\xBB\xBFshin 90", "m.amc:1:1: numbers of 'shin' before the first frame");
   CHECK_THROWS_WITH_AS(ml::parse_amc("1", asf, {.fps = 0}), Contains("[motionlang.config.101]"), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::parse_amc("1 root 1e308 0 0 0 0 0", ml::parse_asf(with(leg, "0.45", "1e-9"))),
                        Contains("[motionlang.numeric.301]"), ml::numeric_error);
@@ -204,6 +208,6 @@ TEST_CASE("AMC: a small file cannot ask for much memory") {
   for (int i = 0; i < 4000; ++i) text += " b" + std::to_string(i);
   auto asf = ml::parse_asf(text + "\nend");
   std::string many;
-  for (int i = 0; i < 12600; ++i) many += "1 ";
+  for (int i = 0; i < 12600; ++i) many += "1\n";
   CHECK_THROWS_WITH_AS(ml::parse_amc(many, asf), Contains("[motionlang.io.405]"), ml::io_error);
 }

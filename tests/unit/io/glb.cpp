@@ -345,6 +345,9 @@ TEST_CASE("what cannot be written is an error") {
   motions[0].root.clear();
   motions[0].local.clear();
   CHECK_THROWS_WITH_AS(ml::glb_bytes(motions), doctest::Contains("101"), ml::config_error);
+  motions[0] = synthetic::walk({.frames = 2});
+  motions[0].root[1].x = 1e300;
+  CHECK_THROWS_WITH_AS(ml::glb_bytes(motions), doctest::Contains("301"), ml::numeric_error);
 }
 
 TEST_CASE("other versions of glTF and packed data are refused by name") {

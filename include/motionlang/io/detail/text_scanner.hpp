@@ -35,7 +35,7 @@ constexpr bool same_word(std::string_view a, std::string_view lower_case) {
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string_view name) : text_(text), name_(name) {
-    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // byte order mark
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // byte order mark
   }
 
   bool at_end() {
@@ -99,9 +99,15 @@ class TextScanner {
     return value;
   }
 
+  /// Whether nothing but blanks stands before the last word on its line.
+  bool began_line() const {
+    std::size_t at = last_;
+    while (at > 0 && is_blank(text_[at - 1]) && !is_line_end(text_[at - 1])) --at;
+    return at == 0 || is_line_end(text_[at - 1]);
+  }
   /// The next word of this line; empty where the line ends.
   std::string_view word_on_line() {
-    while (at_ < text_.size() && is_blank(text_[at_]) && text_[at_] != '\n' && text_[at_] != '\r') ++at_;
+    while (at_ < text_.size() && is_blank(text_[at_]) && !is_line_end(text_[at_])) ++at_;
     if (at_ == text_.size() || is_blank(text_[at_])) return {};
     return word("");
   }
@@ -132,6 +138,7 @@ class TextScanner {
     std::size_t line, column;
   };
   static bool is_blank(char c) { return static_cast<unsigned char>(c) <= ' '; }
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   static bool is_brace(char c) { return c == '{' || c == '}'; }
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
