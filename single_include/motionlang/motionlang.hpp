@@ -5202,10 +5202,12 @@ static_assert(Backend<ReferenceBackend<float>> && Backend<ReferenceBackend<doubl
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_HPP  // <motionlang/kinematics/blend.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BLEND_HPP
-/// Blending clips: one into another, and the end of a clip into its start, so that it can be repeated for ever.
+/// Blending clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
+/// into those beside them.
 ///
 ///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
 ///     Motion cycle = make_loop(in_place(walk), 8).motion;
+///     Motion whole = without_jump(motion, 20, 30);  // frame 20 follows on frame 19, frame 30 is as it was
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
@@ -5902,6 +5904,35 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
     detail::add_mixed_frame(out, first, start + i, next, i, detail::share_of_second(i, frames));
   }
   return concatenate(out, crop(next, frames, next.frames()));
+}
+
+/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it by
+/// fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of frame
+/// `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
+///     w_i = 1 - smoothstep(|i - from| / |to - from|)
+/// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
+/// Throws  config_error 101 unless `from` and k are frames, and -1 <= to <= frames
+inline Motion without_jump(const Motion& motion, Index from, Index to) {
+  const Index step = to < from ? -1 : 1, k = from - step, last = motion.frames() - 1;
+  if (std::min(from, k) < 0 || std::max(from, k) > last || to < -1 || to > last + 1) {
+    raise<config_error>(101, "without_jump: frames ", from, " to ", to, " of a clip of ", motion.frames());
+  }
+  const Index before = k - step < 0 || k - step > last ? k : k - step;
+  const Vec3<double> way = 2 * motion.root_at(k) - motion.root_at(before) - motion.root_at(from);
+  std::vector<Vec3<double>> turns;
+  for (std::size_t j = 0; j < motion.rotations(k).size(); ++j) {
+    const auto of = [&](Index frame) { return motion.rotations(frame)[j]; };
+    turns.push_back(log_so3(inverse(of(from)) * of(k) * inverse(of(before)) * of(k)));
+  }
+  Motion out = motion;
+  for (Index i = from; i != to; i += step) {
+    const double w = 1 - smoothstep(static_cast<double>(i - from) / static_cast<double>(to - from));
+    out.root[static_cast<std::size_t>(i)] = motion.root_at(i) + w * way;
+    const auto q = out.rotations(i);
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] = normalized(q[j] * to_quaternion(AxisAngle<double>{w * turns[j]}));
+  }
+  return out;
 }
 
 /// One round of a loop.
@@ -27364,7 +27395,8 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
 /// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
 /// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did, from wherever
-///         the frames before them have led
+///         the frames before them have led. Models that do not look at what is kept jump where it begins and ends:
+///         `without_jump` (kinematics/blend.hpp), as in the program
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -29141,7 +29173,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -29152,8 +29183,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -29194,6 +29224,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -29202,7 +29233,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
@@ -30279,7 +30310,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -30290,8 +30320,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -30332,6 +30361,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -30340,7 +30370,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
@@ -31415,7 +31445,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -31426,8 +31455,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -31468,6 +31496,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -31476,7 +31505,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }

@@ -870,7 +870,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -881,8 +880,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -923,6 +921,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -931,7 +930,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
@@ -2008,7 +2007,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -2019,8 +2017,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -2061,6 +2058,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -2069,7 +2067,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
@@ -3144,7 +3142,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -3155,8 +3152,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -3197,6 +3193,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -3205,7 +3202,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }

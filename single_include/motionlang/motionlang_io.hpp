@@ -6266,7 +6266,7 @@ constexpr bool same_word(std::string_view a, std::string_view lower_case) {
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string_view name) : text_(text), name_(name) {
-    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // byte order mark
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // byte order mark
   }
 
   bool at_end() {
@@ -6330,9 +6330,15 @@ class TextScanner {
     return value;
   }
 
+  /// Whether nothing but blanks stands before the last word on its line.
+  bool began_line() const {
+    std::size_t at = last_;
+    while (at > 0 && is_blank(text_[at - 1]) && !is_line_end(text_[at - 1])) --at;
+    return at == 0 || is_line_end(text_[at - 1]);
+  }
   /// The next word of this line; empty where the line ends.
   std::string_view word_on_line() {
-    while (at_ < text_.size() && is_blank(text_[at_]) && text_[at_] != '\n' && text_[at_] != '\r') ++at_;
+    while (at_ < text_.size() && is_blank(text_[at_]) && !is_line_end(text_[at_])) ++at_;
     if (at_ == text_.size() || is_blank(text_[at_])) return {};
     return word("");
   }
@@ -6363,6 +6369,7 @@ class TextScanner {
     std::size_t line, column;
   };
   static bool is_blank(char c) { return static_cast<unsigned char>(c) <= ' '; }
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   static bool is_brace(char c) { return c == '{' || c == '}'; }
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
@@ -6706,6 +6713,8 @@ class AmcParser {
       } else if (word[0] == ':') {
         header(word);
       } else if (word.find_first_not_of("0123456789") == word.npos) {
+        if (!scan_.began_line())
+          scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that does not begin a line");
         new_frame();
       } else {
         values(word);
@@ -7995,12 +8004,17 @@ class GlbBuilder {
                                                                          : 5121;
 
   /// Stores values and gives the number of their accessor. `with_range`: the smallest and largest of every component.
+  /// Throws numeric_error 301 at a number that single precision cannot hold.
   template <class T>
   std::size_t add(std::span<const T> values, const char* type, Target target, bool with_range = false) {
     const std::size_t components = std::string_view(type) == "SCALAR" ? 1
                                    : std::string_view(type) == "VEC3" ? 3
                                    : std::string_view(type) == "VEC4" ? 4
                                                                       : 16;
+    if constexpr (std::same_as<T, float>) {
+      if (!std::ranges::all_of(values, [](float x) { return std::isfinite(x); }))
+        raise<numeric_error>(301, "GLB: a number is too large for single precision");
+    }
     binary_.resize((binary_.size() + 3) / 4 * 4);
     nlohmann::ordered_json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
     if (target != none) view["target"] = static_cast<int>(target);
@@ -13395,6 +13409,44 @@ inline void write_glove(const FilePath& stem, const GloVe& glove) {
   write_npy(base + "_data.npy", NpyArray::of(std::span<const float>(vectors), {glove.size(), glove.width()}));
   write_file(base + "_words.pkl", std::string_view(detail::pickled_words(words, false)));
   write_file(base + "_idx.pkl", std::string_view(detail::pickled_words(words, true)));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_GUO_EVALUATOR_FILE_HPP  // <motionlang/io/guo_evaluator_file.hpp>
+#define MOTIONLANG_HAS_IO_GUO_EVALUATOR_FILE_HPP
+/// The published checkpoint of Guo's evaluator.
+///
+///     const auto evaluator = load_guo_evaluator<B>(open_weights("text_mot_match/model/finest.tar", {.path = ""}));
+///
+/// Source  Guo et al. (CVPR 2022), networks/evaluator_wrapper.py; spec evaluation-guo.md 2
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
+inline GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
+  const RunFolder no_options{};
+  const detail::RunReader t(no_options, file, "");
+  const std::string movement = "movement_encoder.main.", text = "text_encoder.";
+  return {.features = t.size(movement + "0.weight", 1) + 4,
+          .movement_hidden = t.size(movement + "0.weight", 0),
+          .movement_latent = t.size(movement + "3.weight", 0),
+          .word = t.size(text + "pos_emb.weight", 0),
+          .pos = t.size(text + "pos_emb.weight", 1),
+          .text_hidden = t.size(text + "hidden", 2),
+          .motion_hidden = t.size("motion_encoder.hidden", 2),
+          .embedding = t.size(text + "output_net.3.weight", 0)};
+}
+
+/// The networks, ready to run. States of optimisers beside them are passed over. Throws io_error 406, 407, numeric_error 301.
+template <Backend B>
+GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
+  NoInit zeros;
+  GuoEvaluator<B> networks(guo_evaluator_config(file), zeros);
+  detail::load_run_module(networks, file, "", [](const std::string& name) { return name.starts_with("opt_"); });
+  prepare(networks);
+  return networks;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

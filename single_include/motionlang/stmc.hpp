@@ -2894,7 +2894,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -2905,8 +2904,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -2947,6 +2945,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -2955,7 +2954,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
@@ -4032,7 +4031,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -4043,8 +4041,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -4085,6 +4082,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -4093,7 +4091,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
@@ -5168,7 +5166,6 @@ struct AttentionHead {
   const Attention<S>& t;
   Index head, q0, k0, queries, keys;
   const S *q, *k, *v;
-  S* o;
 
   AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
       : t(a),
@@ -5179,8 +5176,7 @@ struct AttentionHead {
         keys(a.k_offsets[sequence + 1] - k0),
         q(a.q + q0 * a.q_stride + head * a.width),
         k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width),
-        o(a.o + q0 * a.o_stride + head * a.width) {}
+        v(a.v + k0 * a.v_stride + head * a.width) {}
 
   /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
   MOTIONLANG_INLINE void weights(Index query, S* row) const {
@@ -5221,6 +5217,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
   S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
@@ -5229,7 +5226,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply(h.q + first * t.q_stride, t.q_stride, Index{1}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
-    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, h.o + first * t.o_stride, t.o_stride, scratch, false);
+    P::multiply(scores, pitch, Index{1}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
 }
