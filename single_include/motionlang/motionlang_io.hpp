@@ -6714,7 +6714,7 @@ class AmcParser {
         header(word);
       } else if (word.find_first_not_of("0123456789") == word.npos) {
         if (!scan_.began_line())
-          scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that does not begin a line");
+          scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that begins no line");
         new_frame();
       } else {
         values(word);
