@@ -6720,6 +6720,7 @@ class AmcParser {
         values(word);
       }
     }
+    if (motion_.root.empty()) scan_.fail(402, "no frame");
     motion_.validate();
     return std::move(motion_);
   }
@@ -12755,6 +12756,20 @@ class GltfAnimation {
   const std::string& name() const { return name_; }
   /// Time of the last key, seconds.
   double duration() const { return duration_; }
+  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at 0.
+  std::optional<double> rate() const {
+    const auto all = lists_of_times();
+    if (all.empty()) return std::nullopt;
+    const auto most = std::ranges::max_element(all, {}, [](const auto* times) { return times->size(); });
+    if ((*most)->size() < 2) return std::nullopt;
+    const double step = duration_ / static_cast<double>((*most)->size() - 1);
+    const auto is_frame = [step](double t) { return std::abs(t / step - std::round(t / step)) < 0.01; };
+    for (const auto* times : all) {
+      if (!std::ranges::all_of(*times, is_frame)) return std::nullopt;
+    }
+    const double rate = 1 / step, round = std::round(1000 * rate) / 1000;  // times are floats
+    return std::abs(rate - round) <= std::numeric_limits<float>::epsilon() * rate ? round : rate;
+  }
   bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
 
   /// Transform of a node, from its transform at rest; the scale stays.
@@ -12776,6 +12791,14 @@ class GltfAnimation {
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
 
  private:
+  /// Channels may share them: each once.
+  std::set<const std::vector<double>*> lists_of_times() const {
+    std::set<const std::vector<double>*> out;
+    for (const auto* channels : {&translations_, &rotations_, &scales_}) {
+      for (const auto& [node, c] : *channels) out.insert(c.times.get());
+    }
+    return out;
+  }
   static bool leaves(const std::map<int, GltfChannel>& channels, int node, const Vec3<double>& rest) {
     const auto c = channels.find(node);
     if (c == channels.end()) return false;
@@ -13017,11 +13040,19 @@ class GlbFile {
     return names;
   }
 
-  /// The animation at `fps` frames per second, from time 0 to its last key.
+  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one rate of
+  /// 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
+  double rate(Index animation) const {
+    const double own = at(animation).rate().value_or(0);
+    return own >= 10 && own <= 1000 ? own : 30;
+  }
+
+  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
-  Motion motion(Index animation, double fps = 30) const {
+  Motion motion(Index animation, std::optional<double> wanted = {}) const {
     const detail::GltfAnimation& a = at(animation);
+    const double fps = wanted ? *wanted : rate(animation);
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
     const double last = a.duration() * fps;  // the time of the last key is a float
     const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
@@ -13035,7 +13066,7 @@ class GlbFile {
     return motion;
   }
   /// The animation of that name. Throws config_error 103, and what motion(number) throws.
-  Motion motion(std::string_view animation, double fps = 30) const {
+  Motion motion(std::string_view animation, std::optional<double> fps = {}) const {
     for (std::size_t i = 0; i < animations_.size(); ++i) {
       if (animations_[i].name() == animation) return motion(static_cast<Index>(i), fps);
     }
@@ -13097,7 +13128,7 @@ class GlbFile {
 
 struct GlbReadOptions {
   std::string animation{};  // by name; "": the first
-  double fps = 30;
+  std::optional<double> fps{};  // none: GlbFile::rate
   Index skin = 0;
 };
 

@@ -235,7 +235,7 @@ TEST_CASE("index: listing, removing, captions") {
                  0, {"6 clips", "there is no clip '", "nobody'"});
   check_contains(g.run({"index", "-o", "moves.index", "--list"}), 0,
                  {"straight.bvh\t0.50\t2.00\t20\t30\ta person walks\tCC0 1.0\n",
-                  "two.glb#spin\t0.00\t1.97\t30\t59\t\tCC0 1.0", "a person turns left | turns\tCC0"});
+                  "two.glb#spin\t0.00\t2.00\t20\t40\t\tCC0 1.0", "a person turns left | turns\tCC0"});
   const auto hits = g.search({"a person turns left", "--captions"});
   REQUIRE(hits.size() == 2);
   CHECK(file_of(hits[0]) == "left.bvh");

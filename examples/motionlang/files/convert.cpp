@@ -416,7 +416,7 @@ void add_convert(CLI::App& app) {
   const CLI::Option* store =
       c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
           ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
-  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given, of a GLB input 30")
+  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given; of a GLB input whose keys are at no frames 30")
       ->check(positive());
   c->add_option("--from", o->from, "Begin, seconds")->check(not_negative());
   c->add_option("--to", o->to, "End, seconds")->check(positive());

@@ -141,7 +141,7 @@ std::string left_out(const std::filesystem::path& path, const std::vector<std::s
 }
 
 /// Each joint that some animation stretches is told once.
-std::vector<ml::Motion> every_animation(const std::filesystem::path& path, double fps, std::string* told) {
+std::vector<ml::Motion> every_animation(const std::filesystem::path& path, std::optional<double> fps, std::string* told) {
   const auto file = ml::GlbFile::open(path);
   std::vector<ml::Motion> motions;
   std::vector<std::string> stretched;

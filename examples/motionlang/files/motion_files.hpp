@@ -23,11 +23,11 @@ namespace program {
 namespace ml = motionlang;
 
 struct MotionReadOptions {
-  double scale = 0.01;  // metres per unit of a BVH file
-  double fps = 30;      // of a GLB file, whose keys have times of their own
-  double rate = 0;      // of an .npy or .amc file, which has none; 0: as published, 120 for AMC
-  std::string up{};     // axis of an .npy file with positions, "y" or "z"; "": found
-  std::string asf{};    // skeleton of an AMC file; "": asf_beside
+  double scale = 0.01;          // metres per unit of a BVH file
+  std::optional<double> fps{};  // of a GLB file, whose keys have times of their own; none: their rate, or 30
+  double rate = 0;              // of an .npy or .amc file, which has none; 0: as published, 120 for AMC
+  std::string up{};             // axis of an .npy file with positions, "y" or "z"; "": found
+  std::string asf{};            // skeleton of an AMC file; "": asf_beside
 
   /// --scale, --rate, --up, --asf
   void add_to(CLI::App& command);

@@ -69,6 +69,7 @@ class AmcParser {
         values(word);
       }
     }
+    if (motion_.root.empty()) scan_.fail(402, "no frame");
     motion_.validate();
     return std::move(motion_);
   }

@@ -11,6 +11,7 @@
 #include <algorithm>  // max
 #include <cmath>      // floor
 #include <limits>     // precision of a float
+#include <optional>   // frame rates
 
 #include <motionlang/io/detail/gltf_skeleton.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -54,11 +55,19 @@ class GlbFile {
     return names;
   }
 
-  /// The animation at `fps` frames per second, from time 0 to its last key.
+  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one rate of
+  /// 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
+  double rate(Index animation) const {
+    const double own = at(animation).rate().value_or(0);
+    return own >= 10 && own <= 1000 ? own : 30;
+  }
+
+  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says.
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
-  Motion motion(Index animation, double fps = 30) const {
+  Motion motion(Index animation, std::optional<double> wanted = {}) const {
     const detail::GltfAnimation& a = at(animation);
+    const double fps = wanted ? *wanted : rate(animation);
     if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
     const double last = a.duration() * fps;  // the time of the last key is a float
     const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
@@ -72,7 +81,7 @@ class GlbFile {
     return motion;
   }
   /// The animation of that name. Throws config_error 103, and what motion(number) throws.
-  Motion motion(std::string_view animation, double fps = 30) const {
+  Motion motion(std::string_view animation, std::optional<double> fps = {}) const {
     for (std::size_t i = 0; i < animations_.size(); ++i) {
       if (animations_[i].name() == animation) return motion(static_cast<Index>(i), fps);
     }
@@ -134,7 +143,7 @@ class GlbFile {
 
 struct GlbReadOptions {
   std::string animation{};  // by name; "": the first
-  double fps = 30;
+  std::optional<double> fps{};  // none: GlbFile::rate
   Index skin = 0;
 };
 

@@ -192,6 +192,8 @@ TEST_CASE("AMC: malformed motions are refused where they are wrong") {
   refuses("shin 3", "numbers of 'shin' before the first frame");
   refuses("1\nshin x", "expected a value of the motion, found 'x'");
   refuses("1\nroot 1 2 3", "[motionlang.io.402]");
+  refuses("", "no frame");
+  refuses("#!OML\n:DEGREES\n", "[motionlang.io.402]");
   refuses("1\nshin nan", "[motionlang.io.403]");
   refuses("1\n shin 90 7\n2\n", "[motionlang.io.403] m.amc:2:10: '7' is a value too many");
   refuses("1 2\nshin 90", "[motionlang.io.403] m.amc:1:3: '2' is a value too many");

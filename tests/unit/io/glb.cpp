@@ -100,13 +100,42 @@ TEST_CASE("a motion comes back") {
   for (const int frames : {1, 50}) {
     const ml::Motion motion = synthetic::walk({.frames = frames, .turn = 0.5});
     ml::write_glb(folder / "walk.glb", motion);
-    const ml::Motion back = ml::read_glb(folder / "walk.glb", {.fps = 20});
+    const ml::Motion back = ml::read_glb(folder / "walk.glb");
+    if (frames > 1) CHECK(back.fps == 20);
     CHECK(back.name == "walk");
     CHECK(back.frames() == frames);
     CHECK(back.skeleton.names == motion.skeleton.names);
     CHECK(back.skeleton.parents == motion.skeleton.parents);
     CHECK(synthetic::largest_distance(motion, back) < 1e-5);
   }
+}
+
+TEST_CASE("the frame rate is that of the keys, where they are at frames") {
+  for (const double fps : {12.5, 20.0, 24000 / 1001.0, 30.0, 120.0}) {
+    ml::Motion motion = synthetic::walk({.frames = 700});
+    motion.fps = fps;
+    const ml::GlbFile file(ml::glb_bytes(std::span(&motion, 1)), "memory");
+    CHECK(file.rate(0) == doctest::Approx(fps).epsilon(1e-6));
+    CHECK(file.motion(0).frames() == 700);
+  }
+  struct Keys {
+    std::vector<float> times, others;  // of the arm, of its hand
+    double rate;
+  };
+  for (const auto& keys : {Keys{{0, 0.05F, 0.1F, 0.15F}, {0, 0.15F}, 20}, {{0, 0.05F, 0.1F, 0.15F}, {0.07F}, 30},
+                           {{0, 0.05F, 0.1F}, {0.15F}, 30}, {{0, 0.05F, 0.15F}, {0}, 30}, {{0, 0.5F, 1}, {0}, 30},
+                           {{0, 1e-4F}, {0}, 30}, {{0.05F, 0.1F, 0.15F}, {0.15F}, 30}, {{0}, {0}, 30}}) {
+    Builder b = two_joints();
+    b.document.erase("animations");
+    const auto animate = [&](int node, const std::vector<float>& times) {
+      std::vector<float> values;
+      for (std::size_t k = 0; k < times.size(); ++k) values.insert(values.end(), {0, 0, 0, 1});
+      b.animate(node, "rotation", b.floats(times, "SCALAR"), b.floats(values, "VEC4"));
+    };
+    animate(0, keys.times), animate(1, keys.others);
+    CHECK(b.file().rate(0) == keys.rate);
+  }
+  CHECK_THROWS_WITH_AS(two_joints().file().rate(1), doctest::Contains("103"), ml::config_error);
 }
 
 TEST_CASE("several motions, by name and by number; other frame rates keep the speed") {

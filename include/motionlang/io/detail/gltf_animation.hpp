@@ -2,8 +2,12 @@
 /// Animations of a glTF document: the transform of any node at any time. Source: glTF 2.0, 3.11 and appendix C.
 #pragma once
 
-#include <array>  // values
-#include <map>    // channels by node
+#include <array>     // values
+#include <cmath>     // round
+#include <limits>    // precision of a float
+#include <map>       // channels by node
+#include <optional>  // rate
+#include <set>       // lists of times
 
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/io/detail/gltf_document.hpp>
@@ -83,6 +87,20 @@ class GltfAnimation {
   const std::string& name() const { return name_; }
   /// Time of the last key, seconds.
   double duration() const { return duration_; }
+  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at 0.
+  std::optional<double> rate() const {
+    const auto all = lists_of_times();
+    if (all.empty()) return std::nullopt;
+    const auto most = std::ranges::max_element(all, {}, [](const auto* times) { return times->size(); });
+    if ((*most)->size() < 2) return std::nullopt;
+    const double step = duration_ / static_cast<double>((*most)->size() - 1);
+    const auto is_frame = [step](double t) { return std::abs(t / step - std::round(t / step)) < 0.01; };
+    for (const auto* times : all) {
+      if (!std::ranges::all_of(*times, is_frame)) return std::nullopt;
+    }
+    const double rate = 1 / step, round = std::round(1000 * rate) / 1000;  // times are floats
+    return std::abs(rate - round) <= std::numeric_limits<float>::epsilon() * rate ? round : rate;
+  }
   bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
 
   /// Transform of a node, from its transform at rest; the scale stays.
@@ -104,6 +122,14 @@ class GltfAnimation {
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
 
  private:
+  /// Channels may share them: each once.
+  std::set<const std::vector<double>*> lists_of_times() const {
+    std::set<const std::vector<double>*> out;
+    for (const auto* channels : {&translations_, &rotations_, &scales_}) {
+      for (const auto& [node, c] : *channels) out.insert(c.times.get());
+    }
+    return out;
+  }
   static bool leaves(const std::map<int, GltfChannel>& channels, int node, const Vec3<double>& rest) {
     const auto c = channels.find(node);
     if (c == channels.end()) return false;
