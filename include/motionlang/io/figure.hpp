@@ -5,6 +5,7 @@
 
 #include <algorithm>  // max, min
 #include <cctype>     // tolower
+#include <optional>   // soles
 
 #include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
@@ -95,20 +96,13 @@ struct Anatomy {
 
 /// A foot is a bone near the floor that ends there and goes forward: it gets a sole from the heel to the tip of the
 /// toes.
-inline void add_sole(const Skeleton& skeleton, const Anatomy& anatomy, std::size_t j, RoundCone bone,
-                     std::vector<RoundCone>& out) {
-  const double unit = anatomy.size / 1.6;
-  double floor = anatomy.rest[j].y;
-  for (const auto& p : anatomy.rest) floor = std::min(floor, p.y);
-  const Vec3<double> forward{skeleton.offsets[j].x, 0, skeleton.offsets[j].z};
-  const double start_height = anatomy.rest[j].y - skeleton.offsets[j].y - floor;
-  if (start_height > 0.15 * unit || anatomy.reach[j] > 0.12 * unit || bone.side == Side::middle) return;
-  if (norm(forward) < 0.05 * unit) return;
-  bone.from = skeleton.offsets[j] - 1.25 * forward;
-  bone.to = skeleton.offsets[j] + 0.3 * forward;
-  bone.radius_from = 0.034 * unit;
-  bone.radius_to = 0.026 * unit;
-  out.push_back(bone);
+inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bone, double reach) {
+  const double unit = anatomy.size / 1.6, start = anatomy.rest[static_cast<std::size_t>(bone.joint)].y;
+  const double floor = std::ranges::min(anatomy.rest, {}, &Vec3<double>::y).y;
+  const Vec3<double> forward{bone.to.x, 0, bone.to.z};
+  if (start - floor > 0.15 * unit || reach > 0.12 * unit || bone.side == Side::middle) return std::nullopt;
+  if (norm(forward) < 0.05 * unit) return std::nullopt;
+  return RoundCone{bone.joint, bone.to - 1.25 * forward, bone.to + 0.3 * forward, 0.034 * unit, 0.026 * unit, bone.side};
 }
 
 }  // namespace detail
@@ -141,7 +135,12 @@ inline Figure make_figure(const Skeleton& skeleton) {
     if (is_middle(j) && !anatomy.trunk[j]) cone.radius_to = std::max(cone.radius_to, 0.045 * unit);  // neck
     if (!anatomy.trunk[p]) cone.side = anatomy.side[j];
     figure.cones.push_back(cone);
-    detail::add_sole(skeleton, anatomy, j, cone, figure.cones);
+    if (const auto sole = detail::sole(anatomy, cone, anatomy.reach[j])) figure.cones.push_back(*sole);
+  }
+  for (std::size_t j = 0; j < skeleton.ends.size(); ++j) {  // feet without joints of toes
+    if (anatomy.reach[j] > 0) continue;
+    const RoundCone cone{static_cast<int>(j), {}, skeleton.ends[j], limb_radius(j), limb_radius(j), anatomy.side[j]};
+    if (const auto sole = detail::sole(anatomy, cone, 0)) figure.cones.insert(figure.cones.end(), {cone, *sole});
   }
   if (anatomy.head >= 0) {
     const Vec3<double> up = normalized(skeleton.offset(anatomy.head));

@@ -101,6 +101,32 @@ TEST_CASE("a root on the floor has no trunk above it") {
   for (const auto& c : figure.cones) CHECK(c.joint != 0);
 }
 
+TEST_CASE("feet that are ends of bones are drawn like those with joints of toes") {
+  const auto& smpl = ml::smpl24_skeleton();
+  std::vector<ml::Joint> joints;
+  std::vector<ml::Vec3<double>> ends;
+  for (int j = 0; j < smpl.size(); ++j) {
+    const std::string& name = smpl.name(j);
+    if (name == "left_foot" || name == "right_foot") continue;
+    joints.push_back({name, j == 0 ? "" : smpl.name(smpl.parent(j)), smpl.offset(j)});
+    const bool ankle = name == "left_ankle" || name == "right_ankle";
+    ends.push_back(ankle ? smpl.offset(smpl[name == "left_ankle" ? "left_foot" : "right_foot"]) : ml::Vec3<double>{});
+  }
+  ml::Skeleton s = ml::Skeleton::from_joints(joints);
+  CHECK(ml::make_figure(s).cones.size() == ml::make_figure(smpl).cones.size() - 4);
+  s.ends = ends;
+  const ml::Figure figure = ml::make_figure(s);
+  CHECK(figure.cones.size() == ml::make_figure(smpl).cones.size());
+  for (const char* name : {"left_ankle", "right_ankle"}) {
+    const auto last = std::find_if(figure.cones.rbegin(), figure.cones.rend(),
+                                   [&](const ml::RoundCone& c) { return c.joint == s[name]; });
+    REQUIRE(last != figure.cones.rend());
+    CHECK(last->to.z > 0.1);    // the sole goes ahead
+    CHECK(last->from.z < 0.0);  // from the heel
+    CHECK(last->side == ml::detail::side_of_name(name));
+  }
+}
+
 TEST_CASE("a film strip of a walk with texts") {
   const TemporaryFolder folder;
   const ml::Motion motion = synthetic::walk({.frames = 120, .turn = 0.3});
