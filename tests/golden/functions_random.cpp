@@ -28,7 +28,12 @@ std::vector<ml::Index> counted(ml::Index n) {
 /// A generator from the seed of a case, which may be negative or above 2^63.
 template <class G>
 G seeded(const ml::JsonView& seed) {
-  return seed.json().is_number_unsigned() ? G(seed.as<std::uint64_t>()) : G(seed.as<std::int64_t>());
+  if (seed.json().is_number_unsigned()) return G(seed.as<std::uint64_t>());
+  const auto number = seed.as<std::int64_t>();
+  if constexpr (std::same_as<G, ml::PythonRandom>)
+    return G(number);  // takes its absolute value
+  else
+    return G(static_cast<std::uint64_t>(number));
 }
 
 template <class S>

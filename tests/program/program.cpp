@@ -91,7 +91,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
   for (const auto& [command, names] : options) {
     const auto help = run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
-    for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), command, " ", name);
+    for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), name, " in: ", help.text);
   }
 }
 

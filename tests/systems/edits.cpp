@@ -125,7 +125,7 @@ TEST_CASE("edit after edit from the record of the run before") {
   ml::StmcRecord<B> record;
   ml::generate_recorded(model, std::vector{chain(seven)}, rng, options, record);
   auto t = chain(seven);
-  for (std::size_t i : {0, 6, 3}) {
+  for (std::size_t i : {0u, 6u, 3u}) {
     t.intervals[i].text = "raise both arms";
     t.intervals[i].parts = BodyParts{}.with(ml::BodyPart::spine);
     ml::StmcReuse reuse;

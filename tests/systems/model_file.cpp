@@ -45,9 +45,12 @@ ml::Stmc<B> load(const std::vector<std::byte>& bytes) {
   return ml::load_stmc<B>(ml::SafetensorsFile::from_bytes(bytes, "model.safetensors"));
 }
 
-/// The id of the refusal and its message; 0 if the file is accepted.
+struct Refusal {
+  int id = 0;  // 0: the file is accepted
+  std::string message;
+};
 template <class F>
-std::pair<int, std::string> refusal(F load) {
+Refusal refusal(F load) {
   try {
     load();
     return {0, "accepted"};
@@ -60,10 +63,10 @@ void check_refused(Change change, int id, const std::vector<std::string>& said) 
   Parts parts;
   change(parts);
   const auto bytes = parts.bytes();
-  const auto [found, message] = refusal([&] { load(bytes); });
-  CHECK_MESSAGE(found == id, message);
-  CHECK_MESSAGE(message.find("model.safetensors") != std::string::npos, message);
-  for (const std::string& part : said) CHECK_MESSAGE(message.find(part) != std::string::npos, message);
+  const auto refused = refusal([&] { load(bytes); });
+  CHECK_MESSAGE(refused.id == id, refused.message);
+  CHECK_MESSAGE(refused.message.find("model.safetensors") != std::string::npos, refused.message);
+  for (const std::string& part : said) CHECK_MESSAGE(refused.message.find(part) != std::string::npos, refused.message);
 }
 void check_metadata(const std::string& key, const std::string& value, int id, const std::vector<std::string>& said) {
   check_refused([&](Parts& p) { p.metadata[key] = value; }, id, said);
@@ -167,11 +170,11 @@ TEST_CASE("a save that fails leaves the old file") {
   const auto ignore = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small_files{1024, old.rlim_max};
   ::setrlimit(RLIMIT_FSIZE, &small_files);
-  const auto [id, message] = refusal([&] { ml::save_stmc(path, model, small::config(), {{"license", "other"}}); });
+  const auto refused = refusal([&] { ml::save_stmc(path, model, small::config(), {{"license", "other"}}); });
   ::setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, ignore);
-  CHECK(id == 401);
-  CHECK_MESSAGE(message.find(path.string()) != std::string::npos, message);
+  CHECK(refused.id == 401);
+  CHECK_MESSAGE(refused.message.find(path.string()) != std::string::npos, refused.message);
   check_unchanged();
 
   // half precision ends at 65504: a file with an infinite weight could not be loaded any more
@@ -217,14 +220,15 @@ TEST_CASE("numbers that are none") {
 
 TEST_CASE("metadata: every key is needed and checked") {
   const Parts good;
-  for (const auto& [key, value] : good.metadata) {
+  for (const auto& entry : good.metadata) {
+    const std::string& key = entry.first;
     if (key == "diffusion.noise_scale" || key == "denoiser.activation" || key == "denoiser.max_len" ||
         key == "text.longest" || key == "sampling")
       continue;  // have defaults
     Parts parts;
     parts.metadata.erase(key);
     const auto bytes = parts.bytes();
-    const int id = refusal([&] { load(bytes); }).first;
+    const int id = refusal([&] { load(bytes); }).id;
     CHECK_MESSAGE((id == 103 || id == 107), key);
   }
   check_metadata("model", "tmr", 103, {"not an STMC model of format 1"});
@@ -262,9 +266,9 @@ TEST_CASE("hostile sizes are refused before memory is taken") {
       Parts parts;
       parts.metadata[key] = size;
       const auto bytes = parts.bytes();
-      const auto [id, message] = refusal([&] { load(bytes); });
-      CHECK_MESSAGE((id == 101 || id == 107), message);
-      CHECK_MESSAGE(message.find(key) != std::string::npos, message);
+      const auto refused = refusal([&] { load(bytes); });
+      CHECK_MESSAGE((refused.id == 101 || refused.id == 107), refused.message);
+      CHECK_MESSAGE(refused.message.find(key) != std::string::npos, refused.message);
     }
     // within the limits, but not what the tensors are: refused by the first tensor that disagrees
     if (key == "diffusion.steps" || key == "denoiser.nfeats" || key.ends_with("heads")) continue;
@@ -272,8 +276,8 @@ TEST_CASE("hostile sizes are refused before memory is taken") {
     Parts parts;
     parts.metadata[key] = key.ends_with("layers") || key.ends_with("registers") ? "256" : "8192";
     const auto bytes = parts.bytes();
-    const auto [id, message] = refusal([&] { load(bytes); });
-    CHECK_MESSAGE((id == 406 || id == 407), message);
+    const auto refused = refusal([&] { load(bytes); });
+    CHECK_MESSAGE((refused.id == 406 || refused.id == 407), refused.message);
   }
   ::getrusage(RUSAGE_SELF, &after);
   CHECK(after.ru_maxrss - before.ru_maxrss < 32 * 1024);  // kilobytes
@@ -284,8 +288,8 @@ TEST_CASE("a file that ends too early is refused wherever it ends") {
   for (std::size_t end :
        {std::size_t{0}, std::size_t{7}, std::size_t{8}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
     const std::vector<std::byte> part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end));
-    const auto [id, message] = refusal([&] { load(part); });
-    CHECK_MESSAGE(id == 402, message);
+    const auto refused = refusal([&] { load(part); });
+    CHECK_MESSAGE(refused.id == 402, refused.message);
   }
-  CHECK(refusal([] { ml::load_stmc<B>("/nowhere/model.safetensors"); }).first == 401);
+  CHECK(refusal([] { ml::load_stmc<B>("/nowhere/model.safetensors"); }).id == 401);
 }

@@ -124,7 +124,7 @@ TEST_CASE("every text goes through the text encoder once, however often the time
     CHECK(*listening.text_encoder.calls == std::vector<std::vector<std::string>>{{"", "walk forward", "sit down"}});
     listening.text_encoder.calls->clear();
     const auto same = model.generate(timelines, noise_rng, {.mode = mode});
-    for (std::size_t m : {0, 1}) CHECK(small::numbers(motions[m]) == small::numbers(same[m]));
+    for (std::size_t m : {0u, 1u}) CHECK(small::numbers(motions[m]) == small::numbers(same[m]));
   }
 }
 

@@ -56,7 +56,8 @@ TEST_CASE("nothing is overwritten, and nothing half written stays") {
   const std::vector<fs::path> missing{folder / "nothing"};
   CHECK_ERROR(ml::write_model_folder(path, sample(), tensors().views(), missing), "cannot copy the text encoder");
   CHECK(entries(folder.path) == 0);
-  const std::vector<ml::TensorView> twice(2, tensors().views().front());
+  const ml::TensorStore store = tensors();
+  const std::vector<ml::TensorView> twice(2, store.views().front());
   CHECK_THROWS(ml::write_model_folder(path, sample(), twice));
   CHECK(entries(folder.path) == 0);
   ml::write_model_folder(path.string() + "/", sample(), tensors().views());
