@@ -398,7 +398,7 @@ TEST_CASE("evaluate: ACTOR as published, judged by classifiers as published and 
   const auto by_stgcn = [&](const ml::Motion& m) {
     const auto rows = ml::actor_rows_of_motion(m);
     std::vector<float> rotations;
-    for (std::size_t f = 0; f < 60; ++f)
+    for (std::ptrdiff_t f = 0; f < 60; ++f)
       rotations.insert(rotations.end(), rows.begin() + 150 * f, rows.begin() + 150 * f + 144);
     return std::as_const(stgcn)(sequence(rotations)).logits;
   };

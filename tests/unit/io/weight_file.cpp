@@ -330,7 +330,8 @@ std::vector<std::byte> changed_archive(std::string_view more, const std::string&
 }  // namespace
 
 TEST_CASE("PyTorch: what follows the pickle is told, two roots are refused") {
-  const auto file = ml::WeightFile::from_bytes(changed_archive("more"), "x.pt");
+  const auto bytes = changed_archive("more");
+  const auto file = ml::WeightFile::from_bytes(bytes, "x.pt");
   CHECK(floats(file, "h") == std::vector<float>{1, -2.5F});
   CHECK(file.skipped() == Skipped{{"", "4 bytes behind the end of data.pkl"}});
   CHECK(ml::WeightFile::from_bytes(changed_archive(""), "x.pt").skipped().empty());
