@@ -26,6 +26,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   if (width <= 0 || std::ssize(values) % width != 0) {
     raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
   }
+  if (values.empty()) return {};
   const auto radius = static_cast<Index>(4 * sigma + 0.5);
   std::vector<double> kernel;
   double sum = 0;
@@ -36,7 +37,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   for (double& w : kernel) w /= sum;
   const Index frames = std::ssize(values) / width, size = frames * width;
   std::vector<double> longer, sums(values.size());  // the values with the ends going on
-  for (Index t = -radius; frames > 0 && t < frames + radius; ++t) {
+  for (Index t = -radius; t < frames + radius; ++t) {
     const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
     for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
   }
