@@ -5846,6 +5846,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   if (width <= 0 || std::ssize(values) % width != 0) {
     raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
   }
+  if (values.empty()) return {};
   const auto radius = static_cast<Index>(4 * sigma + 0.5);
   std::vector<double> kernel;
   double sum = 0;
@@ -5856,7 +5857,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   for (double& w : kernel) w /= sum;
   const Index frames = std::ssize(values) / width, size = frames * width;
   std::vector<double> longer, sums(values.size());  // the values with the ends going on
-  for (Index t = -radius; frames > 0 && t < frames + radius; ++t) {
+  for (Index t = -radius; t < frames + radius; ++t) {
     const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
     for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
   }
@@ -10649,6 +10650,44 @@ GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words,
 #define MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP
 /// Transformer encoder over packed sequences, post-norm or pre-norm.
 
+#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
+#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
+/// A few sequences of a batch at a time through a whole stack of layers.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Sequences first ... last-1.
+inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
+  PoolVector<Index> lengths;
+  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+template <Backend B>
+Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
+  if (first == 0 && last == x.count()) return x;
+  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
+}
+
+/// The rows f(first, last) of sequences first ... last-1, a few of them at a time, in groups of nearly equal size: what one layer
+/// writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at once.
+/// Where gradients are kept or dropout counts rows it is called for all at once.
+template <Backend B, class F>
+Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
+  const Index at_once = 256 * thread_count(), rows = offsets.rows(), count = offsets.count();
+  if (AutodiffBackend<B> || context.dropout || rows <= at_once) return f(Index{0}, count);
+  const Index groups = (rows + at_once - 1) / at_once;
+  PoolVector<Tensor<B, 2>> parts;
+  for (Index first = 0, last = 0, group = 1; first < count; first = last, ++group) {
+    do ++last;
+    while (last < count && offsets.end(last) * groups <= rows * group);
+    parts.push_back(f(first, last));
+  }
+  return concat(std::span<const Tensor<B, 2>>(parts), 0);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TransformerConfig {
@@ -10738,12 +10777,14 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    Tensor<B, 2> rows = x.rows;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
-      rows = run_layer(layers[i], rows, x.offsets, context);
-    }
-    return x.with(std::move(rows));
+    return x.with(detail::in_groups<B>(x.offsets, context, [&](Index first, Index last) {
+      auto some = detail::some_sequences(x, first, last);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        const ModuleScope scope("layers.", i);
+        some.rows = run_layer(layers[i], some.rows, some.offsets, context);
+      }
+      return some.rows;
+    }));
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
@@ -11346,34 +11387,6 @@ Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& fram
 }
 
 namespace detail {
-
-/// Sequences first ... last-1.
-inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
-  PoolVector<Index> lengths;
-  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
-template <Backend B>
-Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
-  if (first == 0 && last == x.count()) return x;
-  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
-}
-
-/// The rows f(first, last) of sequences first ... last-1, a few of them at a time: what one layer writes is still in the cache when
-/// the next reads it. f treats each sequence on its own, so the numbers are those of all at once. Where gradients are kept or dropout
-/// counts rows it is called for all at once.
-template <Backend B, class F>
-Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
-  const Index at_once = 256 * thread_count(), count = offsets.count();
-  if (AutodiffBackend<B> || context.dropout || offsets.rows() <= at_once) return f(Index{0}, count);
-  std::vector<Tensor<B, 2>> parts;
-  for (Index first = 0, last = 0; first < count; first = last) {
-    do ++last;
-    while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
-    parts.push_back(f(first, last));
-  }
-  return concat(std::span<const Tensor<B, 2>>(parts), 0);
-}
 
 /// A post-norm layer for rows that attend to `x` and are not attended to: tokens behind the last layer, padding.
 template <Backend B>
@@ -28899,14 +28912,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -28941,7 +28955,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -28949,6 +28963,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -28959,14 +28975,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -29060,6 +29080,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -29069,6 +29092,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -29689,13 +29714,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -29715,6 +29740,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -30036,14 +30065,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -30078,7 +30108,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -30086,6 +30116,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -30096,14 +30128,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -30197,6 +30233,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -30206,6 +30245,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -30826,13 +30867,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -30852,6 +30893,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -31171,14 +31216,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -31213,7 +31259,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -31221,6 +31267,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -31231,14 +31279,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -31332,6 +31384,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -31341,6 +31396,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -31961,13 +32018,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -31987,6 +32044,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -32389,7 +32450,8 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 /// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
 template <class S, class F>
 void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
-  const Index threads = thread_count(), row_parts = small ? 1 : parts(rows, row_block);
+  const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // the same number for every thread
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
   const Scratch<S> scratch(scratch_count);
@@ -32732,31 +32794,21 @@ struct ScanKernels {
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
 
-/// out[r] = <row r, query>. Four rows at a time: one load of the query serves all.
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
-  const Index whole = width / l * l;
-  Index r = 0;
-  for (; r + 4 <= count; r += 4) {
-    const S *x0 = rows + r * width, *x1 = x0 + width, *x2 = x1 + width, *x3 = x2 + width;
-    Vec<S> s0{}, s1{}, s2{}, s3{};
-    for (Index i = 0; i < whole; i += l) {
-      const Vec<S> q = load(query + i);
-      s0 += load(x0 + i) * q, s1 += load(x1 + i) * q, s2 += load(x2 + i) * q, s3 += load(x3 + i) * q;
-    }
-    S t0 = reduce_add<S>(s0), t1 = reduce_add<S>(s1), t2 = reduce_add<S>(s2), t3 = reduce_add<S>(s3);
-    for (Index i = whole; i < width; ++i) {
-      t0 += x0[i] * query[i], t1 += x1[i] * query[i], t2 += x2[i] * query[i], t3 += x3[i] * query[i];
-    }
-    out[r] = t0, out[r + 1] = t1, out[r + 2] = t2, out[r + 3] = t3;
-  }
-  for (; r < count; ++r) {
+  for (Index r = 0; r < count; ++r) {
     const S* x = rows + r * width;
-    Vec<S> s{};
-    for (Index i = 0; i < whole; i += l) s += load(x + i) * load(query + i);
-    S t = reduce_add<S>(s);
-    for (Index i = whole; i < width; ++i) t += x[i] * query[i];
+    Vec<S> s0{}, s1{}, s2{}, s3{};
+    Index i = 0;
+    for (; i + 4 * l <= width; i += 4 * l) {
+      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
+      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
+    }
+    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
+    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
+    for (; i < width; ++i) t += x[i] * query[i];
     out[r] = t;
   }
 }
@@ -32857,31 +32909,21 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
 
-/// out[r] = <row r, query>. Four rows at a time: one load of the query serves all.
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
-  const Index whole = width / l * l;
-  Index r = 0;
-  for (; r + 4 <= count; r += 4) {
-    const S *x0 = rows + r * width, *x1 = x0 + width, *x2 = x1 + width, *x3 = x2 + width;
-    Vec<S> s0{}, s1{}, s2{}, s3{};
-    for (Index i = 0; i < whole; i += l) {
-      const Vec<S> q = load(query + i);
-      s0 += load(x0 + i) * q, s1 += load(x1 + i) * q, s2 += load(x2 + i) * q, s3 += load(x3 + i) * q;
-    }
-    S t0 = reduce_add<S>(s0), t1 = reduce_add<S>(s1), t2 = reduce_add<S>(s2), t3 = reduce_add<S>(s3);
-    for (Index i = whole; i < width; ++i) {
-      t0 += x0[i] * query[i], t1 += x1[i] * query[i], t2 += x2[i] * query[i], t3 += x3[i] * query[i];
-    }
-    out[r] = t0, out[r + 1] = t1, out[r + 2] = t2, out[r + 3] = t3;
-  }
-  for (; r < count; ++r) {
+  for (Index r = 0; r < count; ++r) {
     const S* x = rows + r * width;
-    Vec<S> s{};
-    for (Index i = 0; i < whole; i += l) s += load(x + i) * load(query + i);
-    S t = reduce_add<S>(s);
-    for (Index i = whole; i < width; ++i) t += x[i] * query[i];
+    Vec<S> s0{}, s1{}, s2{}, s3{};
+    Index i = 0;
+    for (; i + 4 * l <= width; i += 4 * l) {
+      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
+      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
+    }
+    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
+    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
+    for (; i < width; ++i) t += x[i] * query[i];
     out[r] = t;
   }
 }
@@ -32982,31 +33024,21 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
 
-/// out[r] = <row r, query>. Four rows at a time: one load of the query serves all.
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
-  const Index whole = width / l * l;
-  Index r = 0;
-  for (; r + 4 <= count; r += 4) {
-    const S *x0 = rows + r * width, *x1 = x0 + width, *x2 = x1 + width, *x3 = x2 + width;
-    Vec<S> s0{}, s1{}, s2{}, s3{};
-    for (Index i = 0; i < whole; i += l) {
-      const Vec<S> q = load(query + i);
-      s0 += load(x0 + i) * q, s1 += load(x1 + i) * q, s2 += load(x2 + i) * q, s3 += load(x3 + i) * q;
-    }
-    S t0 = reduce_add<S>(s0), t1 = reduce_add<S>(s1), t2 = reduce_add<S>(s2), t3 = reduce_add<S>(s3);
-    for (Index i = whole; i < width; ++i) {
-      t0 += x0[i] * query[i], t1 += x1[i] * query[i], t2 += x2[i] * query[i], t3 += x3[i] * query[i];
-    }
-    out[r] = t0, out[r + 1] = t1, out[r + 2] = t2, out[r + 3] = t3;
-  }
-  for (; r < count; ++r) {
+  for (Index r = 0; r < count; ++r) {
     const S* x = rows + r * width;
-    Vec<S> s{};
-    for (Index i = 0; i < whole; i += l) s += load(x + i) * load(query + i);
-    S t = reduce_add<S>(s);
-    for (Index i = whole; i < width; ++i) t += x[i] * query[i];
+    Vec<S> s0{}, s1{}, s2{}, s3{};
+    Index i = 0;
+    for (; i + 4 * l <= width; i += 4 * l) {
+      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
+      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
+    }
+    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
+    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
+    for (; i < width; ++i) t += x[i] * query[i];
     out[r] = t;
   }
 }

@@ -596,14 +596,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -638,7 +639,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -646,6 +647,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -656,14 +659,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -757,6 +764,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -766,6 +776,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -1386,13 +1398,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -1412,6 +1424,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -1733,14 +1749,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -1775,7 +1792,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -1783,6 +1800,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -1793,14 +1812,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -1894,6 +1917,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -1903,6 +1929,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -2523,13 +2551,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -2549,6 +2577,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -2868,14 +2900,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -2910,7 +2943,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -2918,6 +2951,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -2928,14 +2963,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -3029,6 +3068,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -3038,6 +3080,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -3658,13 +3702,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -3684,6 +3728,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }

@@ -2620,14 +2620,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -2662,7 +2663,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -2670,6 +2671,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -2680,14 +2683,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -2781,6 +2788,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -2790,6 +2800,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -3410,13 +3422,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -3436,6 +3448,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -3757,14 +3773,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -3799,7 +3816,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -3807,6 +3824,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -3817,14 +3836,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -3918,6 +3941,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -3927,6 +3953,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -4547,13 +4575,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -4573,6 +4601,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -4892,14 +4924,15 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    256 of k at a time: a panel slice stays in the first-level cache, a block of A in the second. Eight panels at a time: the
-//            block of C that the next 256 of k are added to stays in the second as well.
+//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next of k are added to stays there as well.
+//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 256;
+inline constexpr Index depth_block = 512;
 inline constexpr Index row_block = 8 * tile_rows;
 inline constexpr Index panel_block = 8;
 
@@ -4934,7 +4967,7 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -4942,6 +4975,8 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
+  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
+  Index next_step = 0;
 };
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -4952,14 +4987,18 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     const Vec<S> b0 = load(panel), b1 = load(panel + l);
     panel += w;
-    __builtin_prefetch(panel + 8 * w);
-    __builtin_prefetch(panel + 8 * w + l);
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    __builtin_prefetch(next, 0, 2);
+    next += e.next_step;
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) {
       const S x = i < 3    ? p0[i * row_stride]
@@ -5053,6 +5092,9 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
+        const S* following = j + 1 < right        ? panel + g.k * w
+                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
+                                                  : g.panels + right * g.k * w;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -5062,6 +5104,8 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
+          e.next_step = (w + tiles - 1) / tiles;
+          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
           tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
@@ -5682,13 +5726,13 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
+      x = apply_activation<float>(x, g.act);
       if (n >= l) {
         store(c + i, x);
       } else {
         store_some(c + i, x, n);
       }
     }
-    if (g.act != Activation::none) activate<float>(c, columns, g.act, c);
   }
 }
 
@@ -5708,6 +5752,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        for (Index r = 0; r < height; ++r) {  // what is written afterwards
+          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+        }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
@@ -6248,7 +6296,8 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 /// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
 template <class S, class F>
 void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
-  const Index threads = thread_count(), row_parts = small ? 1 : parts(rows, row_block);
+  const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // the same number for every thread
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
   const Scratch<S> scratch(scratch_count);
@@ -8674,6 +8723,215 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
+#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
+/// A few sequences of a batch at a time through a whole stack of layers.
+
+#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
+#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
+/// A small pool of threads and `parallel_for`.
+///
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
+/// program costs nothing.
+
+#include <condition_variable>  // sleeping workers
+#include <exception>           // exception_ptr: errors in tasks reach the caller
+#include <mutex>               // sleeping workers
+#include <thread>              // workers
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+class ThreadPool {
+ public:
+  static ThreadPool& instance() {
+    static ThreadPool pool;
+    return pool;
+  }
+
+  int size() const { return workers_ + 1; }
+  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
+  static int number() { return number_; }
+
+  void resize(int threads) {
+    stop();
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    stopping_ = false;
+    for (int i = 1; i < threads; ++i) {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
+        number_ = i;
+        work(seen);
+      });
+      ++workers_;
+    }
+  }
+
+  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+  void run(Index count, void (*task)(const void*, Index), const void* context) {
+    if (count == 1 || workers_ == 0 || inside_) {
+      for (Index i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::scoped_lock only_one_caller(caller_);
+    task_ = task;
+    context_ = context;
+    count_ = count;
+    next_.store(0, std::memory_order_relaxed);
+    pending_.store(workers_, std::memory_order_relaxed);
+    {
+      std::scoped_lock lock(sleep_);
+      round_.fetch_add(1, std::memory_order_release);
+    }
+    if (asleep_.load() > 0) wake_.notify_all();
+    take_tasks();
+    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+ private:
+  static constexpr int spins_before_sleep = 20000;
+
+  ThreadPool() { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); }
+  ~ThreadPool() { stop(); }
+
+  static void pause(int spins) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
+  }
+
+  void stop() {
+    {
+      std::scoped_lock lock(sleep_);
+      stopping_ = true;
+      round_.fetch_add(1);
+    }
+    wake_.notify_all();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
+  }
+
+  void work(unsigned seen) {
+    inside_ = true;
+    for (;;) {
+      int spins = 0;
+      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
+      if (round_.load(std::memory_order_acquire) == seen) {
+        std::unique_lock lock(sleep_);
+        ++asleep_;
+        wake_.wait(lock, [&] { return round_.load() != seen; });
+        --asleep_;
+      }
+      ++seen;
+      if (stopping_) return;
+      take_tasks();
+      pending_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  void take_tasks() {
+    const bool outer = std::exchange(inside_, true);
+    for (Index i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < count_;) {
+      try {
+        task_(context_, i);
+      } catch (...) {
+        std::scoped_lock lock(sleep_);
+        if (!failure_) failure_ = std::current_exception();
+        next_.store(count_, std::memory_order_relaxed);
+      }
+    }
+    inside_ = outer;
+  }
+
+  inline static thread_local int number_ = 0;
+  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
+  std::mutex caller_, sleep_;
+  std::condition_variable wake_;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0}, asleep_{0};
+  std::atomic<Index> next_{0};
+  std::atomic<bool> stopping_{false};
+  void (*task_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  Index count_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+inline int thread_number() { return detail::ThreadPool::number(); }
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+inline void set_thread_count(int threads) {
+  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
+  detail::ThreadPool::instance().resize(threads);
+}
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::ThreadPool::instance().run(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// Sequences first ... last-1.
+inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
+  PoolVector<Index> lengths;
+  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+template <Backend B>
+Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
+  if (first == 0 && last == x.count()) return x;
+  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
+}
+
+/// The rows f(first, last) of sequences first ... last-1, a few of them at a time, in groups of nearly equal size: what one layer
+/// writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at once.
+/// Where gradients are kept or dropout counts rows it is called for all at once.
+template <Backend B, class F>
+Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
+  const Index at_once = 256 * thread_count(), rows = offsets.rows(), count = offsets.count();
+  if (AutodiffBackend<B> || context.dropout || rows <= at_once) return f(Index{0}, count);
+  const Index groups = (rows + at_once - 1) / at_once;
+  PoolVector<Tensor<B, 2>> parts;
+  for (Index first = 0, last = 0, group = 1; first < count; first = last, ++group) {
+    do ++last;
+    while (last < count && offsets.end(last) * groups <= rows * group);
+    parts.push_back(f(first, last));
+  }
+  return concat(std::span<const Tensor<B, 2>>(parts), 0);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 struct TransformerConfig {
@@ -8763,12 +9021,14 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    Tensor<B, 2> rows = x.rows;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
-      rows = run_layer(layers[i], rows, x.offsets, context);
-    }
-    return x.with(std::move(rows));
+    return x.with(detail::in_groups<B>(x.offsets, context, [&](Index first, Index last) {
+      auto some = detail::some_sequences(x, first, last);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        const ModuleScope scope("layers.", i);
+        some.rows = run_layer(layers[i], some.rows, some.offsets, context);
+      }
+      return some.rows;
+    }));
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {

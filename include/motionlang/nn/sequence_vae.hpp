@@ -8,7 +8,6 @@
 
 #include <algorithm>  // find
 
-#include <motionlang/core/parallel.hpp>
 #include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
@@ -81,34 +80,6 @@ Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& fram
 }
 
 namespace detail {
-
-/// Sequences first ... last-1.
-inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
-  PoolVector<Index> lengths;
-  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
-template <Backend B>
-Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
-  if (first == 0 && last == x.count()) return x;
-  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
-}
-
-/// The rows f(first, last) of sequences first ... last-1, a few of them at a time: what one layer writes is still in the cache when
-/// the next reads it. f treats each sequence on its own, so the numbers are those of all at once. Where gradients are kept or dropout
-/// counts rows it is called for all at once.
-template <Backend B, class F>
-Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
-  const Index at_once = 256 * thread_count(), count = offsets.count();
-  if (AutodiffBackend<B> || context.dropout || offsets.rows() <= at_once) return f(Index{0}, count);
-  std::vector<Tensor<B, 2>> parts;
-  for (Index first = 0, last = 0; first < count; first = last) {
-    do ++last;
-    while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
-    parts.push_back(f(first, last));
-  }
-  return concat(std::span<const Tensor<B, 2>>(parts), 0);
-}
 
 /// A post-norm layer for rows that attend to `x` and are not attended to: tokens behind the last layer, padding.
 template <Backend B>

@@ -5,6 +5,7 @@
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/recompute.hpp>
+#include <motionlang/nn/sequence_groups.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -95,12 +96,14 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    Tensor<B, 2> rows = x.rows;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
-      rows = run_layer(layers[i], rows, x.offsets, context);
-    }
-    return x.with(std::move(rows));
+    return x.with(detail::in_groups<B>(x.offsets, context, [&](Index first, Index last) {
+      auto some = detail::some_sequences(x, first, last);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        const ModuleScope scope("layers.", i);
+        some.rows = run_layer(layers[i], some.rows, some.offsets, context);
+      }
+      return some.rows;
+    }));
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {

@@ -74,7 +74,8 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 /// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
 template <class S, class F>
 void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
-  const Index threads = thread_count(), row_parts = small ? 1 : parts(rows, row_block);
+  const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // the same number for every thread
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
   const Scratch<S> scratch(scratch_count);
