@@ -121,6 +121,7 @@
 #include <motionlang/nn/seq2seq_gru.hpp>
 #include <motionlang/nn/seq2seq_transformer.hpp>
 #include <motionlang/nn/seq2seq_writer.hpp>
+#include <motionlang/nn/sequence_groups.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>

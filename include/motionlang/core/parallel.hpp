@@ -8,7 +8,7 @@
 #pragma once
 
 #include <algorithm>           // clamp
-#include <atomic>              // task counter
+#include <atomic>              // task counters
 #include <condition_variable>  // sleeping workers
 #include <exception>           // exception_ptr: errors in tasks reach the caller
 #include <memory>              // the workers
@@ -36,6 +36,7 @@ class ThreadPool {
 
   void resize(int threads) {
     stop();
+    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
     threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
@@ -56,8 +57,10 @@ class ThreadPool {
     std::scoped_lock only_one_caller(caller_);
     task_ = task;
     context_ = context;
-    count_ = count;
-    next_.store(0, std::memory_order_relaxed);
+    for (int t = 0; t < size(); ++t) {
+      share(t).next.store(count * t / size(), std::memory_order_relaxed);
+      share(t).end = count * (t + 1) / size();
+    }
     pending_.store(workers_, std::memory_order_relaxed);
     {
       std::scoped_lock lock(sleep_);
@@ -74,6 +77,15 @@ class ThreadPool {
 
  private:
   static constexpr int spins_before_sleep = 20000;
+
+  /// Tasks that a thread takes first; whoever has none left helps the others. So the same rows stay with the same thread, and in its
+  /// caches, from one region to the next.
+  struct alignas(64) Share {
+    std::atomic<Index> next{0};
+    Index end = 0;
+  };
+
+  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
   ThreadPool() { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); }
   ~ThreadPool() { stop(); }
@@ -115,31 +127,35 @@ class ThreadPool {
 
   void take_tasks() {
     const bool outer = std::exchange(inside_, true);
-    for (Index i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < count_;) {
+    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
+    inside_ = outer;
+  }
+  void take_tasks(Share& from) {
+    while (from.next.load(std::memory_order_relaxed) < from.end) {
+      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
+      if (i >= from.end) return;
       try {
         task_(context_, i);
       } catch (...) {
         std::scoped_lock lock(sleep_);
         if (!failure_) failure_ = std::current_exception();
-        next_.store(count_, std::memory_order_relaxed);
+        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
       }
     }
-    inside_ = outer;
   }
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::unique_ptr<Share[]> shares_;  // one for every thread
   std::unique_ptr<std::thread[]> threads_;
   int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
   std::condition_variable wake_;
   std::atomic<unsigned> round_{0};
   std::atomic<int> pending_{0}, asleep_{0};
-  std::atomic<Index> next_{0};
   std::atomic<bool> stopping_{false};
   void (*task_)(const void*, Index) = nullptr;
   const void* context_ = nullptr;
-  Index count_ = 0;
   std::exception_ptr failure_;
 };
 

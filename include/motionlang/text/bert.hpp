@@ -14,6 +14,7 @@
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
+#include <motionlang/nn/sequence_groups.hpp>
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/text/token_offsets.hpp>
 
@@ -170,8 +171,12 @@ struct BertNetwork {
     auto x = dropout(embedded(batch.ids, position_ids(batch)), dropout_p, context);
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
-    for (const auto& layer : layers) x = layer(x, offsets, scores ? &*scores : nullptr, context);
-    return {{x, offsets}};
+    const Sequences<B> texts(std::move(x), offsets);
+    return {texts.with(detail::in_groups<B>(offsets, context, [&](Index first, Index last) {
+      auto some = detail::some_sequences(texts, first, last);
+      for (const auto& layer : layers) some.rows = layer(some.rows, some.offsets, scores ? &*scores : nullptr, context);
+      return some.rows;
+    }))};
   }
 
   /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which attends to the text

@@ -8,6 +8,7 @@
 
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/pooling.hpp>
+#include <motionlang/nn/sequence_groups.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 #include <motionlang/text/token_offsets.hpp>
 
@@ -90,9 +91,13 @@ struct ClipText {
     for (Index length : batch.lengths) {
       for (Index i = 0; i < length; ++i) position_ids.push_back(i);
     }
-    auto x = token_embedding(batch.ids) + gather(positional_embedding, position_ids);
-    for (const auto& block : blocks) x = block(x, offsets);
-    return {{ln_final(x), offsets}, end_positions(batch)};
+    const Sequences<B> texts(token_embedding(batch.ids) + gather(positional_embedding, position_ids), offsets);
+    return {texts.with(detail::in_groups<B>(offsets, {}, [&](Index first, Index last) {
+              auto some = detail::some_sequences(texts, first, last);
+              for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
+              return ln_final(some.rows);
+            })),
+            end_positions(batch)};
   }
 
   /// Vectors of end tokens into the space of texts and images, (texts, width) -> (texts, out). Their length is not 1.
