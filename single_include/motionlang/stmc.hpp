@@ -8944,18 +8944,17 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, a few of them at a time, in groups of nearly equal size: what one layer
-/// writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at once.
-/// Where gradients are kept or dropout counts rows it is called for all at once.
+/// The rows f(first, last) of sequences first ... last-1, a few of them at a time: what one layer writes is still in the cache when
+/// the next reads it. f treats each sequence on its own, so the numbers are those of all at once. Where gradients are kept or dropout
+/// counts rows it is called for all at once.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
-  const Index at_once = 256 * thread_count(), rows = offsets.rows(), count = offsets.count();
-  if (AutodiffBackend<B> || context.dropout || rows <= at_once) return f(Index{0}, count);
-  const Index groups = (rows + at_once - 1) / at_once;
+  const Index at_once = 256 * thread_count(), count = offsets.count();
+  if (AutodiffBackend<B> || context.dropout || offsets.rows() <= at_once) return f(Index{0}, count);
   PoolVector<Tensor<B, 2>> parts;
-  for (Index first = 0, last = 0, group = 1; first < count; first = last, ++group) {
+  for (Index first = 0, last = 0; first < count; first = last) {
     do ++last;
-    while (last < count && offsets.end(last) * groups <= rows * group);
+    while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
     parts.push_back(f(first, last));
   }
   return concat(std::span<const Tensor<B, 2>>(parts), 0);

@@ -40,6 +40,21 @@ TEST_CASE("many short regions after each other, and after the workers have falle
   CHECK(each_once(4));
 }
 
+TEST_CASE("a thread that has done its part helps the others") {
+  const Threads set(2);
+  std::atomic<int> others{0};
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  ml::parallel_for(8, [&](ml::Index i) {
+    if (i > 0) {
+      ++others;
+    } else {  // the first half is the caller's: it is stuck here
+      while (others < 7 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+    }
+  });
+  CHECK(others == 7);
+  CHECK(std::chrono::steady_clock::now() < until);
+}
+
 TEST_CASE("an exception in a task reaches the caller, and the pool works on") {
   for (int threads : {1, 4}) {
     const Threads set(threads);

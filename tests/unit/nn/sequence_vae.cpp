@@ -83,6 +83,29 @@ TEST_CASE("a sequence has the same latent and the same frames alone and among ot
   CHECK_ERROR(decode(z, Offsets{1, 1}), "[motionlang.shape.207]");
 }
 
+TEST_CASE("groups of sequences: each sequence once, in order, as many at a time as there is room for") {
+  const Index at_once = 256 * ml::thread_count();
+  const auto rows = normal<B, 2>({1, 8}, 22);
+  for (const std::vector<Index>& pattern : {std::vector<Index>{200}, {1, 70, 130, 40}, {600, 2}}) {
+    std::vector<Index> lengths;
+    for (Index total = 0; total < 5 * at_once / 2; total += lengths.back())
+      lengths.push_back(pattern[lengths.size() % pattern.size()]);
+    const Offsets offsets(lengths);
+    Index next = 0, before = at_once;
+    const auto numbers = ml::detail::in_groups<B>(offsets, {}, [&](Index first, Index last) {
+      CHECK(first == next);
+      next = last;
+      const Index size = offsets.end(last - 1) - offsets.begin(first);
+      CHECK(size <= std::max(at_once, offsets.longest()));
+      CHECK(before + offsets.length(first) > at_once);
+      before = size;
+      return ml::gather(rows, std::vector<Index>(static_cast<std::size_t>(size), 0));
+    });
+    CHECK(next == offsets.count());
+    CHECK(numbers.size(0) == offsets.rows());
+  }
+}
+
 TEST_CASE("many sequences go through the layers in groups, with the same bits") {
   const auto encoder = stack<ml::TransformerEncoder<B>>();
   const auto decode = decoder();
@@ -93,12 +116,14 @@ TEST_CASE("many sequences go through the layers in groups, with the same bits") 
   const ml::Sequences<B> x(normal<B, 2>({lengths.rows(), 8}, 20), lengths);
   const auto z = normal<B, 2>({count, 8}, 21);
   const auto tokens = ml::encode_tokens(encoder, x, 2, 0.1);
+  const auto rows = encoder(x);
   const auto y = decode(z, lengths);
   CHECK(tokens.offsets == Offsets::equal(count, 2));
   CHECK(y.offsets == lengths);
   for (Index i = 0; i < count; ++i) {
     const Offsets alone{lengths.length(i)};
     CHECK(same_bits(ml::encode_tokens(encoder, ml::Sequences<B>(x[i], alone), 2, 0.1).rows, tokens[i]));
+    CHECK(same_bits(encoder(ml::Sequences<B>(x[i], alone)).rows, rows[i]));
     CHECK(same_bits(decode(ml::slice(z, 0, i, i + 1), alone).rows, y[i]));
   }
   // The stack itself knows nothing of groups or of queries that are equal.
