@@ -501,6 +501,9 @@ TEST_CASE("noise from outside gives the motion of the seed that it was drawn wit
   CHECK(contains(w.files("seed").at("two.html"), "seed 4, model model"));
   CHECK(contains(w.files("noise").at("two.html"), "noise noise.safetensors, model model"));
 
+  const auto both = w.generate("both", {"--noise", "noise.safetensors", "--seed", "4"});
+  CHECK(both.code != 0);
+  CHECK_MESSAGE(contains(both.text, "--noise excludes --seed"), both.text);
   ml::write_file(w / "longer.txt", "walk forward # 0 # 2 # legs\n");
   const auto wrong = w.generate("wrong", {"--noise", "noise.safetensors"}, "longer.txt");
   CHECK(wrong.code == 1);

@@ -293,7 +293,8 @@ void add_generate(CLI::App& app) {
                            ->check(not_negative())
                            ->capture_default_str();
   const auto noise = c->add_option("--noise", o->settings.noise_file,
-                                   "safetensors file with noise/000 (initial), noise/001, ... instead of the seed");
+                                   "safetensors file with noise/000 (initial), noise/001, ... instead of the seed")
+                         ->excludes(seed);
   c->add_flag("--record", o->record,
               "Also write what --reuse needs after an edit: NAME" + record_extension +
                   ", 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
