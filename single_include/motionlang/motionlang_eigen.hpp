@@ -597,8 +597,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next of k are added to stays there as well.
-//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
+//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -764,9 +764,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right        ? panel + g.k * w
-                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
-                                                  : g.panels + right * g.k * w;
+        const S* following = j + 1 < right          ? panel + g.k * w
+                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                             : right < j1           ? g.panels + right * g.k * w
+                             : top + row_block < r1 ? g.panels + j0 * g.k * w
+                                                    : panel;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -776,7 +778,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = (w + tiles - 1) / tiles;
+          e.next_step = w / tiles;
           e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
@@ -1750,8 +1752,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next of k are added to stays there as well.
-//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
+//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -1917,9 +1919,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right        ? panel + g.k * w
-                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
-                                                  : g.panels + right * g.k * w;
+        const S* following = j + 1 < right          ? panel + g.k * w
+                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                             : right < j1           ? g.panels + right * g.k * w
+                             : top + row_block < r1 ? g.panels + j0 * g.k * w
+                                                    : panel;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -1929,7 +1933,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = (w + tiles - 1) / tiles;
+          e.next_step = w / tiles;
           e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
@@ -2901,8 +2905,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next of k are added to stays there as well.
-//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
+//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3068,9 +3072,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right        ? panel + g.k * w
-                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
-                                                  : g.panels + right * g.k * w;
+        const S* following = j + 1 < right          ? panel + g.k * w
+                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                             : right < j1           ? g.panels + right * g.k * w
+                             : top + row_block < r1 ? g.panels + j0 * g.k * w
+                                                    : panel;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -3080,7 +3086,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = (w + tiles - 1) / tiles;
+          e.next_step = w / tiles;
           e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;

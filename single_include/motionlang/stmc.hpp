@@ -2621,8 +2621,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next of k are added to stays there as well.
-//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
+//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2788,9 +2788,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right        ? panel + g.k * w
-                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
-                                                  : g.panels + right * g.k * w;
+        const S* following = j + 1 < right          ? panel + g.k * w
+                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                             : right < j1           ? g.panels + right * g.k * w
+                             : top + row_block < r1 ? g.panels + j0 * g.k * w
+                                                    : panel;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -2800,7 +2802,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = (w + tiles - 1) / tiles;
+          e.next_step = w / tiles;
           e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
@@ -3774,8 +3776,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next of k are added to stays there as well.
-//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
+//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3941,9 +3943,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right        ? panel + g.k * w
-                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
-                                                  : g.panels + right * g.k * w;
+        const S* following = j + 1 < right          ? panel + g.k * w
+                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                             : right < j1           ? g.panels + right * g.k * w
+                             : top + row_block < r1 ? g.panels + j0 * g.k * w
+                                                    : panel;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -3953,7 +3957,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = (w + tiles - 1) / tiles;
+          e.next_step = w / tiles;
           e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
@@ -4925,8 +4929,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next of k are added to stays there as well.
-//   Ahead    a tile asks for its part of C before it begins, and for a piece of the next panel in every step.
+//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -5092,9 +5096,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right        ? panel + g.k * w
-                             : block + 1 < blocks ? g.panels + (left * g.k + k1) * w
-                                                  : g.panels + right * g.k * w;
+        const S* following = j + 1 < right          ? panel + g.k * w
+                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                             : right < j1           ? g.panels + right * g.k * w
+                             : top + row_block < r1 ? g.panels + j0 * g.k * w
+                                                    : panel;
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -5104,7 +5110,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = (w + tiles - 1) / tiles;
+          e.next_step = w / tiles;
           e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
@@ -6037,12 +6043,13 @@ inline const Bf16Kernels*& current_bf16_kernels() {
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
-/// program costs nothing.
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
 
 #include <condition_variable>  // sleeping workers
 #include <exception>           // exception_ptr: errors in tasks reach the caller
 #include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
 #include <thread>              // workers
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -6104,8 +6111,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. So the same rows stay with the same thread, and in its
-  /// caches, from one region to the next.
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -6113,7 +6120,12 @@ class ThreadPool {
 
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
-  ThreadPool() { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); }
+  ThreadPool() {
+    try {
+      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
+    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
+    }
+  }
   ~ThreadPool() { stop(); }
 
   static void pause(int spins) {
@@ -6313,7 +6325,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 template <class S, class F>
 void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
   const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
-  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // the same number for every thread
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // as many for every thread
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
   const Scratch<S> scratch(scratch_count);
@@ -8749,12 +8761,13 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
-/// program costs nothing.
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
 
 #include <condition_variable>  // sleeping workers
 #include <exception>           // exception_ptr: errors in tasks reach the caller
 #include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
 #include <thread>              // workers
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -8816,8 +8829,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. So the same rows stay with the same thread, and in its
-  /// caches, from one region to the next.
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -8825,7 +8838,12 @@ class ThreadPool {
 
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
-  ThreadPool() { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); }
+  ThreadPool() {
+    try {
+      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
+    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
+    }
+  }
   ~ThreadPool() { stop(); }
 
   static void pause(int spins) {
@@ -8944,9 +8962,10 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, a few of them at a time: what one layer writes is still in the cache when
-/// the next reads it. f treats each sequence on its own, so the numbers are those of all at once. Where gradients are kept or dropout
-/// counts rows it is called for all at once.
+/// The rows f(first, last) of sequences first ... last-1, as many at a time as have 256 rows for every thread (a longer one alone): what
+/// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
+/// once. Where gradients are kept or dropout counts rows it is called for all at once. Weights that were not prepared are packed for
+/// every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
   const Index at_once = 256 * thread_count(), count = offsets.count();

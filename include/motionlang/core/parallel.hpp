@@ -3,8 +3,8 @@
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each while an idle
-/// program costs nothing.
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
 #pragma once
 
 #include <algorithm>           // clamp
@@ -13,6 +13,7 @@
 #include <exception>           // exception_ptr: errors in tasks reach the caller
 #include <memory>              // the workers
 #include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
 #include <thread>              // workers
 #include <utility>             // exchange
 
@@ -78,8 +79,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. So the same rows stay with the same thread, and in its
-  /// caches, from one region to the next.
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -87,7 +88,12 @@ class ThreadPool {
 
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
-  ThreadPool() { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); }
+  ThreadPool() {
+    try {
+      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
+    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
+    }
+  }
   ~ThreadPool() { stop(); }
 
   static void pause(int spins) {

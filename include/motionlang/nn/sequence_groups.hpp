@@ -20,9 +20,10 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, a few of them at a time: what one layer writes is still in the cache when
-/// the next reads it. f treats each sequence on its own, so the numbers are those of all at once. Where gradients are kept or dropout
-/// counts rows it is called for all at once.
+/// The rows f(first, last) of sequences first ... last-1, as many at a time as have 256 rows for every thread (a longer one alone): what
+/// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
+/// once. Where gradients are kept or dropout counts rows it is called for all at once. Weights that were not prepared are packed for
+/// every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
   const Index at_once = 256 * thread_count(), count = offsets.count();

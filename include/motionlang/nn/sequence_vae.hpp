@@ -10,6 +10,7 @@
 
 #include <motionlang/nn/pooling.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/sequence_groups.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {

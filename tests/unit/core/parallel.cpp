@@ -1,6 +1,7 @@
 // parallel_for: every index once, exceptions, nesting, several callers.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -38,6 +39,20 @@ TEST_CASE("many short regions after each other, and after the workers have falle
   for (int i = 0; i < 3000; ++i) REQUIRE(each_once(4));
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   CHECK(each_once(4));
+}
+
+TEST_CASE("every thread begins with its own part of the tasks") {
+  const Threads set(2);
+  std::atomic<int> begun{0};
+  std::array<std::atomic<ml::Index>, 2> first{-1, -1};
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  ml::parallel_for(8, [&](ml::Index i) {
+    auto& mine = first[static_cast<std::size_t>(ml::thread_number())];
+    if (mine < 0) mine = i, ++begun;
+    while (begun < 2 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+  });
+  CHECK(first[0] == 0);
+  CHECK(first[1] == 4);
 }
 
 TEST_CASE("a thread that has done its part helps the others") {

@@ -86,7 +86,7 @@ TEST_CASE("a sequence has the same latent and the same frames alone and among ot
 TEST_CASE("groups of sequences: each sequence once, in order, as many at a time as there is room for") {
   const Index at_once = 256 * ml::thread_count();
   const auto rows = normal<B, 2>({1, 8}, 22);
-  for (const std::vector<Index>& pattern : {std::vector<Index>{200}, {1, 70, 130, 40}, {600, 2}}) {
+  for (const std::vector<Index>& pattern : {std::vector<Index>{200}, {1, 70, 130, 40}, {600, 2}, {300, 0}}) {
     std::vector<Index> lengths;
     for (Index total = 0; total < 5 * at_once / 2; total += lengths.back())
       lengths.push_back(pattern[lengths.size() % pattern.size()]);
@@ -103,6 +103,14 @@ TEST_CASE("groups of sequences: each sequence once, in order, as many at a time 
     });
     CHECK(next == offsets.count());
     CHECK(numbers.size(0) == offsets.rows());
+    const auto whole = [&](Index first, Index last) {
+      CHECK(first == 0);
+      CHECK(last == offsets.count());
+      return rows;
+    };
+    ml::detail::in_groups<B>(offsets, {.dropout = ml::Philox{}}, whole);
+    const auto kept = ml::Tensor<A, 2>::from(rows.span(), rows.shape());
+    ml::detail::in_groups<A>(offsets, {}, [&](Index first, Index last) { return whole(first, last), kept; });
   }
 }
 
@@ -126,7 +134,7 @@ TEST_CASE("many sequences go through the layers in groups, with the same bits") 
     CHECK(same_bits(encoder(ml::Sequences<B>(x[i], alone)).rows, rows[i]));
     CHECK(same_bits(decode(ml::slice(z, 0, i, i + 1), alone).rows, y[i]));
   }
-  // The stack itself knows nothing of groups or of queries that are equal.
+  // The decoder's stack itself knows nothing of groups or of queries that are equal.
   const auto all = decode.seqTransDecoder(ml::position_queries(decode.positions.rows(), lengths),
                                           ml::Sequences<B>(z, Offsets::equal(count, 1)));
   CHECK(same_bits(decode.final_layer(all).rows, y.rows));

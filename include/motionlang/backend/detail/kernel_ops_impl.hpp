@@ -75,7 +75,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 template <class S, class F>
 void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
   const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
-  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // the same number for every thread
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // as many for every thread
   const Index wanted = small || threads == 1 ? 1 : 2 * threads;
   const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
   const Scratch<S> scratch(scratch_count);
