@@ -10690,21 +10690,31 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, as many at a time as have 256 rows for every thread (a longer one alone): what
+/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_at_once() rows (a longer one alone): what
 /// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
-/// once. Where gradients are kept or dropout counts rows it is called for all at once. Weights that were not prepared are packed for
-/// every group.
+/// once. Where the backend says nothing, gradients are kept or dropout counts rows, it is called for all at once. Weights that were not
+/// prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
-  const Index at_once = 256 * thread_count(), count = offsets.count();
-  if (AutodiffBackend<B> || context.dropout || offsets.rows() <= at_once) return f(Index{0}, count);
-  PoolVector<Tensor<B, 2>> parts;
-  for (Index first = 0, last = 0; first < count; first = last) {
-    do ++last;
-    while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
-    parts.push_back(f(first, last));
+  const Index count = offsets.count();
+  if constexpr (requires { B::rows_at_once(); }) {
+    const Index at_once = B::rows_at_once();
+    if (!context.dropout && offsets.rows() > at_once) {
+      PoolVector<Tensor<B, 2>> parts;
+      for (Index first = 0, last = 0; first < count; first = last) {
+        do ++last;
+        while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
+        parts.push_back(f(first, last));
+      }
+      return concat(std::span<const Tensor<B, 2>>(parts), 0);
+    }
   }
-  return concat(std::span<const Tensor<B, 2>>(parts), 0);
+  return f(Index{0}, count);
+}
+/// The same with f(some), `some` being these sequences of x.
+template <Backend B, class F>
+Tensor<B, 2> in_groups(const Sequences<B>& x, const Context& context, F f) {
+  return in_groups<B>(x.offsets, context, [&](Index first, Index last) { return f(some_sequences(x, first, last)); });
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
@@ -10799,8 +10809,7 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    return x.with(detail::in_groups<B>(x.offsets, context, [&](Index first, Index last) {
-      auto some = detail::some_sequences(x, first, last);
+    return x.with(detail::in_groups(x, context, [&](Sequences<B> some) {
       for (std::size_t i = 0; i < layers.size(); ++i) {
         const ModuleScope scope("layers.", i);
         some.rows = run_layer(layers[i], some.rows, some.offsets, context);
@@ -11431,8 +11440,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
     if (n > sequence.offsets.length(s))
       raise<shape_error>(207, "encode_tokens: ", n, " of ", sequence.offsets.length(s), " rows of sequence ", s);
   }
-  auto encode = [&](Index first, Index last) {
-    auto x = detail::some_sequences(sequence, first, last);
+  auto encode = [&](Sequences<B> x) {
     x.rows = dropout(x.rows, dropout_p, context);
     for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
@@ -11442,7 +11450,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
     }
     return first_rows(x, n).rows;
   };
-  return {detail::in_groups<B>(sequence.offsets, context, encode), Offsets::equal(sequence.count(), n)};
+  return {detail::in_groups(sequence, context, encode), Offsets::equal(sequence.count(), n)};
 }
 
 /// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.
@@ -18022,8 +18030,7 @@ struct BertNetwork {
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
     const Sequences<B> texts(std::move(x), offsets);
-    return {texts.with(detail::in_groups<B>(offsets, context, [&](Index first, Index last) {
-      auto some = detail::some_sequences(texts, first, last);
+    return {texts.with(detail::in_groups(texts, context, [&](Sequences<B> some) {
       for (const auto& layer : layers) some.rows = layer(some.rows, some.offsets, scores ? &*scores : nullptr, context);
       return some.rows;
     }))};
@@ -19498,8 +19505,7 @@ struct ClipText {
       for (Index i = 0; i < length; ++i) position_ids.push_back(i);
     }
     const Sequences<B> texts(token_embedding(batch.ids) + gather(positional_embedding, position_ids), offsets);
-    return {texts.with(detail::in_groups<B>(offsets, {}, [&](Index first, Index last) {
-              auto some = detail::some_sequences(texts, first, last);
+    return {texts.with(detail::in_groups(texts, {}, [&](Sequences<B> some) {
               for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
               return ln_final(some.rows);
             })),
@@ -32373,6 +32379,9 @@ template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
 
+  /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
+  static Index rows_at_once();
+
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
@@ -32608,6 +32617,11 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
                      panels);
   }
   return out;
+}
+
+template <Scalar S>
+Index KernelOps<S>::rows_at_once() {
+  return 256 * thread_count();
 }
 
 template <Scalar S>

@@ -103,8 +103,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
     if (n > sequence.offsets.length(s))
       raise<shape_error>(207, "encode_tokens: ", n, " of ", sequence.offsets.length(s), " rows of sequence ", s);
   }
-  auto encode = [&](Index first, Index last) {
-    auto x = detail::some_sequences(sequence, first, last);
+  auto encode = [&](Sequences<B> x) {
     x.rows = dropout(x.rows, dropout_p, context);
     for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
@@ -114,7 +113,7 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
     }
     return first_rows(x, n).rows;
   };
-  return {detail::in_groups<B>(sequence.offsets, context, encode), Offsets::equal(sequence.count(), n)};
+  return {detail::in_groups(sequence, context, encode), Offsets::equal(sequence.count(), n)};
 }
 
 /// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.

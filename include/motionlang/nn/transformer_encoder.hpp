@@ -96,8 +96,7 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    return x.with(detail::in_groups<B>(x.offsets, context, [&](Index first, Index last) {
-      auto some = detail::some_sequences(x, first, last);
+    return x.with(detail::in_groups(x, context, [&](Sequences<B> some) {
       for (std::size_t i = 0; i < layers.size(); ++i) {
         const ModuleScope scope("layers.", i);
         some.rows = run_layer(layers[i], some.rows, some.offsets, context);

@@ -172,8 +172,7 @@ struct BertNetwork {
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
     const Sequences<B> texts(std::move(x), offsets);
-    return {texts.with(detail::in_groups<B>(offsets, context, [&](Index first, Index last) {
-      auto some = detail::some_sequences(texts, first, last);
+    return {texts.with(detail::in_groups(texts, context, [&](Sequences<B> some) {
       for (const auto& layer : layers) some.rows = layer(some.rows, some.offsets, scores ? &*scores : nullptr, context);
       return some.rows;
     }))};

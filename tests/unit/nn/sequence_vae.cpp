@@ -84,7 +84,7 @@ TEST_CASE("a sequence has the same latent and the same frames alone and among ot
 }
 
 TEST_CASE("groups of sequences: each sequence once, in order, as many at a time as there is room for") {
-  const Index at_once = 256 * ml::thread_count();
+  const Index at_once = B::rows_at_once();
   const auto rows = normal<B, 2>({1, 8}, 22);
   for (const std::vector<Index>& pattern : {std::vector<Index>{200}, {1, 70, 130, 40}, {600, 2}, {300, 0}}) {
     std::vector<Index> lengths;
@@ -117,7 +117,7 @@ TEST_CASE("groups of sequences: each sequence once, in order, as many at a time 
 TEST_CASE("many sequences go through the layers in groups, with the same bits") {
   const auto encoder = stack<ml::TransformerEncoder<B>>();
   const auto decode = decoder();
-  const Index count = 40 * ml::thread_count();  // of 11 rows on average: more than one group
+  const Index count = B::rows_at_once() / 6;  // of 11 rows on average: more than one group
   std::vector<Index> frames;
   for (Index i = 0; i < count; ++i) frames.push_back(6 + 5 * (i % 3));
   const Offsets lengths(frames);

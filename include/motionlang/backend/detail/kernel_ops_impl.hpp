@@ -199,6 +199,11 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 }
 
 template <Scalar S>
+Index KernelOps<S>::rows_at_once() {
+  return 256 * thread_count();
+}
+
+template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
   weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k,
