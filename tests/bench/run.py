@@ -7,9 +7,9 @@ BUILD_FOLDER  where `cmake --build ... --target bench` was done
 --quick       one round instead of three
 WORK          only these rows of the table TABLE below
 A peer that is not installed is left out, with the name of its package. torch runs with the settings that are fastest for it: all
-candidates are tried once. ONNX_FOLDER (default ~/.cache/motionlang-bench) is where `npm install onnxruntime-node` was done.
+candidates are tried once. Work by work, the rows are printed and written when all its rounds are done. ONNX_FOLDER (default ~/.cache/motionlang-bench) is where `npm install onnxruntime-node` was done.
 """
-import argparse, collections, csv, dataclasses, datetime, io, json, os, pathlib, platform, statistics, subprocess, sys
+import argparse, collections, csv, dataclasses, datetime, io, itertools, json, os, pathlib, platform, statistics, subprocess, sys
 from xml.sax.saxutils import escape
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -47,9 +47,9 @@ def peaks(work, precision, each, median):
 
 
 TABLE = [
-    *peaks("product", "fp32", ">= 0.90", ">= 0.95"), *peaks("product_gelu", "fp32", ">= 0.88", ""),
-    *peaks("product", "bf16", ">= 0.90", ">= 0.94"), *peaks("product_batched", "fp32", "", ""),
+    *peaks("product", "fp32", ">= 0.90", ">= 0.95"), *peaks("product", "bf16", ">= 0.90", ">= 0.94"),
     Row("product", "", "native"), Row("product", "median", "native", ">= 0.97"),
+    *peaks("product_gelu", "fp32", ">= 0.88", ""), *peaks("product_batched", "fp32", "", ""),
     Row("xtensor", "", "eigen", "<= 1.03"),
     Row("mdm_step", "B=1", "torch", "<= 0.76"), Row("mdm_step", "B=3", "torch", "<= 0.82"), Row("mdm_step", "B=8", "torch", "<= 0.74"),
     Row("mdm_step", "", "onnx", "<= 0.72"), Row("mdm_step", "", "peak", ">= 0.88"),
@@ -235,14 +235,16 @@ def against(line):
     return (line["peer"] or "") + (f" {line['peer_precision']}" if line["peer_precision"] else "")
 
 
-def print_table(lines):
+def print_head():
     print(f"{'work':18} {'shape':48} {'against':10} {'ours':>10} {'theirs':>10} {'value':>7}  bar")
+
+
+def print_lines(lines):
+    print("\r\x1b[K", end="", file=sys.stderr, flush=True)
     for l in lines:
         ours, theirs = (f"{l[k]:10.2f}" if l[k] is not None else " " * 10 for k in ("ours", "theirs"))
         verdict = {True: "met", False: "missed", None: ""}[l["met"]]
-        print(f"{title(l):18} {l['config']:48} {against(l):10} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}")
-    judged = [l["met"] for l in lines if l["met"] is not None]
-    print(f"{sum(judged)} of {len(judged)} bars met")
+        print(f"{title(l):18} {l['config']:48} {against(l):10} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}", flush=True)
 
 
 def svg(lines, about):
@@ -264,6 +266,14 @@ def svg(lines, about):
             f'<rect width="100%" height="100%" fill="white"/><text x="8" y="18" font-size="13">{escape(about)}</text>'
             f'<text x="{at}" y="36" text-anchor="middle">the bar (grey: none, 1)</text>')
     return head + "\n".join(out) + "</svg>\n"
+
+
+def write(path, text):
+    """Under a temporary name first, so that a run that is cut off leaves a whole file."""
+    if path:
+        temporary = path.with_name(path.name + ".tmp")
+        temporary.write_text(text)
+        temporary.replace(path)
 
 
 def processor():
@@ -294,25 +304,28 @@ def main():
     if "torch" not in programs.missing and any(row.peer == "torch" for row in table):
         programs.tune_torch()
         print("torch with", {k: v for k, v in programs.torch_environment.items() if k.startswith(("OPENBLAS_", "ATEN"))})
-    notes = {}
-    rounds, load = [], []
-    for i in range(1 if a.quick else a.rounds):
-        load.append(os.getloadavg()[0])
-        rounds.append(one_round(programs, table, lambda text: notes.setdefault(text)))
-    load.append(os.getloadavg()[0])
-    print("\r\x1b[K", end="", file=sys.stderr)
-    lines = gather(table, rounds)
-    print_table(lines)
+    notes, lines, load = {}, [], os.getloadavg()[0]
+    count = 1 if a.quick else a.rounds
+    print_head()
+    for _, rows in itertools.groupby(table, key=lambda row: row.work):
+        rows = list(rows)
+        rounds = []
+        for _ in range(count):
+            rounds.append(one_round(programs, rows, lambda text: notes.setdefault(text)))
+            load = max(load, os.getloadavg()[0])
+        more = gather(rows, rounds)
+        print_lines(more)
+        lines += more
+        about = (f"{processor()}, {a.threads} threads, {count} round{'s' if count > 1 else ''}, {datetime.date.today()}; "
+                 f"load of the machine at most {load:.1f} (a quiet one has at most {a.threads})")
+        write(a.json, json.dumps({"about": about, "torch": programs.torch_environment, "missing": programs.missing,
+                                  "failed": list(notes), "rows": lines}, indent=1) + "\n")
+        write(a.svg, svg(lines, about))
+    judged = [l["met"] for l in lines if l["met"] is not None]
+    print(f"{sum(judged)} of {len(judged)} bars met")
     for text in notes:
         print("failed:", text)
-    about = (f"{processor()}, {a.threads} threads, {len(rounds)} rounds, {datetime.date.today()}; "
-             f"load of the machine {', '.join(f'{x:.1f}' for x in load)} (a quiet one has at most {a.threads})")
     print(about)
-    if a.json:
-        a.json.write_text(json.dumps({"about": about, "torch": programs.torch_environment, "missing": programs.missing,
-                                      "failed": list(notes), "rows": lines}, indent=1) + "\n")
-    if a.svg:
-        a.svg.write_text(svg(lines, about))
     sys.exit(1 if notes else 0)
 
 
