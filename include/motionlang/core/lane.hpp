@@ -51,15 +51,21 @@ struct Lane {
     return from(a.v < b.v ? x.v : y.v);
   }
 
-  /// x / sqrt(x): Newton's iteration for 1/sqrt(x) from the well-known estimate by shifting the exponent. 0 for 0.
-  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
+  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) / sqrt(x) and
+  /// h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
-    const Register half = x.v * S(0.5);
-    for (int i = 0; i < (sizeof(S) == 4 ? 3 : 5); ++i) y = y * (S(1.5) - half * y * y);
-    Register r = x.v * y;
-    r = r + S(0.5) * y * (x.v - r * r);  // one correction of the root itself
-    return from(r);
+    for (int i = 0; i < (sizeof(S) == 4 ? 2 : 3); ++i) {
+      const Register h = x.v * y * y;
+      y = y * (S(1.875) - h * (S(1.25) - S(0.375) * h));
+    }
+    return from(y);
+  }
+  /// x / sqrt(x), and one correction of the root itself. 0 for 0.
+  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
+    const Register y = inverse_sqrt(x).v, r = x.v * y;
+    return from(r + S(0.5) * y * (x.v - r * r));
   }
   friend MOTIONLANG_INLINE Lane sin(const Lane& a) {
     return each(a, [](S x) { return std::sin(x); });

@@ -5,6 +5,7 @@
 #include <algorithm>  // min
 #include <cstring>    // memcpy
 #include <span>       // numbers
+#include <utility>    // index_sequence
 
 #include <motionlang/core/lane.hpp>
 
@@ -12,63 +13,102 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Four numbers of four rows: in[i][k] becomes in[k][i].
-struct FourByFour {
-  typedef float Four __attribute__((vector_size(16)));
-  Four in[4];
+// Inlined, as all of lane.hpp.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-  void transpose() {
-    const Four low_a = __builtin_shufflevector(in[0], in[1], 0, 4, 1, 5), low_b = __builtin_shufflevector(in[2], in[3], 0, 4, 1, 5),
-               high_a = __builtin_shufflevector(in[0], in[1], 2, 6, 3, 7), high_b = __builtin_shufflevector(in[2], in[3], 2, 6, 3, 7);
-    in[0] = __builtin_shufflevector(low_a, low_b, 0, 1, 4, 5), in[1] = __builtin_shufflevector(low_a, low_b, 2, 3, 6, 7);
-    in[2] = __builtin_shufflevector(high_a, high_b, 0, 1, 4, 5), in[3] = __builtin_shufflevector(high_a, high_b, 2, 3, 6, 7);
+/// Piece i of four numbers of a register is at from + i * step.
+template <int bytes>
+MOTIONLANG_INLINE void load_pieces(const float* from, std::size_t step, Lane<float, bytes>& to) {
+  if constexpr (bytes == 16) {
+    std::memcpy(&to.v, from, 16);
+  } else {
+    Lane<float, bytes / 2> low, high;
+    load_pieces(from, step, low);
+    load_pieces(from + bytes / 32 * step, step, high);
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      to.v = __builtin_shufflevector(low.v, high.v, i...);
+    }
+    (std::make_integer_sequence<int, bytes / 4>());
   }
-};
+}
+template <int bytes>
+MOTIONLANG_INLINE void store_pieces(const Lane<float, bytes>& from, float* to, std::size_t step) {
+  if constexpr (bytes == 16) {
+    std::memcpy(to, &from.v, 16);
+  } else {
+    Lane<float, bytes / 2> low, high;
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      low.v = __builtin_shufflevector(from.v, from.v, i...);
+      high.v = __builtin_shufflevector(from.v, from.v, (i + bytes / 8)...);
+    }
+    (std::make_integer_sequence<int, bytes / 8>());
+    store_pieces(low, to, step);
+    store_pieces(high, to + bytes / 32 * step, step);
+  }
+}
 
-/// Calls move(i, k) for the first lane and the first number of every block of four by four, and returns how many numbers are in
-/// blocks: only whole lanes of float are.
-template <class L, class F>
-std::size_t for_blocks_of_four(std::size_t width, int count, F move) {
-  if (sizeof(L) != 4 * L::size || count != L::size) return 0;
-  const std::size_t whole = width / 4 * 4;
-  for (std::size_t k = 0; k < whole; k += 4) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); i += 4) move(i, k);
+/// In every piece: numbers p and q of a, then r and t of b.
+template <int p, int q, int r, int t, int bytes>
+MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane<float, bytes>& b) {
+  constexpr int n = bytes / 4, from[4] = {p, q, n + r, n + t};
+  Lane<float, bytes> mixed;
+  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+    mixed.v = __builtin_shufflevector(a.v, b.v, (i / 4 * 4 + from[i % 4])...);
   }
-  return whole;
+  (std::make_integer_sequence<int, n>());
+  return mixed;
+}
+
+/// In every piece: number k of in[i] becomes number i of in[k].
+template <int bytes>
+MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
+  const auto low_a = mix<0, 1, 0, 1>(in[0], in[1]), high_a = mix<2, 3, 2, 3>(in[0], in[1]),
+             low_b = mix<0, 1, 0, 1>(in[2], in[3]), high_b = mix<2, 3, 2, 3>(in[2], in[3]);
+  in[0] = mix<0, 2, 0, 2>(low_a, low_b), in[1] = mix<1, 3, 1, 3>(low_a, low_b);
+  in[2] = mix<0, 2, 0, 2>(high_a, high_b), in[3] = mix<1, 3, 1, 3>(high_a, high_b);
 }
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * width + k], width = numbers.size(), for the first `count` lanes (at least one); further lanes are as
-/// the last of these.
+/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last of these.
 template <Scalar S, int bytes>
-void load_rows(const S* from, int count, std::span<Lane<S, bytes>> numbers) {
+MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
+  using L = Lane<S, bytes>;
   const std::size_t width = numbers.size();
-  const std::size_t first = detail::for_blocks_of_four<Lane<S, bytes>>(width, count, [&](std::size_t i, std::size_t k) {
-    detail::FourByFour block;
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(&block.in[r], from + (i + r) * width + k, 16);
-    block.transpose();
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(reinterpret_cast<S*>(&numbers[k + r].v) + i, &block.in[r], 16);
-  });
-  for (int i = 0; i < Lane<S, bytes>::size; ++i) {
-    const S* const row = from + static_cast<std::size_t>(std::min(i, count - 1)) * width;
+  std::size_t first = 0;
+  if constexpr (sizeof(S) == 4) {
+    for (; count == L::size && first + 4 <= width; first += 4) {
+      L block[4];
+      for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(from + r * step + first, 4 * step, block[r]);
+      detail::transpose_pieces(block);
+      for (std::size_t r = 0; r < 4; ++r) numbers[first + r].v = block[r].v;
+    }
+  }
+  for (int i = 0; i < L::size; ++i) {
+    const S* const row = from + static_cast<std::size_t>(std::min(i, count - 1)) * step;
     for (std::size_t k = first; k < width; ++k) numbers[k][i] = row[k];
   }
 }
 
 /// Number k of lane i goes to to[i * width + k], width = numbers.size(), for the first `count` lanes.
 template <Scalar S, int bytes>
-void store_rows(std::span<const Lane<S, bytes>> numbers, int count, S* to) {
+MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, int count, S* to) {
+  using L = Lane<S, bytes>;
   const std::size_t width = numbers.size();
-  const std::size_t first = detail::for_blocks_of_four<Lane<S, bytes>>(width, count, [&](std::size_t i, std::size_t k) {
-    detail::FourByFour block;
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(&block.in[r], reinterpret_cast<const S*>(&numbers[k + r].v) + i, 16);
-    block.transpose();
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(to + (i + r) * width + k, &block.in[r], 16);
-  });
+  std::size_t first = 0;
+  if constexpr (sizeof(S) == 4) {
+    for (; count == L::size && first + 4 <= width; first += 4) {
+      L block[4];
+      for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[first + r].v;
+      detail::transpose_pieces(block);
+      for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], to + r * width + first, 4 * width);
+    }
+  }
   for (int i = 0; i < count; ++i) {
     for (std::size_t k = first; k < width; ++k) to[static_cast<std::size_t>(i) * width + k] = numbers[k][i];
   }
 }
+
+#undef MOTIONLANG_INLINE
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -30,6 +30,23 @@ struct JointTransforms {
   std::vector<Matrix3<S>> rotation;
 };
 
+namespace detail {
+
+/// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
+template <Rotation R, ScalarLike S>
+void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate, JointTransforms<S>& world) {
+  if (j == 0) {
+    world.position[0] = root;
+    world.rotation[0] = to_matrix(local);
+    return;
+  }
+  const auto p = static_cast<std::size_t>(skeleton.parents[j]);
+  world.position[j] = world.position[p] + world.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
+  if (rotate) world.rotation[j] = world.rotation[p] * to_matrix(local);
+}
+
+}  // namespace detail
+
 /// local     one rotation per joint, in any representation
 /// result    resized to the number of joints; pass the same object again to avoid allocations
 /// Throws    shape_error 204 if the number of rotations is not the number of joints
@@ -42,13 +59,7 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const R> local, cons
   }
   result.position.resize(joints);
   result.rotation.resize(joints);
-  result.position[0] = root;
-  result.rotation[0] = to_matrix(local[0]);
-  for (std::size_t j = 1; j < joints; ++j) {
-    const auto p = static_cast<std::size_t>(skeleton.parents[j]);
-    result.position[j] = result.position[p] + result.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
-    result.rotation[j] = result.rotation[p] * to_matrix(local[j]);
-  }
+  for (std::size_t j = 0; j < joints; ++j) detail::place_joint(skeleton, j, local[j], root, true, result);
 }
 
 template <Rotation R, ScalarLike S>

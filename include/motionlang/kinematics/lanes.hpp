@@ -38,20 +38,46 @@ LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
 
 namespace detail {
 
-/// Up to L::size poses from pose `first` on.
-template <class L, Scalar S>
-void forward_kinematics_lane(const Skeleton& skeleton, const S* rot6d, const S* root, Index first, Index count,
-                             S* joints, std::vector<Rotation6dRows<L>>& local, JointTransforms<L>& world) {
-  const auto n = static_cast<std::size_t>(skeleton.size());
-  const int poses = static_cast<int>(std::min<Index>(L::size, count - first));
-  local.resize(n);
-  Vec3<L> place;
-  static_assert(sizeof(local[0]) == 6 * sizeof(L) && sizeof(place) == 3 * sizeof(L));
-  load_rows(rot6d + first * static_cast<Index>(6 * n), poses, std::span<L>(&local[0].a.x, 6 * n));
-  load_rows(root + first * 3, poses, std::span<L>(&place.x, 3));
-  forward_kinematics(skeleton, std::span<const Rotation6dRows<L>>(local), place, world);
-  store_rows(std::span<const L>(&world.position[0].x, 3 * n), poses, joints + first * static_cast<Index>(3 * n));
-}
+/// Poses in plain arrays, and as many of them at a time as there are lanes.
+template <Scalar S>
+struct PoseArrays {
+  const Skeleton& skeleton;
+  std::vector<char> has_children;  // of every joint: what nothing hangs on needs no rotation
+  const S* rot6d;
+  const S* root;
+  Index count;
+  S* joints;
+
+  /// The poses from `first` on. The numbers of the group behind them come into the cache meanwhile, a few lines with every joint.
+  template <class L>
+  void place(Index first, JointTransforms<L>& world) const {
+    const auto n = static_cast<std::size_t>(skeleton.size());
+    const Index poses = std::min<Index>(L::size, count - first);
+    const S* const from = rot6d + first * static_cast<Index>(6 * n);
+    S* const to = joints + first * static_cast<Index>(3 * n);
+    const bool more = first + 2 * L::size <= count;
+    Vec3<L> at;
+    Rotation6dRows<L> local[2];  // twelve numbers: three fours, as load_rows likes them
+    static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(at) == 3 * sizeof(L));
+    load_rows(root + first * 3, 3, static_cast<int>(poses), std::span<L>(&at.x, 3));
+    for (std::size_t j = 0; j < n; j += 2) {
+      const std::size_t some = std::min<std::size_t>(2, n - j);
+      load_rows(from + 6 * j, 6 * n, static_cast<int>(poses), std::span<L>(&local[0].a.x, 6 * some));
+      if (more) {
+        prefetch<0>(from + L::size * 6 * (n + j), L::size * 6 * some);
+        prefetch<1>(to + L::size * 3 * (n + j), L::size * 3 * some);
+      }
+      for (std::size_t i = 0; i < some; ++i) place_joint(skeleton, j + i, local[i], at, has_children[j + i], world);
+    }
+    store_rows(std::span<const L>(&world.position[0].x, 3 * n), static_cast<int>(poses), to);
+  }
+
+ private:
+  template <int write>
+  static void prefetch(const S* from, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += 64 / sizeof(S)) __builtin_prefetch(from + i, write);
+  }
+};
 
 }  // namespace detail
 
@@ -65,14 +91,15 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
     raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
                        joints.size(), " joint values for ", n, " joints");
   }
+  detail::PoseArrays<S> batch{skeleton, std::vector<char>(static_cast<std::size_t>(n)), rot6d.data(), root.data(), poses, joints.data()};
+  for (const int parent : skeleton.parents) {
+    if (parent >= 0) batch.has_children[static_cast<std::size_t>(parent)] = true;
+  }
   constexpr Index block = 512;
   parallel_for((poses + block - 1) / block, [&](Index b) {
     with_widest_lanes<S>([&]<class L>() {
-      std::vector<Rotation6dRows<L>> local;
-      JointTransforms<L> world;
-      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) {
-        detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
-      }
+      JointTransforms<L> world{std::vector<Vec3<L>>(static_cast<std::size_t>(n)), std::vector<Matrix3<L>>(static_cast<std::size_t>(n))};
+      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) batch.place(first, world);
     });
   });
 }

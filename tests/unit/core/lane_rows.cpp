@@ -50,7 +50,7 @@ void check_load() {
         for (std::size_t k = 0; k < width; ++k) rows.push_back(value<S>(i, k));
       }
       std::vector<L> numbers(width);
-      ml::load_rows(rows.data(), count, std::span<L>(numbers));
+      ml::load_rows(rows.data(), width, count, std::span<L>(numbers));
       for (std::size_t k = 0; k < width; ++k) {
         for (int i = 0; i < L::size; ++i) REQUIRE(numbers[k][i] == value<S>(static_cast<std::size_t>(std::min(i, count - 1)), k));
       }
