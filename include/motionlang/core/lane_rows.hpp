@@ -74,38 +74,51 @@ MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
   using L = Lane<S, bytes>;
-  const std::size_t width = numbers.size();
-  std::size_t first = 0;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  const auto last = static_cast<std::size_t>(count - 1);
+  std::size_t k = 0;
   if constexpr (sizeof(S) == 4) {
-    for (; count == L::size && first + 4 <= width; first += 4) {
+    for (; k + 4 <= numbers.size(); k += 4) {
       L block[4];
-      for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(from + r * step + first, 4 * step, block[r]);
+      S copy[4 * lanes];  // where lanes are missing
+      if (last + 1 < lanes) {
+        for (std::size_t i = 0; i < lanes; ++i) std::memcpy(copy + 4 * i, from + std::min(i, last) * step + k, 16);
+      }
+      const S* const rows = last + 1 < lanes ? copy : from + k;
+      const std::size_t row = last + 1 < lanes ? 4 : step;
+      for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(rows + r * row, 4 * row, block[r]);
       detail::transpose_pieces(block);
-      for (std::size_t r = 0; r < 4; ++r) numbers[first + r].v = block[r].v;
+      for (std::size_t r = 0; r < 4; ++r) numbers[k + r].v = block[r].v;
     }
   }
-  for (int i = 0; i < L::size; ++i) {
-    const S* const row = from + static_cast<std::size_t>(std::min(i, count - 1)) * step;
-    for (std::size_t k = first; k < width; ++k) numbers[k][i] = row[k];
+  for (; k < numbers.size(); ++k) {
+    for (std::size_t i = 0; i < lanes; ++i) numbers[k][static_cast<int>(i)] = from[std::min(i, last) * step + k];
   }
 }
 
-/// Number k of lane i goes to to[i * width + k], width = numbers.size(), for the first `count` lanes.
+/// Number k of lane i goes to to[i * step + k] for the first `count` lanes.
 template <Scalar S, int bytes>
-MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, int count, S* to) {
+MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::size_t step, int count, S* to) {
   using L = Lane<S, bytes>;
-  const std::size_t width = numbers.size();
-  std::size_t first = 0;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  const auto used = static_cast<std::size_t>(count);
+  std::size_t k = 0;
   if constexpr (sizeof(S) == 4) {
-    for (; count == L::size && first + 4 <= width; first += 4) {
+    for (; k + 4 <= numbers.size(); k += 4) {
       L block[4];
-      for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[first + r].v;
+      S copy[4 * lanes];
+      for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[k + r].v;
       detail::transpose_pieces(block);
-      for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], to + r * width + first, 4 * width);
+      S* const rows = used < lanes ? copy : to + k;
+      const std::size_t row = used < lanes ? 4 : step;
+      for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], rows + r * row, 4 * row);
+      if (used < lanes) {
+        for (std::size_t i = 0; i < used; ++i) std::memcpy(to + i * step + k, copy + 4 * i, 16);
+      }
     }
   }
-  for (int i = 0; i < count; ++i) {
-    for (std::size_t k = first; k < width; ++k) to[static_cast<std::size_t>(i) * width + k] = numbers[k][i];
+  for (; k < numbers.size(); ++k) {
+    for (std::size_t i = 0; i < used; ++i) to[i * step + k] = numbers[k][static_cast<int>(i)];
   }
 }
 

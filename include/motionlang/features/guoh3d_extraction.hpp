@@ -194,7 +194,7 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
                                              world.data(), local.data());
     detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
     const int count = static_cast<int>(std::min<std::size_t>(L::size, rows - first));
-    store_rows(std::span<const L>(row), count, &out[first * width]);
+    store_rows(std::span<const L>(row), width, count, &out[first * width]);
     for (int i = 0; i < count; ++i) {
       const std::size_t t = first + static_cast<std::size_t>(i);
       if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned
-/// while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
+/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its blend shapes and
+/// is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
 /// Autodiff backend every number of the chain is a tensor over the poses, so that vertices and joints can be differentiated
 /// by shape, rotations and translation.
 ///
@@ -118,7 +118,12 @@ struct BodyModel {
   std::vector<int> parents;  // -1 for the root
   std::vector<Index> extra;  // vertex numbers of the extra joints
 
-  /// Blend shapes in blocks of vertices, packed; the weights that are not 0.
+  /// Rest positions of the joints as a linear function of betas.
+  struct RestJoints {
+    Tensor<B, 1> mean;        // (3 J)
+    Tensor<B, 2> directions;  // (3 J, K)
+  };
+  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and shape directions.
   struct Surface {
     struct Block {
       Index first, last;
@@ -127,6 +132,7 @@ struct BodyModel {
     };
     std::vector<Block> blocks;
     SkinWeights<typename B::scalar> weights;
+    RestJoints rest;
   };
   std::shared_ptr<const Surface> packed{};  // by `prepare`
 
@@ -163,13 +169,8 @@ struct BodyModel {
 
   /// Rest positions of the joints for a shape: (N, 3 J).
   Tensor<B, 2> rest_joints(const Tensor<B, 2>& betas) const {
-    const Index v = vertices(), j = joints(), k = shapedirs.size(1);
-    auto regress = [&](const Tensor<B, 2>& t, Index columns) {
-      return reshape<2>(matmul(J_regressor, reshape<2>(t, {v, 3 * columns})), {3 * j, columns});
-    };
-    const auto mean = reshape<2>(regress(reshape<2>(v_template, {3 * v, 1}), 1), {1, 3 * j});
-    if (k == 0) return mean + Tensor<B, 2>::zeros({betas.size(0), 1});
-    return matmul(betas, regress(shapedirs, k), {.transpose_b = true}) + mean;
+    const RestJoints rest = packed ? packed->rest : regressed();
+    return blended(betas, rest.directions, rest.mean);
   }
 
   /// betas (N, K), rotations (N, J, 9) local and row by row, translation (N, 3).
@@ -185,9 +186,9 @@ struct BodyModel {
       out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
-      const Chain chain = posed_chain(rest, rotations, translation);
-      out.joints = chain.positions;
-      out.vertices = surface(coefficients, chain.transforms);
+      PoolVector<S> transforms(static_cast<std::size_t>(lane_poses(rotations.size(0)) * joints() * skin_transform_size));
+      out.joints = posed_joints(rest, rotations, translation, transforms.data());
+      out.vertices = surface(coefficients, transforms.data());
     }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
@@ -197,6 +198,7 @@ struct BodyModel {
   void pack_surface() {
     if constexpr (!AutodiffBackend<B>) {
       Surface made = empty_surface();
+      made.rest = regressed();
       for (Index i = 0; i < blocks(); ++i) {
         made.blocks.push_back(block(i));
         if constexpr (requires { B::prepare(made.blocks[0].directions.data()); }) B::prepare(made.blocks.back().directions.data());
@@ -213,7 +215,7 @@ struct BodyModel {
       return posed_chain(rest_joints(betas), rotations).positions +
              reshape<3>(translation, {translation.size(0), 1, 3});
     } else {
-      return posed_chain(rest_joints(betas), rotations, translation).positions;
+      return posed_joints(rest_joints(betas), rotations, translation, nullptr);
     }
   }
 
@@ -221,7 +223,7 @@ struct BodyModel {
   using S = typename B::scalar;
   struct Chain {
     Tensor<B, 3> positions;   // (N, J, 3)
-    Tensor<B, 3> transforms;  // [R | p - R rest]: (N, J, 12) row by row with a tape, else (N, J, 16) for skin_vertices
+    Tensor<B, 3> transforms;  // [R | p - R rest], (N, J, 12) row by row
   };
 
   void check(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
@@ -236,6 +238,11 @@ struct BodyModel {
     return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
   }
 
+  RestJoints regressed() const {
+    const Index v = vertices(), j = joints(), k = shapedirs.size(1);
+    auto regress = [&](const Tensor<B, 2>& t, Index columns) { return matmul(J_regressor, reshape<2>(t, {v, 3 * columns})); };
+    return {reshape<1>(regress(v_template, 1), {3 * j}), reshape<2>(regress(shapedirs, k), {3 * j, k})};
+  }
   /// Factors of the shape directions and, if there are any, of the pose directions: (N, K + 9 (J - 1)).
   Tensor<B, 2> blend_coefficients(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
     if (posedirs.size(1) == 0) return betas;
@@ -247,34 +254,46 @@ struct BodyModel {
     return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
   }
   Tensor<B, 1> mean(Index first, Index last) const { return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)}); }
-  /// Vertices in the rest pose with blend shapes, (N, 3 vertices).
+  /// Points of the rest pose with blend shapes: vertices, (N, 3 vertices), or joints.
   static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions, const Tensor<B, 1>& mean) {
     if (coefficients.size(1) == 0)
       return reshape<2>(mean, {1, mean.size(0)}) + Tensor<B, 2>::zeros({coefficients.size(0), 1});
     return linear(coefficients, directions, &mean);
   }
 
-  static constexpr Index block_vertices = 256, block_poses = 256;  // both and the directions between them fit the second cache
+  static constexpr Index block_vertices = 128, block_poses = 256;  // both and the directions between them fit the second cache
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
     const Index first = i * block_vertices, last = std::min(vertices(), first + block_vertices);
     return {first, last, directions(first, last), mean(first, last)};
   }
-  Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints())}; }
+  Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints()), .rest = {}}; }
 
-  /// The vertices of all poses, (N, V, 3).
-  Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const Tensor<B, 3>& transforms) const {
+  /// Calls f.operator()<L>() for the registers that hold so many poses well.
+  template <class F>
+  static void with_lanes(Index poses, const F& f) {
+    using Few = Lane<S, 16>;
+    poses <= Few::size ? f.template operator()<Few>() : with_widest_lanes<S>(f);
+  }
+  /// As many poses, filled up to whole registers of any width.
+  static Index lane_poses(Index poses) { return (poses + 15) / 16 * 16; }
+
+  /// The vertices of all poses, (N, V, 3), from what posed_joints wrote.
+  Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
     const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
-    const Index n = coefficients.size(0), size = joints() * skin_transform_size;
-    const S* const from = transforms.span().data();
+    const Index n = coefficients.size(0);
     return detail::written_tensor<B, 3>({n, vertices(), 3}, [&](S* to) {
       parallel_for(blocks() * ((n + block_poses - 1) / block_poses), [&](Index task) {
         const Index i = task % blocks(), top = task / blocks() * block_poses, end = std::min(n, top + block_poses);
         const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
         const auto posed = blended(slice(coefficients, 0, top, end), b.directions, b.mean);
-        with_wide_vectors([&] {
-          skin_vertices(made->weights, b.first, b.last, posed.span().data(), from + top * size, end - top, joints(),
-                        to + top * 3 * vertices());
+        const S* const from = posed.span().data();
+        with_lanes(n, [&]<class L>() {
+          for (Index first = top; first < end; first += L::size) {
+            const auto own = reinterpret_cast<const L*>(transforms + first * joints() * skin_transform_size);
+            skin_vertices(made->weights, b.first, b.last, from + (first - top) * 3 * (b.last - b.first), own,
+                          static_cast<int>(std::min<Index>(L::size, end - first)), to + first * 3 * vertices());
+          }
         });
       });
     });
@@ -325,42 +344,42 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// Pose by pose, moved by the translation.
-  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
-    const Index n = rotations.size(0), j = joints();
+  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms of lane_poses(N) poses, (groups of poses, J, 12, lanes),
+  /// unless that is null.
+  Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
+                            S* transforms) const {
+    const Index n = rotations.size(0);
+    const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
-    Chain chain;
-    chain.positions = detail::written_tensor<B, 3>({n, j, 3}, [&](S* positions) {
-      chain.transforms = detail::written_tensor<B, 3>({n, j, skin_transform_size}, [&](S* transforms) {
-        constexpr Index block = 64;
-        parallel_for((n + block - 1) / block, [&](Index b) {
-          JointTransforms<S> world;
-          for (Index pose = b * block; pose < std::min(n, (b + 1) * block); ++pose) {
-            const S *own_rest = rest_at + pose * 3 * j, *own = rotation_at + pose * 9 * j, *tau = tau_at + 3 * pose;
+    return detail::written_tensor<B, 3>({n, joints(), 3}, [&](S* positions) {
+      parallel_for((n + block_poses - 1) / block_poses, [&](Index part) {
+        with_lanes(n, [&]<class L>() {
+          JointTransforms<L> world;
+          std::vector<Vec3<L>> own(j), moved(j);
+          std::vector<Matrix3<L>> local(j);
+          Vec3<L> tau;
+          for (Index top = part * block_poses; top < std::min(n, (part + 1) * block_poses); top += L::size) {
+            const int poses = static_cast<int>(std::min<Index>(L::size, n - top));
+            const auto all = static_cast<std::size_t>(top);
+            load_rows(rest_at + all * 3 * j, 3 * j, poses, std::span<L>(&own[0].x, 3 * j));
+            load_rows(rotation_at + all * 9 * j, 9 * j, poses, std::span<L>(local[0].m.data(), 9 * j));
+            load_rows(tau_at + all * 3, 3, poses, std::span<L>(&tau.x, 3));
+            L* to = transforms == nullptr ? nullptr : reinterpret_cast<L*>(transforms + all * j * skin_transform_size);
             detail::walk_chain(
-                std::span(parents), world,
-                [&](std::size_t i) {
-                  const S* r = own_rest + 3 * i;
-                  return Vec3<S>{r[0], r[1], r[2]};
-                },
-                [&](std::size_t i) {
-                  Matrix3<S> local;
-                  std::copy_n(own + 9 * i, 9, local.m.begin());
-                  return local;
-                },
-                [&](std::size_t i, const Matrix3<S>& r, const Vec3<S>& p, const Vec3<S>& t) {
-                  const Index at = pose * j + static_cast<Index>(i);
-                  const S moved[3] = {p.x + tau[0], p.y + tau[1], p.z + tau[2]};
-                  std::copy_n(moved, 3, positions + 3 * at);
-                  const S columns[] = {r.m[0], r.m[3], r.m[6], 0, r.m[1], r.m[4], r.m[7], 0, r.m[2], r.m[5],
-                                       r.m[8], 0, t.x + tau[0], t.y + tau[1], t.z + tau[2], 0};
-                  std::copy_n(columns, skin_transform_size, transforms + skin_transform_size * at);
+                std::span(parents), world, [&](std::size_t i) { return own[i]; }, [&](std::size_t i) { return local[i]; },
+                [&](std::size_t i, const Matrix3<L>& r, const Vec3<L>& p, const Vec3<L>& t) {
+                  moved[i] = p + tau;
+                  if (to == nullptr) return;
+                  for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6], r.m[7],
+                                     r.m[8], t.z + tau.z}) {
+                    *to++ = x;
+                  }
                 });
+            store_rows(std::span<const L>(&moved[0].x, 3 * j), 3 * j, poses, positions + all * 3 * j);
           }
         });
       });
     });
-    return chain;
   }
 };
 

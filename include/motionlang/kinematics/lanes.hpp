@@ -69,7 +69,7 @@ struct PoseArrays {
       }
       for (std::size_t i = 0; i < some; ++i) place_joint(skeleton, j + i, local[i], at, has_children[j + i], world);
     }
-    store_rows(std::span<const L>(&world.position[0].x, 3 * n), static_cast<int>(poses), to);
+    store_rows(std::span<const L>(&world.position[0].x, 3 * n), 3 * n, static_cast<int>(poses), to);
   }
 
  private:

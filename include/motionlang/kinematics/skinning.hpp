@@ -3,16 +3,18 @@
 ///
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
-/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Transforms are columns of four
-/// numbers, two of which fill a register.
+/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a register holds
+/// another pose.
 /// Source    Loper et al. (2015), eq. 2
 #pragma once
 
 #include <algorithm>  // min
+#include <array>      // a transform
 #include <span>       // weights
 #include <vector>     // lists
 
-#include <motionlang/core/concepts.hpp>
+#include <motionlang/core/lane_rows.hpp>
+#include <motionlang/geometry/vec.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -47,39 +49,39 @@ class SkinWeights {
   std::vector<std::size_t> ends_{0};
 };
 
-/// Numbers of a joint's transform: three columns of R and t, each with a fourth number that is ignored.
-inline constexpr Index skin_transform_size = 16;
+/// Numbers of a joint's transform, row by row: [R | t].
+inline constexpr Index skin_transform_size = 12;
 
-/// Vertices first ... last - 1 of all poses.
+/// Vertices first ... last - 1 of up to L::size poses.
 /// posed        (poses, last - first, 3): the vertices before they are moved
-/// transforms   (poses, joints, 16)
-/// vertices     (poses, all vertices, 3)
-template <Scalar S>
-void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const S* transforms, Index poses,
-                   Index joints, S* vertices) {
-  typedef S Four __attribute__((vector_size(4 * sizeof(S))));
-  typedef S Eight __attribute__((vector_size(8 * sizeof(S)), aligned(alignof(S)), may_alias));  // two columns
-  constexpr Index block = 8;  // poses whose transforms stay in the first cache while the vertices go by
-  const Index row = 3 * (last - first), whole_row = 3 * weights.vertices();
-  for (Index top = 0; top < poses; top += block) {
-    for (Index v = first; v < last; ++v) {
-      const auto entries = weights.of(v);
-      for (Index pose = top; pose < std::min(poses, top + block); ++pose) {
-        const S* const own = transforms + pose * joints * skin_transform_size;
-        Eight xy{}, zt{};
-        for (const auto& e : entries) {
-          const Eight* const columns = reinterpret_cast<const Eight*>(own + e.joint * skin_transform_size);
-          xy += e.weight * columns[0];
-          zt += e.weight * columns[1];
-        }
-        const S* const from = posed + pose * row + 3 * (v - first);
-        const S x = from[0], y = from[1], z = from[2];
-        const Eight sum = xy * Eight{x, x, x, x, y, y, y, y} + zt * Eight{z, z, z, z, 1, 1, 1, 1};
-        const Four p = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) + __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
-        S* const to = vertices + pose * whole_row + 3 * v;
-        to[0] = p[0], to[1] = p[1], to[2] = p[2];
+/// transforms   (joints, 12)
+/// vertices     (poses, all vertices, 3): from the first pose on
+template <class L, Scalar S>
+void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms, int poses,
+                   S* vertices) {
+  constexpr Index some = 4;  // vertices, whose twelve numbers are three fours, as load_rows likes them
+  const auto row = static_cast<std::size_t>(3 * (last - first)), whole_row = static_cast<std::size_t>(3 * weights.vertices());
+  for (Index v = first; v < last; v += some) {
+    const Index count = std::min(some, last - v);
+    std::array<Vec3<L>, some> points;
+    const auto numbers = std::span<L>(&points[0].x, static_cast<std::size_t>(3 * count));
+    static_assert(sizeof(points) == 3 * some * sizeof(L));
+    load_rows(posed + 3 * (v - first), row, poses, numbers);
+    for (int i = 0; i < poses; ++i)  // where they will be written some steps later
+      __builtin_prefetch(vertices + static_cast<std::size_t>(i) * whole_row + 3 * std::min(v + 4 * some, last), 1);
+    for (Index i = 0; i < count; ++i) {
+      std::array<L, skin_transform_size> m;
+      for (const auto& e : weights.of(v + i)) {
+        const L weight(e.weight), *const own = transforms + e.joint * skin_transform_size;
+        for (std::size_t k = 0; k < m.size(); ++k) m[k] = m[k] + weight * own[k];
       }
+      Vec3<L>& p = points[static_cast<std::size_t>(i)];
+      const L x = p.x, y = p.y, z = p.z;
+      p.x = m[0] * x + m[1] * y + m[2] * z + m[3];
+      p.y = m[4] * x + m[5] * y + m[6] * z + m[7];
+      p.z = m[8] * x + m[9] * y + m[10] * z + m[11];
     }
+    store_rows(std::span<const L>(numbers), whole_row, poses, vertices + 3 * v);
   }
 }
 

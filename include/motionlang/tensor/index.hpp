@@ -60,6 +60,7 @@ Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   if (first < 0 || last < first || last > a.size(axis)) {
     raise<shape_error>(203, "slice: ", first, " ... ", last, " of axis ", axis, " of ", a.shape());
   }
+  if (first == 0 && last == a.size(axis)) return a;
   return Tensor<B, R>(B::slice(a.data(), axis, first, last));
 }
 

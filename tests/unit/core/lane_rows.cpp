@@ -31,7 +31,7 @@ void check_store() {
     }
     for (int count = 0; count <= L::size; ++count) {
       std::vector<S> rows(lanes * width, S(-1));
-      ml::store_rows(std::span<const L>(numbers), count, rows.data());
+      ml::store_rows(std::span<const L>(numbers), width, count, rows.data());
       for (std::size_t at = 0; at < rows.size(); ++at) {
         const std::size_t i = at / width;
         REQUIRE(rows[at] == (i < static_cast<std::size_t>(count) ? value<S>(i, at % width) : S(-1)));
