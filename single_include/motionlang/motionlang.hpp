@@ -1497,15 +1497,21 @@ struct Lane {
     return from(a.v < b.v ? x.v : y.v);
   }
 
-  /// x / sqrt(x): Newton's iteration for 1/sqrt(x) from the well-known estimate by shifting the exponent. 0 for 0.
-  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
+  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) / sqrt(x) and
+  /// h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
-    const Register half = x.v * S(0.5);
-    for (int i = 0; i < (sizeof(S) == 4 ? 3 : 5); ++i) y = y * (S(1.5) - half * y * y);
-    Register r = x.v * y;
-    r = r + S(0.5) * y * (x.v - r * r);  // one correction of the root itself
-    return from(r);
+    for (int i = 0; i < (sizeof(S) == 4 ? 2 : 3); ++i) {
+      const Register h = x.v * y * y;
+      y = y * (S(1.875) - h * (S(1.25) - S(0.375) * h));
+    }
+    return from(y);
+  }
+  /// x / sqrt(x), and one correction of the root itself. 0 for 0.
+  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
+    const Register y = inverse_sqrt(x).v, r = x.v * y;
+    return from(r + S(0.5) * y * (x.v - r * r));
   }
   friend MOTIONLANG_INLINE Lane sin(const Lane& a) {
     return each(a, [](S x) { return std::sin(x); });
@@ -1549,6 +1555,9 @@ void with_widest_lanes(const F& f) {
 #ifndef MOTIONLANG_HAS_CORE_LANE_ROWS_HPP  // <motionlang/core/lane_rows.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_ROWS_HPP
 /// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+///
+/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of row 4 i + r. In
+/// four such registers the squares of four by four that stand at the same piece are transposed.
 
 #include <algorithm>  // min
 
@@ -1556,64 +1565,116 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Four numbers of four rows: in[i][k] becomes in[k][i].
-struct FourByFour {
-  typedef float Four __attribute__((vector_size(16)));
-  Four in[4];
+// Inlined, as all of lane.hpp.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
 
-  void transpose() {
-    const Four low_a = __builtin_shufflevector(in[0], in[1], 0, 4, 1, 5), low_b = __builtin_shufflevector(in[2], in[3], 0, 4, 1, 5),
-               high_a = __builtin_shufflevector(in[0], in[1], 2, 6, 3, 7), high_b = __builtin_shufflevector(in[2], in[3], 2, 6, 3, 7);
-    in[0] = __builtin_shufflevector(low_a, low_b, 0, 1, 4, 5), in[1] = __builtin_shufflevector(low_a, low_b, 2, 3, 6, 7);
-    in[2] = __builtin_shufflevector(high_a, high_b, 0, 1, 4, 5), in[3] = __builtin_shufflevector(high_a, high_b, 2, 3, 6, 7);
+/// Piece i of four numbers of a register is at from + i * step.
+template <int bytes>
+MOTIONLANG_INLINE void load_pieces(const float* from, std::size_t step, Lane<float, bytes>& to) {
+  if constexpr (bytes == 16) {
+    std::memcpy(&to.v, from, 16);
+  } else {
+    Lane<float, bytes / 2> low, high;
+    load_pieces(from, step, low);
+    load_pieces(from + bytes / 32 * step, step, high);
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      to.v = __builtin_shufflevector(low.v, high.v, i...);
+    }
+    (std::make_integer_sequence<int, bytes / 4>());
   }
-};
+}
+template <int bytes>
+MOTIONLANG_INLINE void store_pieces(const Lane<float, bytes>& from, float* to, std::size_t step) {
+  if constexpr (bytes == 16) {
+    std::memcpy(to, &from.v, 16);
+  } else {
+    Lane<float, bytes / 2> low, high;
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      low.v = __builtin_shufflevector(from.v, from.v, i...);
+      high.v = __builtin_shufflevector(from.v, from.v, (i + bytes / 8)...);
+    }
+    (std::make_integer_sequence<int, bytes / 8>());
+    store_pieces(low, to, step);
+    store_pieces(high, to + bytes / 32 * step, step);
+  }
+}
 
-/// Calls move(i, k) for the first lane and the first number of every block of four by four, and returns how many numbers are in
-/// blocks: only whole lanes of float are.
-template <class L, class F>
-std::size_t for_blocks_of_four(std::size_t width, int count, F move) {
-  if (sizeof(L) != 4 * L::size || count != L::size) return 0;
-  const std::size_t whole = width / 4 * 4;
-  for (std::size_t k = 0; k < whole; k += 4) {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); i += 4) move(i, k);
+/// In every piece: numbers p and q of a, then r and t of b.
+template <int p, int q, int r, int t, int bytes>
+MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane<float, bytes>& b) {
+  constexpr int n = bytes / 4, from[4] = {p, q, n + r, n + t};
+  Lane<float, bytes> mixed;
+  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+    mixed.v = __builtin_shufflevector(a.v, b.v, (i / 4 * 4 + from[i % 4])...);
   }
-  return whole;
+  (std::make_integer_sequence<int, n>());
+  return mixed;
+}
+
+/// In every piece: number k of in[i] becomes number i of in[k].
+template <int bytes>
+MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
+  const auto low_a = mix<0, 1, 0, 1>(in[0], in[1]), high_a = mix<2, 3, 2, 3>(in[0], in[1]),
+             low_b = mix<0, 1, 0, 1>(in[2], in[3]), high_b = mix<2, 3, 2, 3>(in[2], in[3]);
+  in[0] = mix<0, 2, 0, 2>(low_a, low_b), in[1] = mix<1, 3, 1, 3>(low_a, low_b);
+  in[2] = mix<0, 2, 0, 2>(high_a, high_b), in[3] = mix<1, 3, 1, 3>(high_a, high_b);
 }
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * width + k], width = numbers.size(), for the first `count` lanes (at least one); further lanes are as
-/// the last of these.
+/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last of these.
 template <Scalar S, int bytes>
-void load_rows(const S* from, int count, std::span<Lane<S, bytes>> numbers) {
-  const std::size_t width = numbers.size();
-  const std::size_t first = detail::for_blocks_of_four<Lane<S, bytes>>(width, count, [&](std::size_t i, std::size_t k) {
-    detail::FourByFour block;
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(&block.in[r], from + (i + r) * width + k, 16);
-    block.transpose();
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(reinterpret_cast<S*>(&numbers[k + r].v) + i, &block.in[r], 16);
-  });
-  for (int i = 0; i < Lane<S, bytes>::size; ++i) {
-    const S* const row = from + static_cast<std::size_t>(std::min(i, count - 1)) * width;
-    for (std::size_t k = first; k < width; ++k) numbers[k][i] = row[k];
+MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
+  using L = Lane<S, bytes>;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  const auto last = static_cast<std::size_t>(count - 1);
+  std::size_t k = 0;
+  if constexpr (sizeof(S) == 4) {
+    for (; k + 4 <= numbers.size(); k += 4) {
+      L block[4];
+      S copy[4 * lanes];  // where lanes are missing
+      if (last + 1 < lanes) {
+        for (std::size_t i = 0; i < lanes; ++i) std::memcpy(copy + 4 * i, from + std::min(i, last) * step + k, 16);
+      }
+      const S* const rows = last + 1 < lanes ? copy : from + k;
+      const std::size_t row = last + 1 < lanes ? 4 : step;
+      for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(rows + r * row, 4 * row, block[r]);
+      detail::transpose_pieces(block);
+      for (std::size_t r = 0; r < 4; ++r) numbers[k + r].v = block[r].v;
+    }
+  }
+  for (; k < numbers.size(); ++k) {
+    for (std::size_t i = 0; i < lanes; ++i) numbers[k][static_cast<int>(i)] = from[std::min(i, last) * step + k];
   }
 }
 
-/// Number k of lane i goes to to[i * width + k], width = numbers.size(), for the first `count` lanes.
+/// Number k of lane i goes to to[i * step + k] for the first `count` lanes.
 template <Scalar S, int bytes>
-void store_rows(std::span<const Lane<S, bytes>> numbers, int count, S* to) {
-  const std::size_t width = numbers.size();
-  const std::size_t first = detail::for_blocks_of_four<Lane<S, bytes>>(width, count, [&](std::size_t i, std::size_t k) {
-    detail::FourByFour block;
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(&block.in[r], reinterpret_cast<const S*>(&numbers[k + r].v) + i, 16);
-    block.transpose();
-    for (std::size_t r = 0; r < 4; ++r) std::memcpy(to + (i + r) * width + k, &block.in[r], 16);
-  });
-  for (int i = 0; i < count; ++i) {
-    for (std::size_t k = first; k < width; ++k) to[static_cast<std::size_t>(i) * width + k] = numbers[k][i];
+MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::size_t step, int count, S* to) {
+  using L = Lane<S, bytes>;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  const auto used = static_cast<std::size_t>(count);
+  std::size_t k = 0;
+  if constexpr (sizeof(S) == 4) {
+    for (; k + 4 <= numbers.size(); k += 4) {
+      L block[4];
+      S copy[4 * lanes];
+      for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[k + r].v;
+      detail::transpose_pieces(block);
+      S* const rows = used < lanes ? copy : to + k;
+      const std::size_t row = used < lanes ? 4 : step;
+      for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], rows + r * row, 4 * row);
+      if (used < lanes) {
+        for (std::size_t i = 0; i < used; ++i) std::memcpy(to + i * step + k, copy + 4 * i, 16);
+      }
+    }
+  }
+  for (; k < numbers.size(); ++k) {
+    for (std::size_t i = 0; i < used; ++i) to[i * step + k] = numbers[k][static_cast<int>(i)];
   }
 }
+
+#undef MOTIONLANG_INLINE
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -2839,6 +2900,7 @@ Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   if (first < 0 || last < first || last > a.size(axis)) {
     raise<shape_error>(203, "slice: ", first, " ... ", last, " of axis ", axis, " of ", a.shape());
   }
+  if (first == 0 && last == a.size(axis)) return a;
   return Tensor<B, R>(B::slice(a.data(), axis, first, last));
 }
 
@@ -3677,13 +3739,19 @@ auto norm_or_zero(const V& a) {
   return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
 }
 
+/// 1 / sqrt(x). Scalars that know a cheaper way have their own (Lane).
+template <class S>
+S inverse_sqrt(const S& x) {
+  return S(1) / sqrt(x);
+}
+
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.
 template <class S>
 Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
-  const S length = sqrt(where_less(squared, least, least, squared));
-  return {a.x / length, a.y / length, a.z / length};
+  const S scale = inverse_sqrt(where_less(squared, least, least, squared));
+  return {a.x * scale, a.y * scale, a.z * scale};
 }
 
 /// The same vector over another scalar.
@@ -5463,6 +5531,23 @@ struct JointTransforms {
   std::vector<Matrix3<S>> rotation;
 };
 
+namespace detail {
+
+/// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
+template <Rotation R, ScalarLike S>
+void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate, JointTransforms<S>& world) {
+  if (j == 0) {
+    world.position[0] = root;
+    world.rotation[0] = to_matrix(local);
+    return;
+  }
+  const auto p = static_cast<std::size_t>(skeleton.parents[j]);
+  world.position[j] = world.position[p] + world.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
+  if (rotate) world.rotation[j] = world.rotation[p] * to_matrix(local);
+}
+
+}  // namespace detail
+
 /// local     one rotation per joint, in any representation
 /// result    resized to the number of joints; pass the same object again to avoid allocations
 /// Throws    shape_error 204 if the number of rotations is not the number of joints
@@ -5475,13 +5560,7 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const R> local, cons
   }
   result.position.resize(joints);
   result.rotation.resize(joints);
-  result.position[0] = root;
-  result.rotation[0] = to_matrix(local[0]);
-  for (std::size_t j = 1; j < joints; ++j) {
-    const auto p = static_cast<std::size_t>(skeleton.parents[j]);
-    result.position[j] = result.position[p] + result.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
-    result.rotation[j] = result.rotation[p] * to_matrix(local[j]);
-  }
+  for (std::size_t j = 0; j < joints; ++j) detail::place_joint(skeleton, j, local[j], root, true, result);
 }
 
 template <Rotation R, ScalarLike S>
@@ -5998,8 +6077,8 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 #define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
 /// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
 ///
-/// On a bare backend the chain goes pose by pose, and a block of vertices at a time gets its blend shapes and is skinned
-/// while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
+/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its blend shapes and
+/// is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
 /// Autodiff backend every number of the chain is a tensor over the poses, so that vertices and joints can be differentiated
 /// by shape, rotations and translation.
 ///
@@ -6015,8 +6094,8 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 ///
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
-/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Transforms are columns of four
-/// numbers, two of which fill a register.
+/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a register holds
+/// another pose.
 /// Source    Loper et al. (2015), eq. 2
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -6052,39 +6131,39 @@ class SkinWeights {
   std::vector<std::size_t> ends_{0};
 };
 
-/// Numbers of a joint's transform: three columns of R and t, each with a fourth number that is ignored.
-inline constexpr Index skin_transform_size = 16;
+/// Numbers of a joint's transform, row by row: [R | t].
+inline constexpr Index skin_transform_size = 12;
 
-/// Vertices first ... last - 1 of all poses.
+/// Vertices first ... last - 1 of up to L::size poses.
 /// posed        (poses, last - first, 3): the vertices before they are moved
-/// transforms   (poses, joints, 16)
-/// vertices     (poses, all vertices, 3)
-template <Scalar S>
-void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const S* transforms, Index poses,
-                   Index joints, S* vertices) {
-  typedef S Four __attribute__((vector_size(4 * sizeof(S))));
-  typedef S Eight __attribute__((vector_size(8 * sizeof(S)), aligned(alignof(S)), may_alias));  // two columns
-  constexpr Index block = 8;  // poses whose transforms stay in the first cache while the vertices go by
-  const Index row = 3 * (last - first), whole_row = 3 * weights.vertices();
-  for (Index top = 0; top < poses; top += block) {
-    for (Index v = first; v < last; ++v) {
-      const auto entries = weights.of(v);
-      for (Index pose = top; pose < std::min(poses, top + block); ++pose) {
-        const S* const own = transforms + pose * joints * skin_transform_size;
-        Eight xy{}, zt{};
-        for (const auto& e : entries) {
-          const Eight* const columns = reinterpret_cast<const Eight*>(own + e.joint * skin_transform_size);
-          xy += e.weight * columns[0];
-          zt += e.weight * columns[1];
-        }
-        const S* const from = posed + pose * row + 3 * (v - first);
-        const S x = from[0], y = from[1], z = from[2];
-        const Eight sum = xy * Eight{x, x, x, x, y, y, y, y} + zt * Eight{z, z, z, z, 1, 1, 1, 1};
-        const Four p = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) + __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
-        S* const to = vertices + pose * whole_row + 3 * v;
-        to[0] = p[0], to[1] = p[1], to[2] = p[2];
+/// transforms   (joints, 12)
+/// vertices     (poses, all vertices, 3): from the first pose on
+template <class L, Scalar S>
+void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms, int poses,
+                   S* vertices) {
+  constexpr Index some = 4;  // vertices, whose twelve numbers are three fours, as load_rows likes them
+  const auto row = static_cast<std::size_t>(3 * (last - first)), whole_row = static_cast<std::size_t>(3 * weights.vertices());
+  for (Index v = first; v < last; v += some) {
+    const Index count = std::min(some, last - v);
+    std::array<Vec3<L>, some> points;
+    const auto numbers = std::span<L>(&points[0].x, static_cast<std::size_t>(3 * count));
+    static_assert(sizeof(points) == 3 * some * sizeof(L));
+    load_rows(posed + 3 * (v - first), row, poses, numbers);
+    for (int i = 0; i < poses; ++i)  // where they will be written some steps later
+      __builtin_prefetch(vertices + static_cast<std::size_t>(i) * whole_row + 3 * std::min(v + 4 * some, last), 1);
+    for (Index i = 0; i < count; ++i) {
+      std::array<L, skin_transform_size> m;
+      for (const auto& e : weights.of(v + i)) {
+        const L weight(e.weight), *const own = transforms + e.joint * skin_transform_size;
+        for (std::size_t k = 0; k < m.size(); ++k) m[k] = m[k] + weight * own[k];
       }
+      Vec3<L>& p = points[static_cast<std::size_t>(i)];
+      const L x = p.x, y = p.y, z = p.z;
+      p.x = m[0] * x + m[1] * y + m[2] * z + m[3];
+      p.y = m[4] * x + m[5] * y + m[6] * z + m[7];
+      p.z = m[8] * x + m[9] * y + m[10] * z + m[11];
     }
+    store_rows(std::span<const L>(numbers), whole_row, poses, vertices + 3 * v);
   }
 }
 
@@ -6182,7 +6261,12 @@ struct BodyModel {
   std::vector<int> parents;  // -1 for the root
   std::vector<Index> extra;  // vertex numbers of the extra joints
 
-  /// Blend shapes in blocks of vertices, packed; the weights that are not 0.
+  /// Rest positions of the joints as a linear function of betas.
+  struct RestJoints {
+    Tensor<B, 1> mean;        // (3 J)
+    Tensor<B, 2> directions;  // (3 J, K)
+  };
+  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and shape directions.
   struct Surface {
     struct Block {
       Index first, last;
@@ -6191,6 +6275,7 @@ struct BodyModel {
     };
     std::vector<Block> blocks;
     SkinWeights<typename B::scalar> weights;
+    RestJoints rest;
   };
   std::shared_ptr<const Surface> packed{};  // by `prepare`
 
@@ -6227,13 +6312,8 @@ struct BodyModel {
 
   /// Rest positions of the joints for a shape: (N, 3 J).
   Tensor<B, 2> rest_joints(const Tensor<B, 2>& betas) const {
-    const Index v = vertices(), j = joints(), k = shapedirs.size(1);
-    auto regress = [&](const Tensor<B, 2>& t, Index columns) {
-      return reshape<2>(matmul(J_regressor, reshape<2>(t, {v, 3 * columns})), {3 * j, columns});
-    };
-    const auto mean = reshape<2>(regress(reshape<2>(v_template, {3 * v, 1}), 1), {1, 3 * j});
-    if (k == 0) return mean + Tensor<B, 2>::zeros({betas.size(0), 1});
-    return matmul(betas, regress(shapedirs, k), {.transpose_b = true}) + mean;
+    const RestJoints rest = packed ? packed->rest : regressed();
+    return blended(betas, rest.directions, rest.mean);
   }
 
   /// betas (N, K), rotations (N, J, 9) local and row by row, translation (N, 3).
@@ -6249,9 +6329,9 @@ struct BodyModel {
       out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
-      const Chain chain = posed_chain(rest, rotations, translation);
-      out.joints = chain.positions;
-      out.vertices = surface(coefficients, chain.transforms);
+      PoolVector<S> transforms(static_cast<std::size_t>(lane_poses(rotations.size(0)) * joints() * skin_transform_size));
+      out.joints = posed_joints(rest, rotations, translation, transforms.data());
+      out.vertices = surface(coefficients, transforms.data());
     }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
@@ -6261,6 +6341,7 @@ struct BodyModel {
   void pack_surface() {
     if constexpr (!AutodiffBackend<B>) {
       Surface made = empty_surface();
+      made.rest = regressed();
       for (Index i = 0; i < blocks(); ++i) {
         made.blocks.push_back(block(i));
         if constexpr (requires { B::prepare(made.blocks[0].directions.data()); }) B::prepare(made.blocks.back().directions.data());
@@ -6277,7 +6358,7 @@ struct BodyModel {
       return posed_chain(rest_joints(betas), rotations).positions +
              reshape<3>(translation, {translation.size(0), 1, 3});
     } else {
-      return posed_chain(rest_joints(betas), rotations, translation).positions;
+      return posed_joints(rest_joints(betas), rotations, translation, nullptr);
     }
   }
 
@@ -6285,7 +6366,7 @@ struct BodyModel {
   using S = typename B::scalar;
   struct Chain {
     Tensor<B, 3> positions;   // (N, J, 3)
-    Tensor<B, 3> transforms;  // [R | p - R rest]: (N, J, 12) row by row with a tape, else (N, J, 16) for skin_vertices
+    Tensor<B, 3> transforms;  // [R | p - R rest], (N, J, 12) row by row
   };
 
   void check(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
@@ -6300,6 +6381,11 @@ struct BodyModel {
     return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
   }
 
+  RestJoints regressed() const {
+    const Index v = vertices(), j = joints(), k = shapedirs.size(1);
+    auto regress = [&](const Tensor<B, 2>& t, Index columns) { return matmul(J_regressor, reshape<2>(t, {v, 3 * columns})); };
+    return {reshape<1>(regress(v_template, 1), {3 * j}), reshape<2>(regress(shapedirs, k), {3 * j, k})};
+  }
   /// Factors of the shape directions and, if there are any, of the pose directions: (N, K + 9 (J - 1)).
   Tensor<B, 2> blend_coefficients(const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations) const {
     if (posedirs.size(1) == 0) return betas;
@@ -6311,34 +6397,46 @@ struct BodyModel {
     return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
   }
   Tensor<B, 1> mean(Index first, Index last) const { return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)}); }
-  /// Vertices in the rest pose with blend shapes, (N, 3 vertices).
+  /// Points of the rest pose with blend shapes: vertices, (N, 3 vertices), or joints.
   static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions, const Tensor<B, 1>& mean) {
     if (coefficients.size(1) == 0)
       return reshape<2>(mean, {1, mean.size(0)}) + Tensor<B, 2>::zeros({coefficients.size(0), 1});
     return linear(coefficients, directions, &mean);
   }
 
-  static constexpr Index block_vertices = 256, block_poses = 256;  // both and the directions between them fit the second cache
+  static constexpr Index block_vertices = 128, block_poses = 256;  // both and the directions between them fit the second cache
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
     const Index first = i * block_vertices, last = std::min(vertices(), first + block_vertices);
     return {first, last, directions(first, last), mean(first, last)};
   }
-  Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints())}; }
+  Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints()), .rest = {}}; }
 
-  /// The vertices of all poses, (N, V, 3).
-  Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const Tensor<B, 3>& transforms) const {
+  /// Calls f.operator()<L>() for the registers that hold so many poses well.
+  template <class F>
+  static void with_lanes(Index poses, const F& f) {
+    using Few = Lane<S, 16>;
+    poses <= Few::size ? f.template operator()<Few>() : with_widest_lanes<S>(f);
+  }
+  /// As many poses, filled up to whole registers of any width.
+  static Index lane_poses(Index poses) { return (poses + 15) / 16 * 16; }
+
+  /// The vertices of all poses, (N, V, 3), from what posed_joints wrote.
+  Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
     const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
-    const Index n = coefficients.size(0), size = joints() * skin_transform_size;
-    const S* const from = transforms.span().data();
+    const Index n = coefficients.size(0);
     return detail::written_tensor<B, 3>({n, vertices(), 3}, [&](S* to) {
       parallel_for(blocks() * ((n + block_poses - 1) / block_poses), [&](Index task) {
         const Index i = task % blocks(), top = task / blocks() * block_poses, end = std::min(n, top + block_poses);
         const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
         const auto posed = blended(slice(coefficients, 0, top, end), b.directions, b.mean);
-        with_wide_vectors([&] {
-          skin_vertices(made->weights, b.first, b.last, posed.span().data(), from + top * size, end - top, joints(),
-                        to + top * 3 * vertices());
+        const S* const from = posed.span().data();
+        with_lanes(n, [&]<class L>() {
+          for (Index first = top; first < end; first += L::size) {
+            const auto own = reinterpret_cast<const L*>(transforms + first * joints() * skin_transform_size);
+            skin_vertices(made->weights, b.first, b.last, from + (first - top) * 3 * (b.last - b.first), own,
+                          static_cast<int>(std::min<Index>(L::size, end - first)), to + first * 3 * vertices());
+          }
         });
       });
     });
@@ -6389,42 +6487,42 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// Pose by pose, moved by the translation.
-  Chain posed_chain(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation) const {
-    const Index n = rotations.size(0), j = joints();
+  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms of lane_poses(N) poses, (groups of poses, J, 12, lanes),
+  /// unless that is null.
+  Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
+                            S* transforms) const {
+    const Index n = rotations.size(0);
+    const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
-    Chain chain;
-    chain.positions = detail::written_tensor<B, 3>({n, j, 3}, [&](S* positions) {
-      chain.transforms = detail::written_tensor<B, 3>({n, j, skin_transform_size}, [&](S* transforms) {
-        constexpr Index block = 64;
-        parallel_for((n + block - 1) / block, [&](Index b) {
-          JointTransforms<S> world;
-          for (Index pose = b * block; pose < std::min(n, (b + 1) * block); ++pose) {
-            const S *own_rest = rest_at + pose * 3 * j, *own = rotation_at + pose * 9 * j, *tau = tau_at + 3 * pose;
+    return detail::written_tensor<B, 3>({n, joints(), 3}, [&](S* positions) {
+      parallel_for((n + block_poses - 1) / block_poses, [&](Index part) {
+        with_lanes(n, [&]<class L>() {
+          JointTransforms<L> world;
+          std::vector<Vec3<L>> own(j), moved(j);
+          std::vector<Matrix3<L>> local(j);
+          Vec3<L> tau;
+          for (Index top = part * block_poses; top < std::min(n, (part + 1) * block_poses); top += L::size) {
+            const int poses = static_cast<int>(std::min<Index>(L::size, n - top));
+            const auto all = static_cast<std::size_t>(top);
+            load_rows(rest_at + all * 3 * j, 3 * j, poses, std::span<L>(&own[0].x, 3 * j));
+            load_rows(rotation_at + all * 9 * j, 9 * j, poses, std::span<L>(local[0].m.data(), 9 * j));
+            load_rows(tau_at + all * 3, 3, poses, std::span<L>(&tau.x, 3));
+            L* to = transforms == nullptr ? nullptr : reinterpret_cast<L*>(transforms + all * j * skin_transform_size);
             detail::walk_chain(
-                std::span(parents), world,
-                [&](std::size_t i) {
-                  const S* r = own_rest + 3 * i;
-                  return Vec3<S>{r[0], r[1], r[2]};
-                },
-                [&](std::size_t i) {
-                  Matrix3<S> local;
-                  std::copy_n(own + 9 * i, 9, local.m.begin());
-                  return local;
-                },
-                [&](std::size_t i, const Matrix3<S>& r, const Vec3<S>& p, const Vec3<S>& t) {
-                  const Index at = pose * j + static_cast<Index>(i);
-                  const S moved[3] = {p.x + tau[0], p.y + tau[1], p.z + tau[2]};
-                  std::copy_n(moved, 3, positions + 3 * at);
-                  const S columns[] = {r.m[0], r.m[3], r.m[6], 0, r.m[1], r.m[4], r.m[7], 0, r.m[2], r.m[5],
-                                       r.m[8], 0, t.x + tau[0], t.y + tau[1], t.z + tau[2], 0};
-                  std::copy_n(columns, skin_transform_size, transforms + skin_transform_size * at);
+                std::span(parents), world, [&](std::size_t i) { return own[i]; }, [&](std::size_t i) { return local[i]; },
+                [&](std::size_t i, const Matrix3<L>& r, const Vec3<L>& p, const Vec3<L>& t) {
+                  moved[i] = p + tau;
+                  if (to == nullptr) return;
+                  for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6], r.m[7],
+                                     r.m[8], t.z + tau.z}) {
+                    *to++ = x;
+                  }
                 });
+            store_rows(std::span<const L>(&moved[0].x, 3 * j), 3 * j, poses, positions + all * 3 * j);
           }
         });
       });
     });
-    return chain;
   }
 };
 
@@ -7974,20 +8072,46 @@ LanePoses<B> lanes(Tensor<B, 4> rot6d, Tensor<B, 3> root) {
 
 namespace detail {
 
-/// Up to L::size poses from pose `first` on.
-template <class L, Scalar S>
-void forward_kinematics_lane(const Skeleton& skeleton, const S* rot6d, const S* root, Index first, Index count,
-                             S* joints, std::vector<Rotation6dRows<L>>& local, JointTransforms<L>& world) {
-  const auto n = static_cast<std::size_t>(skeleton.size());
-  const int poses = static_cast<int>(std::min<Index>(L::size, count - first));
-  local.resize(n);
-  Vec3<L> place;
-  static_assert(sizeof(local[0]) == 6 * sizeof(L) && sizeof(place) == 3 * sizeof(L));
-  load_rows(rot6d + first * static_cast<Index>(6 * n), poses, std::span<L>(&local[0].a.x, 6 * n));
-  load_rows(root + first * 3, poses, std::span<L>(&place.x, 3));
-  forward_kinematics(skeleton, std::span<const Rotation6dRows<L>>(local), place, world);
-  store_rows(std::span<const L>(&world.position[0].x, 3 * n), poses, joints + first * static_cast<Index>(3 * n));
-}
+/// Poses in plain arrays, and as many of them at a time as there are lanes.
+template <Scalar S>
+struct PoseArrays {
+  const Skeleton& skeleton;
+  std::vector<char> has_children;  // of every joint: what nothing hangs on needs no rotation
+  const S* rot6d;
+  const S* root;
+  Index count;
+  S* joints;
+
+  /// The poses from `first` on. The numbers of the group behind them come into the cache meanwhile, a few lines with every joint.
+  template <class L>
+  void place(Index first, JointTransforms<L>& world) const {
+    const auto n = static_cast<std::size_t>(skeleton.size());
+    const Index poses = std::min<Index>(L::size, count - first);
+    const S* const from = rot6d + first * static_cast<Index>(6 * n);
+    S* const to = joints + first * static_cast<Index>(3 * n);
+    const bool more = first + 2 * L::size <= count;
+    Vec3<L> at;
+    Rotation6dRows<L> local[2];  // twelve numbers: three fours, as load_rows likes them
+    static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(at) == 3 * sizeof(L));
+    load_rows(root + first * 3, 3, static_cast<int>(poses), std::span<L>(&at.x, 3));
+    for (std::size_t j = 0; j < n; j += 2) {
+      const std::size_t some = std::min<std::size_t>(2, n - j);
+      load_rows(from + 6 * j, 6 * n, static_cast<int>(poses), std::span<L>(&local[0].a.x, 6 * some));
+      if (more) {
+        prefetch<0>(from + L::size * 6 * (n + j), L::size * 6 * some);
+        prefetch<1>(to + L::size * 3 * (n + j), L::size * 3 * some);
+      }
+      for (std::size_t i = 0; i < some; ++i) place_joint(skeleton, j + i, local[i], at, has_children[j + i], world);
+    }
+    store_rows(std::span<const L>(&world.position[0].x, 3 * n), 3 * n, static_cast<int>(poses), to);
+  }
+
+ private:
+  template <int write>
+  static void prefetch(const S* from, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += 64 / sizeof(S)) __builtin_prefetch(from + i, write);
+  }
+};
 
 }  // namespace detail
 
@@ -8001,14 +8125,15 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
     raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
                        joints.size(), " joint values for ", n, " joints");
   }
+  detail::PoseArrays<S> batch{skeleton, std::vector<char>(static_cast<std::size_t>(n)), rot6d.data(), root.data(), poses, joints.data()};
+  for (const int parent : skeleton.parents) {
+    if (parent >= 0) batch.has_children[static_cast<std::size_t>(parent)] = true;
+  }
   constexpr Index block = 512;
   parallel_for((poses + block - 1) / block, [&](Index b) {
     with_widest_lanes<S>([&]<class L>() {
-      std::vector<Rotation6dRows<L>> local;
-      JointTransforms<L> world;
-      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) {
-        detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
-      }
+      JointTransforms<L> world{std::vector<Vec3<L>>(static_cast<std::size_t>(n)), std::vector<Matrix3<L>>(static_cast<std::size_t>(n))};
+      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) batch.place(first, world);
     });
   });
 }
@@ -13455,7 +13580,7 @@ std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<con
                                              world.data(), local.data());
     detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
     const int count = static_cast<int>(std::min<std::size_t>(L::size, rows - first));
-    store_rows(std::span<const L>(row), count, &out[first * width]);
+    store_rows(std::span<const L>(row), width, count, &out[first * width]);
     for (int i = 0; i < count; ++i) {
       const std::size_t t = first + static_cast<std::size_t>(i);
       if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
@@ -28783,6 +28908,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -28950,7 +29079,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -29012,6 +29141,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -29752,13 +29884,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -29778,9 +29907,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -29938,6 +30070,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -30105,7 +30241,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -30167,6 +30303,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -30907,13 +31046,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -30933,9 +31069,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -31091,6 +31230,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -31258,7 +31401,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -31320,6 +31463,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -32060,13 +32206,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -32086,9 +32229,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);

@@ -434,6 +434,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -601,7 +605,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -663,6 +667,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -1403,13 +1410,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -1429,9 +1433,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -1589,6 +1596,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -1756,7 +1767,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -1818,6 +1829,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -2558,13 +2572,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -2584,9 +2595,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -2742,6 +2756,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -2909,7 +2927,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2971,6 +2989,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -3711,13 +3732,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -3737,9 +3755,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);

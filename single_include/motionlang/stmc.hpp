@@ -1581,6 +1581,7 @@ Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   if (first < 0 || last < first || last > a.size(axis)) {
     raise<shape_error>(203, "slice: ", first, " ... ", last, " of axis ", axis, " of ", a.shape());
   }
+  if (first == 0 && last == a.size(axis)) return a;
   return Tensor<B, R>(B::slice(a.data(), axis, first, last));
 }
 
@@ -2458,6 +2459,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -2625,7 +2630,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2687,6 +2692,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -3427,13 +3435,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -3453,9 +3458,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -3613,6 +3621,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -3780,7 +3792,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3842,6 +3854,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -4582,13 +4597,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -4608,9 +4620,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -4766,6 +4781,10 @@ template <class S>
 MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
   for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
 }
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
 // The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
@@ -4933,7 +4952,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -4995,6 +5014,9 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual != nullptr) {
+    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+  }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
   const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
@@ -5735,13 +5757,10 @@ inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index colum
       Vec<float> x = load(sums + i);
       if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
       if (residual != nullptr) x += load_first(residual + i, n);
-      x = apply_activation<float>(x, g.act);
-      if (n >= l) {
-        store(c + i, x);
-      } else {
-        store_some(c + i, x, n);
-      }
+      store_first(c + i, x, n);
     }
+    if (g.act == Activation::none) continue;
+    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
   }
 }
 
@@ -5761,9 +5780,12 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index r = 0; r < height; ++r) {  // what is written afterwards
-          const float* c = g.c + (top + first + r) * g.ldc + j * bf16_columns;
+        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
+          const float* c = g.c + row * g.ldc + j * bf16_columns;
           __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
+          if (g.residual == nullptr) continue;
+          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
+          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
         Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
@@ -6875,13 +6897,19 @@ auto norm_or_zero(const V& a) {
   return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
 }
 
+/// 1 / sqrt(x). Scalars that know a cheaper way have their own (Lane).
+template <class S>
+S inverse_sqrt(const S& x) {
+  return S(1) / sqrt(x);
+}
+
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.
 template <class S>
 Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
-  const S length = sqrt(where_less(squared, least, least, squared));
-  return {a.x / length, a.y / length, a.z / length};
+  const S scale = inverse_sqrt(where_less(squared, least, least, squared));
+  return {a.x * scale, a.y * scale, a.z * scale};
 }
 
 /// The same vector over another scalar.
@@ -9770,6 +9798,23 @@ struct JointTransforms {
   std::vector<Matrix3<S>> rotation;
 };
 
+namespace detail {
+
+/// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
+template <Rotation R, ScalarLike S>
+void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate, JointTransforms<S>& world) {
+  if (j == 0) {
+    world.position[0] = root;
+    world.rotation[0] = to_matrix(local);
+    return;
+  }
+  const auto p = static_cast<std::size_t>(skeleton.parents[j]);
+  world.position[j] = world.position[p] + world.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
+  if (rotate) world.rotation[j] = world.rotation[p] * to_matrix(local);
+}
+
+}  // namespace detail
+
 /// local     one rotation per joint, in any representation
 /// result    resized to the number of joints; pass the same object again to avoid allocations
 /// Throws    shape_error 204 if the number of rotations is not the number of joints
@@ -9782,13 +9827,7 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const R> local, cons
   }
   result.position.resize(joints);
   result.rotation.resize(joints);
-  result.position[0] = root;
-  result.rotation[0] = to_matrix(local[0]);
-  for (std::size_t j = 1; j < joints; ++j) {
-    const auto p = static_cast<std::size_t>(skeleton.parents[j]);
-    result.position[j] = result.position[p] + result.rotation[p] * vec_cast<S>(skeleton.offsets[j]);
-    result.rotation[j] = result.rotation[p] * to_matrix(local[j]);
-  }
+  for (std::size_t j = 0; j < joints; ++j) detail::place_joint(skeleton, j, local[j], root, true, result);
 }
 
 template <Rotation R, ScalarLike S>

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+///
+/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of row 4 i + r. In
+/// four such registers the squares of four by four that stand at the same piece are transposed.
 #pragma once
 
 #include <algorithm>  // min
