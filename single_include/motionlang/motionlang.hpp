@@ -1438,16 +1438,6 @@ __attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f)
 
 }  // namespace detail
 
-/// f(), by GCC compiled a second time with all that it calls for vectors of 32 bytes and used where the processor has them.
-template <class F>
-void with_wide_vectors(const F& f) {
-#if defined(MOTIONLANG_WIDER_COPIES)
-  static const bool wide = detail::widest_vectors() != detail::Isa::portable;
-  if (wide) return detail::with_avx2(f);
-#endif
-  f();
-}
-
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -1497,6 +1487,7 @@ struct Lane {
     return from(a.v < b.v ? x.v : y.v);
   }
 
+  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
   /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) / sqrt(x) and
   /// h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
   friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
@@ -1628,16 +1619,17 @@ MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std
   using L = Lane<S, bytes>;
   constexpr auto lanes = static_cast<std::size_t>(L::size);
   const auto last = static_cast<std::size_t>(count - 1);
+  const bool whole = last + 1 == lanes;
   std::size_t k = 0;
   if constexpr (sizeof(S) == 4) {
     for (; k + 4 <= numbers.size(); k += 4) {
       L block[4];
       S copy[4 * lanes];  // where lanes are missing
-      if (last + 1 < lanes) {
+      if (!whole) {
         for (std::size_t i = 0; i < lanes; ++i) std::memcpy(copy + 4 * i, from + std::min(i, last) * step + k, 16);
       }
-      const S* const rows = last + 1 < lanes ? copy : from + k;
-      const std::size_t row = last + 1 < lanes ? 4 : step;
+      const S* const rows = whole ? from + k : copy;
+      const std::size_t row = whole ? step : 4;
       for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(rows + r * row, 4 * row, block[r]);
       detail::transpose_pieces(block);
       for (std::size_t r = 0; r < 4; ++r) numbers[k + r].v = block[r].v;
@@ -1654,6 +1646,7 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
   using L = Lane<S, bytes>;
   constexpr auto lanes = static_cast<std::size_t>(L::size);
   const auto used = static_cast<std::size_t>(count);
+  const bool whole = used == lanes;
   std::size_t k = 0;
   if constexpr (sizeof(S) == 4) {
     for (; k + 4 <= numbers.size(); k += 4) {
@@ -1661,10 +1654,10 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
       S copy[4 * lanes];
       for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[k + r].v;
       detail::transpose_pieces(block);
-      S* const rows = used < lanes ? copy : to + k;
-      const std::size_t row = used < lanes ? 4 : step;
+      S* const rows = whole ? to + k : copy;
+      const std::size_t row = whole ? step : 4;
       for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], rows + r * row, 4 * row);
-      if (used < lanes) {
+      if (!whole) {
         for (std::size_t i = 0; i < used; ++i) std::memcpy(to + i * step + k, copy + 4 * i, 16);
       }
     }
@@ -2893,7 +2886,7 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
-/// Indices first ... last-1 along an axis. Throws shape_error 203.
+/// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   axis = normalize_axis(axis, R, "slice");
@@ -3739,19 +3732,18 @@ auto norm_or_zero(const V& a) {
   return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
 }
 
-/// 1 / sqrt(x). Scalars that know a cheaper way have their own (Lane).
-template <class S>
-S inverse_sqrt(const S& x) {
-  return S(1) / sqrt(x);
-}
-
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.
 template <class S>
 Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
-  const S scale = inverse_sqrt(where_less(squared, least, least, squared));
-  return {a.x * scale, a.y * scale, a.z * scale};
+  const S floored = where_less(squared, least, least, squared);
+  if constexpr (requires { inverse_sqrt(floored); }) {
+    return inverse_sqrt(floored) * a;  // in a register that is cheaper than three divisions
+  } else {
+    const S length = sqrt(floored);
+    return {a.x / length, a.y / length, a.z / length};
+  }
 }
 
 /// The same vector over another scalar.
@@ -6133,6 +6125,12 @@ class SkinWeights {
 
 /// Numbers of a joint's transform, row by row: [R | t].
 inline constexpr Index skin_transform_size = 12;
+/// Bytes of the transforms of so many poses, filled up to whole registers of any width.
+template <Scalar S>
+constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
+  constexpr Index most = 64 / sizeof(S);
+  return static_cast<std::size_t>((poses + most - 1) / most * most * joints * skin_transform_size) * sizeof(S);
+}
 
 /// Vertices first ... last - 1 of up to L::size poses.
 /// posed        (poses, last - first, 3): the vertices before they are moved
@@ -6277,7 +6275,7 @@ struct BodyModel {
     SkinWeights<typename B::scalar> weights;
     RestJoints rest;
   };
-  std::shared_ptr<const Surface> packed{};  // by `prepare`
+  std::shared_ptr<const Surface> packed{};  // by `prepare`: the tensors must stay as they are from then on, in copies too
 
   static constexpr auto fields() {
     using M = BodyModel;
@@ -6329,9 +6327,9 @@ struct BodyModel {
       out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
-      PoolVector<S> transforms(static_cast<std::size_t>(lane_poses(rotations.size(0)) * joints() * skin_transform_size));
-      out.joints = posed_joints(rest, rotations, translation, transforms.data());
-      out.vertices = surface(coefficients, transforms.data());
+      const detail::BufferHandle transforms(skin_transform_bytes<S>(rotations.size(0), joints()));
+      out.joints = posed_joints(rest, rotations, translation, static_cast<S*>(transforms.data()));
+      out.vertices = surface(coefficients, static_cast<const S*>(transforms.data()));
     }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
@@ -6404,22 +6402,14 @@ struct BodyModel {
     return linear(coefficients, directions, &mean);
   }
 
-  static constexpr Index block_vertices = 128, block_poses = 256;  // both and the directions between them fit the second cache
+  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share evenly.
+  static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
     const Index first = i * block_vertices, last = std::min(vertices(), first + block_vertices);
     return {first, last, directions(first, last), mean(first, last)};
   }
   Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints()), .rest = {}}; }
-
-  /// Calls f.operator()<L>() for the registers that hold so many poses well.
-  template <class F>
-  static void with_lanes(Index poses, const F& f) {
-    using Few = Lane<S, 16>;
-    poses <= Few::size ? f.template operator()<Few>() : with_widest_lanes<S>(f);
-  }
-  /// As many poses, filled up to whole registers of any width.
-  static Index lane_poses(Index poses) { return (poses + 15) / 16 * 16; }
 
   /// The vertices of all poses, (N, V, 3), from what posed_joints wrote.
   Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
@@ -6431,7 +6421,7 @@ struct BodyModel {
         const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
         const auto posed = blended(slice(coefficients, 0, top, end), b.directions, b.mean);
         const S* const from = posed.span().data();
-        with_lanes(n, [&]<class L>() {
+        with_widest_lanes<S>([&]<class L>() {
           for (Index first = top; first < end; first += L::size) {
             const auto own = reinterpret_cast<const L*>(transforms + first * joints() * skin_transform_size);
             skin_vertices(made->weights, b.first, b.last, from + (first - top) * 3 * (b.last - b.first), own,
@@ -6487,21 +6477,21 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms of lane_poses(N) poses, (groups of poses, J, 12, lanes),
-  /// unless that is null.
+  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless that is null.
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
                             S* transforms) const {
     const Index n = rotations.size(0);
     const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
     return detail::written_tensor<B, 3>({n, joints(), 3}, [&](S* positions) {
-      parallel_for((n + block_poses - 1) / block_poses, [&](Index part) {
-        with_lanes(n, [&]<class L>() {
+      constexpr Index block = 64;  // poses for a thread at a time: whole groups, whatever the lanes
+      parallel_for((n + block - 1) / block, [&](Index part) {
+        with_widest_lanes<S>([&]<class L>() {
           JointTransforms<L> world;
           std::vector<Vec3<L>> own(j), moved(j);
           std::vector<Matrix3<L>> local(j);
           Vec3<L> tau;
-          for (Index top = part * block_poses; top < std::min(n, (part + 1) * block_poses); top += L::size) {
+          for (Index top = part * block; top < std::min(n, (part + 1) * block); top += L::size) {
             const int poses = static_cast<int>(std::min<Index>(L::size, n - top));
             const auto all = static_cast<std::size_t>(top);
             load_rows(rest_at + all * 3 * j, 3 * j, poses, std::span<L>(&own[0].x, 3 * j));
@@ -6515,7 +6505,7 @@ struct BodyModel {
                   if (to == nullptr) return;
                   for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6], r.m[7],
                                      r.m[8], t.z + tau.z}) {
-                    *to++ = x;
+                    ::new (static_cast<void*>(to++)) L(x);
                   }
                 });
             store_rows(std::span<const L>(&moved[0].x, 3 * j), 3 * j, poses, positions + all * 3 * j);
@@ -8074,43 +8064,63 @@ namespace detail {
 
 /// Poses in plain arrays, and as many of them at a time as there are lanes.
 template <Scalar S>
-struct PoseArrays {
-  const Skeleton& skeleton;
-  std::vector<char> has_children;  // of every joint: what nothing hangs on needs no rotation
-  const S* rot6d;
-  const S* root;
-  Index count;
-  S* joints;
+class PoseArrays {
+ public:
+  PoseArrays(const Skeleton& skeleton, const S* rot6d, const S* root, Index count, S* joints)
+      : skeleton_(skeleton),
+        has_children_(static_cast<std::size_t>(skeleton.size())),
+        rot6d_(rot6d),
+        root_(root),
+        count_(count),
+        joints_(joints) {
+    for (const int parent : skeleton.parents) {
+      if (parent >= 0) has_children_[static_cast<std::size_t>(parent)] = true;
+    }
+  }
 
-  /// The poses from `first` on. The numbers of the group behind them come into the cache meanwhile, a few lines with every joint.
+  /// Poses first ... last - 1.
   template <class L>
-  void place(Index first, JointTransforms<L>& world) const {
-    const auto n = static_cast<std::size_t>(skeleton.size());
-    const Index poses = std::min<Index>(L::size, count - first);
-    const S* const from = rot6d + first * static_cast<Index>(6 * n);
-    S* const to = joints + first * static_cast<Index>(3 * n);
-    const bool more = first + 2 * L::size <= count;
-    Vec3<L> at;
+  void place(Index first, Index last) const {
+    const auto n = static_cast<std::size_t>(skeleton_.size());
+    JointTransforms<L> world{std::vector<Vec3<L>>(n), std::vector<Matrix3<L>>(n)};
+    for (; first < last; first += L::size) place_group(first, last, world);
+  }
+
+ private:
+  /// The numbers of the next group come into the cache meanwhile, a few lines with every joint.
+  template <class L>
+  void place_group(Index first, Index last, JointTransforms<L>& world) const {
+    const std::size_t n = has_children_.size();
+    const int poses = static_cast<int>(std::min<Index>(L::size, last - first));
+    const S* const from = rot6d_ + first * static_cast<Index>(6 * n);
+    S* const to = joints_ + first * static_cast<Index>(3 * n);
+    const bool more = first + 2 * L::size <= count_;
+    Vec3<L> root;
     Rotation6dRows<L> local[2];  // twelve numbers: three fours, as load_rows likes them
-    static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(at) == 3 * sizeof(L));
-    load_rows(root + first * 3, 3, static_cast<int>(poses), std::span<L>(&at.x, 3));
+    static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(root) == 3 * sizeof(L));
+    load_rows(root_ + first * 3, 3, poses, std::span<L>(&root.x, 3));
     for (std::size_t j = 0; j < n; j += 2) {
       const std::size_t some = std::min<std::size_t>(2, n - j);
-      load_rows(from + 6 * j, 6 * n, static_cast<int>(poses), std::span<L>(&local[0].a.x, 6 * some));
+      load_rows(from + 6 * j, 6 * n, poses, std::span<L>(&local[0].a.x, 6 * some));
       if (more) {
         prefetch<0>(from + L::size * 6 * (n + j), L::size * 6 * some);
         prefetch<1>(to + L::size * 3 * (n + j), L::size * 3 * some);
       }
-      for (std::size_t i = 0; i < some; ++i) place_joint(skeleton, j + i, local[i], at, has_children[j + i], world);
+      for (std::size_t i = j; i < j + some; ++i) place_joint(skeleton_, i, local[i - j], root, has_children_[i], world);
     }
-    store_rows(std::span<const L>(&world.position[0].x, 3 * n), 3 * n, static_cast<int>(poses), to);
+    store_rows(std::span<const L>(&world.position[0].x, 3 * n), 3 * n, poses, to);
   }
 
- private:
   template <int write>
   static void prefetch(const S* from, std::size_t count) {
     for (std::size_t i = 0; i < count; i += 64 / sizeof(S)) __builtin_prefetch(from + i, write);
   }
+
+  const Skeleton& skeleton_;
+  std::vector<char> has_children_;  // of every joint: what nothing hangs on needs no rotation
+  const S *rot6d_, *root_;
+  Index count_;
+  S* joints_;
 };
 
 }  // namespace detail
@@ -8125,16 +8135,10 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
     raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
                        joints.size(), " joint values for ", n, " joints");
   }
-  detail::PoseArrays<S> batch{skeleton, std::vector<char>(static_cast<std::size_t>(n)), rot6d.data(), root.data(), poses, joints.data()};
-  for (const int parent : skeleton.parents) {
-    if (parent >= 0) batch.has_children[static_cast<std::size_t>(parent)] = true;
-  }
+  const detail::PoseArrays<S> arrays(skeleton, rot6d.data(), root.data(), poses, joints.data());
   constexpr Index block = 512;
   parallel_for((poses + block - 1) / block, [&](Index b) {
-    with_widest_lanes<S>([&]<class L>() {
-      JointTransforms<L> world{std::vector<Vec3<L>>(static_cast<std::size_t>(n)), std::vector<Matrix3<L>>(static_cast<std::size_t>(n))};
-      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) batch.place(first, world);
-    });
+    with_widest_lanes<S>([&]<class L>() { arrays.template place<L>(b * block, std::min(poses, (b + 1) * block)); });
   });
 }
 
@@ -10815,15 +10819,15 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_at_once() rows (a longer one alone): what
+/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_in_cache() rows (a longer one alone): what
 /// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
 /// once. Where the backend says nothing, gradients are kept or dropout counts rows, it is called for all at once. Weights that were not
 /// prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
   const Index count = offsets.count();
-  if constexpr (requires { B::rows_at_once(); }) {
-    const Index at_once = B::rows_at_once();
+  if constexpr (requires { B::rows_in_cache(); }) {
+    const Index at_once = B::rows_in_cache();
     if (!context.dropout && offsets.rows() > at_once) {
       PoolVector<Tensor<B, 2>> parts;
       for (Index first = 0, last = 0; first < count; first = last) {
@@ -29079,7 +29083,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -29142,7 +29147,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -30241,7 +30249,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -30304,7 +30313,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -31401,7 +31413,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -31464,7 +31477,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -32526,7 +32542,7 @@ struct KernelOps {
   using kernel_tensor = Dense<S>;
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
-  static Index rows_at_once();
+  static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
@@ -32766,8 +32782,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 }
 
 template <Scalar S>
-Index KernelOps<S>::rows_at_once() {
-  return 256 * thread_count();
+Index KernelOps<S>::rows_in_cache() {
+  return 256 * thread_count();  // of a few thousand numbers each, 2 to 4 MB
 }
 
 template <Scalar S>

@@ -31,7 +31,7 @@ struct KernelOps {
   using kernel_tensor = Dense<S>;
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
-  static Index rows_at_once();
+  static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
@@ -605,7 +605,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -668,7 +669,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -1767,7 +1771,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -1830,7 +1835,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -2927,7 +2935,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2990,7 +2999,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.

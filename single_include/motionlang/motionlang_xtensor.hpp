@@ -24,7 +24,7 @@ struct KernelOps {
   using kernel_tensor = Dense<S>;
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
-  static Index rows_at_once();
+  static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);

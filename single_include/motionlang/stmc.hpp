@@ -1574,7 +1574,7 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
-/// Indices first ... last-1 along an axis. Throws shape_error 203.
+/// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   axis = normalize_axis(axis, R, "slice");
@@ -2092,7 +2092,7 @@ struct KernelOps {
   using kernel_tensor = Dense<S>;
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
-  static Index rows_at_once();
+  static Index rows_in_cache();
 
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
@@ -2253,16 +2253,6 @@ __attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f)
 #endif
 
 }  // namespace detail
-
-/// f(), by GCC compiled a second time with all that it calls for vectors of 32 bytes and used where the processor has them.
-template <class F>
-void with_wide_vectors(const F& f) {
-#if defined(MOTIONLANG_WIDER_COPIES)
-  static const bool wide = detail::widest_vectors() != detail::Isa::portable;
-  if (wide) return detail::with_avx2(f);
-#endif
-  f();
-}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -2630,7 +2620,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2693,7 +2684,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -3792,7 +3786,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3855,7 +3850,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -4952,7 +4950,8 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that follows.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
+//            follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -5015,7 +5014,10 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
   if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) __builtin_prefetch(e.residual + i * e.residual_stride), __builtin_prefetch(e.residual + i * e.residual_stride + l);
+    for (int i = 0; i < R; ++i) {
+      const S* row = e.residual + i * e.residual_stride;
+      __builtin_prefetch(row), __builtin_prefetch(row + l);
+    }
   }
   const S* next = e.next_step > 0 ? e.next : panel;
   // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
@@ -6474,8 +6476,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 }
 
 template <Scalar S>
-Index KernelOps<S>::rows_at_once() {
-  return 256 * thread_count();
+Index KernelOps<S>::rows_in_cache() {
+  return 256 * thread_count();  // of a few thousand numbers each, 2 to 4 MB
 }
 
 template <Scalar S>
@@ -6897,19 +6899,18 @@ auto norm_or_zero(const V& a) {
   return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
 }
 
-/// 1 / sqrt(x). Scalars that know a cheaper way have their own (Lane).
-template <class S>
-S inverse_sqrt(const S& x) {
-  return S(1) / sqrt(x);
-}
-
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.
 template <class S>
 Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
-  const S scale = inverse_sqrt(where_less(squared, least, least, squared));
-  return {a.x * scale, a.y * scale, a.z * scale};
+  const S floored = where_less(squared, least, least, squared);
+  if constexpr (requires { inverse_sqrt(floored); }) {
+    return inverse_sqrt(floored) * a;  // in a register that is cheaper than three divisions
+  } else {
+    const S length = sqrt(floored);
+    return {a.x / length, a.y / length, a.z / length};
+  }
 }
 
 /// The same vector over another scalar.
@@ -8805,15 +8806,15 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_at_once() rows (a longer one alone): what
+/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_in_cache() rows (a longer one alone): what
 /// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
 /// once. Where the backend says nothing, gradients are kept or dropout counts rows, it is called for all at once. Weights that were not
 /// prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
   const Index count = offsets.count();
-  if constexpr (requires { B::rows_at_once(); }) {
-    const Index at_once = B::rows_at_once();
+  if constexpr (requires { B::rows_in_cache(); }) {
+    const Index at_once = B::rows_in_cache();
     if (!context.dropout && offsets.rows() > at_once) {
       PoolVector<Tensor<B, 2>> parts;
       for (Index first = 0, last = 0; first < count; first = last) {

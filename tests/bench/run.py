@@ -7,9 +7,10 @@ BUILD_FOLDER  where `cmake --build ... --target bench` was done
 --quick       one round instead of three
 WORK          only these rows of the table TABLE below
 A peer that is not installed is left out, with the name of its package. torch runs with the settings that are fastest for it: all
-candidates are tried once. Work by work, the rows are printed and written when all its rounds are done. ONNX_FOLDER (default ~/.cache/motionlang-bench) is where `npm install onnxruntime-node` was done.
+candidates are tried once. Work by work, the rows are printed and written when all its rounds are done.
+ONNX_FOLDER (default ~/.cache/motionlang-bench) is where `npm install onnxruntime-node` was done.
 """
-import argparse, collections, csv, dataclasses, datetime, io, itertools, json, os, pathlib, platform, statistics, subprocess, sys
+import argparse, collections, csv, dataclasses, datetime, io, json, os, pathlib, platform, statistics, subprocess, sys
 from xml.sax.saxutils import escape
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -307,9 +308,9 @@ def main():
     notes, lines, load = {}, [], os.getloadavg()[0]
     count = 1 if a.quick else a.rounds
     print_head()
-    for _, rows in itertools.groupby(table, key=lambda row: row.work):
-        rows = list(rows)
-        rounds = []
+    works = list(dict.fromkeys(row.work for row in table))
+    for work in works:
+        rows, rounds = [row for row in table if row.work == work], []
         for _ in range(count):
             rounds.append(one_round(programs, rows, lambda text: notes.setdefault(text)))
             load = max(load, os.getloadavg()[0])
@@ -317,7 +318,8 @@ def main():
         print_lines(more)
         lines += more
         about = (f"{processor()}, {a.threads} threads, {count} round{'s' if count > 1 else ''}, {datetime.date.today()}; "
-                 f"load of the machine at most {load:.1f} (a quiet one has at most {a.threads})")
+                 f"load of the machine at most {load:.1f} (a quiet one has at most {a.threads})"
+                 + ("" if work == works[-1] else f"; cut off after {work}"))
         write(a.json, json.dumps({"about": about, "torch": programs.torch_environment, "missing": programs.missing,
                                   "failed": list(notes), "rows": lines}, indent=1) + "\n")
         write(a.svg, svg(lines, about))

@@ -102,14 +102,4 @@ __attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f)
 
 }  // namespace detail
 
-/// f(), by GCC compiled a second time with all that it calls for vectors of 32 bytes and used where the processor has them.
-template <class F>
-void with_wide_vectors(const F& f) {
-#if defined(MOTIONLANG_WIDER_COPIES)
-  static const bool wide = detail::widest_vectors() != detail::Isa::portable;
-  if (wide) return detail::with_avx2(f);
-#endif
-  f();
-}
-
 }  // namespace motionlang::inline MOTIONLANG_ABI

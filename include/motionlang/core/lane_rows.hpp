@@ -79,16 +79,17 @@ MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std
   using L = Lane<S, bytes>;
   constexpr auto lanes = static_cast<std::size_t>(L::size);
   const auto last = static_cast<std::size_t>(count - 1);
+  const bool whole = last + 1 == lanes;
   std::size_t k = 0;
   if constexpr (sizeof(S) == 4) {
     for (; k + 4 <= numbers.size(); k += 4) {
       L block[4];
       S copy[4 * lanes];  // where lanes are missing
-      if (last + 1 < lanes) {
+      if (!whole) {
         for (std::size_t i = 0; i < lanes; ++i) std::memcpy(copy + 4 * i, from + std::min(i, last) * step + k, 16);
       }
-      const S* const rows = last + 1 < lanes ? copy : from + k;
-      const std::size_t row = last + 1 < lanes ? 4 : step;
+      const S* const rows = whole ? from + k : copy;
+      const std::size_t row = whole ? step : 4;
       for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(rows + r * row, 4 * row, block[r]);
       detail::transpose_pieces(block);
       for (std::size_t r = 0; r < 4; ++r) numbers[k + r].v = block[r].v;
@@ -105,6 +106,7 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
   using L = Lane<S, bytes>;
   constexpr auto lanes = static_cast<std::size_t>(L::size);
   const auto used = static_cast<std::size_t>(count);
+  const bool whole = used == lanes;
   std::size_t k = 0;
   if constexpr (sizeof(S) == 4) {
     for (; k + 4 <= numbers.size(); k += 4) {
@@ -112,10 +114,10 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
       S copy[4 * lanes];
       for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[k + r].v;
       detail::transpose_pieces(block);
-      S* const rows = used < lanes ? copy : to + k;
-      const std::size_t row = used < lanes ? 4 : step;
+      S* const rows = whole ? to + k : copy;
+      const std::size_t row = whole ? step : 4;
       for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], rows + r * row, 4 * row);
-      if (used < lanes) {
+      if (!whole) {
         for (std::size_t i = 0; i < used; ++i) std::memcpy(to + i * step + k, copy + 4 * i, 16);
       }
     }

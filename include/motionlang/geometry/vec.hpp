@@ -41,19 +41,18 @@ auto norm_or_zero(const V& a) {
   return where_less(squared, least, S(0), sqrt(where_less(squared, least, least, squared)));
 }
 
-/// 1 / sqrt(x). Scalars that know a cheaper way have their own (Lane).
-template <class S>
-S inverse_sqrt(const S& x) {
-  return S(1) / sqrt(x);
-}
-
 /// a / max(|a|, floor). The published code uses floor = 1e-12: a zero vector stays zero and its derivative stays
 /// finite.
 template <class S>
 Vec3<S> normalized(const Vec3<S>& a, double floor = 1e-12) {
   const S squared = dot(a, a), least = S(floor * floor);
-  const S scale = inverse_sqrt(where_less(squared, least, least, squared));
-  return {a.x * scale, a.y * scale, a.z * scale};
+  const S floored = where_less(squared, least, least, squared);
+  if constexpr (requires { inverse_sqrt(floored); }) {
+    return inverse_sqrt(floored) * a;  // in a register that is cheaper than three divisions
+  } else {
+    const S length = sqrt(floored);
+    return {a.x / length, a.y / length, a.z / length};
+  }
 }
 
 /// The same vector over another scalar.

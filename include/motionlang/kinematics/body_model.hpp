@@ -17,7 +17,7 @@
 
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/fields.hpp>
-#include <motionlang/core/instruction_set.hpp>
+#include <motionlang/core/lane_rows.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/forward.hpp>
@@ -134,7 +134,7 @@ struct BodyModel {
     SkinWeights<typename B::scalar> weights;
     RestJoints rest;
   };
-  std::shared_ptr<const Surface> packed{};  // by `prepare`
+  std::shared_ptr<const Surface> packed{};  // by `prepare`: the tensors must stay as they are from then on, in copies too
 
   static constexpr auto fields() {
     using M = BodyModel;
@@ -186,9 +186,9 @@ struct BodyModel {
       out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
-      PoolVector<S> transforms(static_cast<std::size_t>(lane_poses(rotations.size(0)) * joints() * skin_transform_size));
-      out.joints = posed_joints(rest, rotations, translation, transforms.data());
-      out.vertices = surface(coefficients, transforms.data());
+      const detail::BufferHandle transforms(skin_transform_bytes<S>(rotations.size(0), joints()));
+      out.joints = posed_joints(rest, rotations, translation, static_cast<S*>(transforms.data()));
+      out.vertices = surface(coefficients, static_cast<const S*>(transforms.data()));
     }
     if (!extra.empty()) out.extra = permute(gather(permute(out.vertices, {1, 0, 2}), extra), {1, 0, 2});
     return out;
@@ -261,22 +261,14 @@ struct BodyModel {
     return linear(coefficients, directions, &mean);
   }
 
-  static constexpr Index block_vertices = 128, block_poses = 256;  // both and the directions between them fit the second cache
+  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share evenly.
+  static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
     const Index first = i * block_vertices, last = std::min(vertices(), first + block_vertices);
     return {first, last, directions(first, last), mean(first, last)};
   }
   Surface empty_surface() const { return {.blocks = {}, .weights = SkinWeights(weights.span(), joints()), .rest = {}}; }
-
-  /// Calls f.operator()<L>() for the registers that hold so many poses well.
-  template <class F>
-  static void with_lanes(Index poses, const F& f) {
-    using Few = Lane<S, 16>;
-    poses <= Few::size ? f.template operator()<Few>() : with_widest_lanes<S>(f);
-  }
-  /// As many poses, filled up to whole registers of any width.
-  static Index lane_poses(Index poses) { return (poses + 15) / 16 * 16; }
 
   /// The vertices of all poses, (N, V, 3), from what posed_joints wrote.
   Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
@@ -288,7 +280,7 @@ struct BodyModel {
         const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
         const auto posed = blended(slice(coefficients, 0, top, end), b.directions, b.mean);
         const S* const from = posed.span().data();
-        with_lanes(n, [&]<class L>() {
+        with_widest_lanes<S>([&]<class L>() {
           for (Index first = top; first < end; first += L::size) {
             const auto own = reinterpret_cast<const L*>(transforms + first * joints() * skin_transform_size);
             skin_vertices(made->weights, b.first, b.last, from + (first - top) * 3 * (b.last - b.first), own,
@@ -344,21 +336,21 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms of lane_poses(N) poses, (groups of poses, J, 12, lanes),
-  /// unless that is null.
+  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless that is null.
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
                             S* transforms) const {
     const Index n = rotations.size(0);
     const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
     return detail::written_tensor<B, 3>({n, joints(), 3}, [&](S* positions) {
-      parallel_for((n + block_poses - 1) / block_poses, [&](Index part) {
-        with_lanes(n, [&]<class L>() {
+      constexpr Index block = 64;  // poses for a thread at a time: whole groups, whatever the lanes
+      parallel_for((n + block - 1) / block, [&](Index part) {
+        with_widest_lanes<S>([&]<class L>() {
           JointTransforms<L> world;
           std::vector<Vec3<L>> own(j), moved(j);
           std::vector<Matrix3<L>> local(j);
           Vec3<L> tau;
-          for (Index top = part * block_poses; top < std::min(n, (part + 1) * block_poses); top += L::size) {
+          for (Index top = part * block; top < std::min(n, (part + 1) * block); top += L::size) {
             const int poses = static_cast<int>(std::min<Index>(L::size, n - top));
             const auto all = static_cast<std::size_t>(top);
             load_rows(rest_at + all * 3 * j, 3 * j, poses, std::span<L>(&own[0].x, 3 * j));
@@ -372,7 +364,7 @@ struct BodyModel {
                   if (to == nullptr) return;
                   for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6], r.m[7],
                                      r.m[8], t.z + tau.z}) {
-                    *to++ = x;
+                    ::new (static_cast<void*>(to++)) L(x);
                   }
                 });
             store_rows(std::span<const L>(&moved[0].x, 3 * j), 3 * j, poses, positions + all * 3 * j);

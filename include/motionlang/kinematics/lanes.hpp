@@ -40,43 +40,63 @@ namespace detail {
 
 /// Poses in plain arrays, and as many of them at a time as there are lanes.
 template <Scalar S>
-struct PoseArrays {
-  const Skeleton& skeleton;
-  std::vector<char> has_children;  // of every joint: what nothing hangs on needs no rotation
-  const S* rot6d;
-  const S* root;
-  Index count;
-  S* joints;
+class PoseArrays {
+ public:
+  PoseArrays(const Skeleton& skeleton, const S* rot6d, const S* root, Index count, S* joints)
+      : skeleton_(skeleton),
+        has_children_(static_cast<std::size_t>(skeleton.size())),
+        rot6d_(rot6d),
+        root_(root),
+        count_(count),
+        joints_(joints) {
+    for (const int parent : skeleton.parents) {
+      if (parent >= 0) has_children_[static_cast<std::size_t>(parent)] = true;
+    }
+  }
 
-  /// The poses from `first` on. The numbers of the group behind them come into the cache meanwhile, a few lines with every joint.
+  /// Poses first ... last - 1.
   template <class L>
-  void place(Index first, JointTransforms<L>& world) const {
-    const auto n = static_cast<std::size_t>(skeleton.size());
-    const Index poses = std::min<Index>(L::size, count - first);
-    const S* const from = rot6d + first * static_cast<Index>(6 * n);
-    S* const to = joints + first * static_cast<Index>(3 * n);
-    const bool more = first + 2 * L::size <= count;
-    Vec3<L> at;
+  void place(Index first, Index last) const {
+    const auto n = static_cast<std::size_t>(skeleton_.size());
+    JointTransforms<L> world{std::vector<Vec3<L>>(n), std::vector<Matrix3<L>>(n)};
+    for (; first < last; first += L::size) place_group(first, last, world);
+  }
+
+ private:
+  /// The numbers of the next group come into the cache meanwhile, a few lines with every joint.
+  template <class L>
+  void place_group(Index first, Index last, JointTransforms<L>& world) const {
+    const std::size_t n = has_children_.size();
+    const int poses = static_cast<int>(std::min<Index>(L::size, last - first));
+    const S* const from = rot6d_ + first * static_cast<Index>(6 * n);
+    S* const to = joints_ + first * static_cast<Index>(3 * n);
+    const bool more = first + 2 * L::size <= count_;
+    Vec3<L> root;
     Rotation6dRows<L> local[2];  // twelve numbers: three fours, as load_rows likes them
-    static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(at) == 3 * sizeof(L));
-    load_rows(root + first * 3, 3, static_cast<int>(poses), std::span<L>(&at.x, 3));
+    static_assert(sizeof(local) == 12 * sizeof(L) && sizeof(root) == 3 * sizeof(L));
+    load_rows(root_ + first * 3, 3, poses, std::span<L>(&root.x, 3));
     for (std::size_t j = 0; j < n; j += 2) {
       const std::size_t some = std::min<std::size_t>(2, n - j);
-      load_rows(from + 6 * j, 6 * n, static_cast<int>(poses), std::span<L>(&local[0].a.x, 6 * some));
+      load_rows(from + 6 * j, 6 * n, poses, std::span<L>(&local[0].a.x, 6 * some));
       if (more) {
         prefetch<0>(from + L::size * 6 * (n + j), L::size * 6 * some);
         prefetch<1>(to + L::size * 3 * (n + j), L::size * 3 * some);
       }
-      for (std::size_t i = 0; i < some; ++i) place_joint(skeleton, j + i, local[i], at, has_children[j + i], world);
+      for (std::size_t i = j; i < j + some; ++i) place_joint(skeleton_, i, local[i - j], root, has_children_[i], world);
     }
-    store_rows(std::span<const L>(&world.position[0].x, 3 * n), 3 * n, static_cast<int>(poses), to);
+    store_rows(std::span<const L>(&world.position[0].x, 3 * n), 3 * n, poses, to);
   }
 
- private:
   template <int write>
   static void prefetch(const S* from, std::size_t count) {
     for (std::size_t i = 0; i < count; i += 64 / sizeof(S)) __builtin_prefetch(from + i, write);
   }
+
+  const Skeleton& skeleton_;
+  std::vector<char> has_children_;  // of every joint: what nothing hangs on needs no rotation
+  const S *rot6d_, *root_;
+  Index count_;
+  S* joints_;
 };
 
 }  // namespace detail
@@ -91,16 +111,10 @@ void forward_kinematics(const Skeleton& skeleton, std::span<const S> rot6d, std:
     raise<shape_error>(205, "forward_kinematics: ", rot6d.size(), " rotation values, ", root.size(), " root values, ",
                        joints.size(), " joint values for ", n, " joints");
   }
-  detail::PoseArrays<S> batch{skeleton, std::vector<char>(static_cast<std::size_t>(n)), rot6d.data(), root.data(), poses, joints.data()};
-  for (const int parent : skeleton.parents) {
-    if (parent >= 0) batch.has_children[static_cast<std::size_t>(parent)] = true;
-  }
+  const detail::PoseArrays<S> arrays(skeleton, rot6d.data(), root.data(), poses, joints.data());
   constexpr Index block = 512;
   parallel_for((poses + block - 1) / block, [&](Index b) {
-    with_widest_lanes<S>([&]<class L>() {
-      JointTransforms<L> world{std::vector<Vec3<L>>(static_cast<std::size_t>(n)), std::vector<Matrix3<L>>(static_cast<std::size_t>(n))};
-      for (Index first = b * block; first < std::min(poses, (b + 1) * block); first += L::size) batch.place(first, world);
-    });
+    with_widest_lanes<S>([&]<class L>() { arrays.template place<L>(b * block, std::min(poses, (b + 1) * block)); });
   });
 }
 

@@ -51,6 +51,12 @@ class SkinWeights {
 
 /// Numbers of a joint's transform, row by row: [R | t].
 inline constexpr Index skin_transform_size = 12;
+/// Bytes of the transforms of so many poses, filled up to whole registers of any width.
+template <Scalar S>
+constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
+  constexpr Index most = 64 / sizeof(S);
+  return static_cast<std::size_t>((poses + most - 1) / most * most * joints * skin_transform_size) * sizeof(S);
+}
 
 /// Vertices first ... last - 1 of up to L::size poses.
 /// posed        (poses, last - first, 3): the vertices before they are moved

@@ -19,15 +19,15 @@ Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
   return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_at_once() rows (a longer one alone): what
+/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_in_cache() rows (a longer one alone): what
 /// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
 /// once. Where the backend says nothing, gradients are kept or dropout counts rows, it is called for all at once. Weights that were not
 /// prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
   const Index count = offsets.count();
-  if constexpr (requires { B::rows_at_once(); }) {
-    const Index at_once = B::rows_at_once();
+  if constexpr (requires { B::rows_in_cache(); }) {
+    const Index at_once = B::rows_in_cache();
     if (!context.dropout && offsets.rows() > at_once) {
       PoolVector<Tensor<B, 2>> parts;
       for (Index first = 0, last = 0; first < count; first = last) {

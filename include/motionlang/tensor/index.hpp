@@ -53,7 +53,7 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
-/// Indices first ... last-1 along an axis. Throws shape_error 203.
+/// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
   axis = normalize_axis(axis, R, "slice");

@@ -29,12 +29,14 @@ void check_store() {
     for (std::size_t k = 0; k < width; ++k) {
       for (std::size_t i = 0; i < lanes; ++i) numbers[k][static_cast<int>(i)] = value<S>(i, k);
     }
-    for (int count = 0; count <= L::size; ++count) {
-      std::vector<S> rows(lanes * width, S(-1));
-      ml::store_rows(std::span<const L>(numbers), width, count, rows.data());
-      for (std::size_t at = 0; at < rows.size(); ++at) {
-        const std::size_t i = at / width;
-        REQUIRE(rows[at] == (i < static_cast<std::size_t>(count) ? value<S>(i, at % width) : S(-1)));
+    for (const std::size_t step : {width, width + 1, width + 5}) {
+      for (std::size_t count = 0; count <= lanes; ++count) {
+        std::vector<S> rows(lanes * step, S(-1));
+        ml::store_rows(std::span<const L>(numbers), step, static_cast<int>(count), rows.data());
+        for (std::size_t at = 0; at < rows.size(); ++at) {
+          const std::size_t i = at / step, k = at % step;
+          REQUIRE(rows[at] == (i < count && k < width ? value<S>(i, k) : S(-1)));
+        }
       }
     }
   }
@@ -44,15 +46,20 @@ template <class L>
 void check_load() {
   using S = ScalarOf<L>;
   for (const std::size_t width : widths) {
-    for (int count = 1; count <= L::size; ++count) {
-      std::vector<S> rows;  // no more than are read
-      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-        for (std::size_t k = 0; k < width; ++k) rows.push_back(value<S>(i, k));
-      }
-      std::vector<L> numbers(width);
-      ml::load_rows(rows.data(), width, count, std::span<L>(numbers));
-      for (std::size_t k = 0; k < width; ++k) {
-        for (int i = 0; i < L::size; ++i) REQUIRE(numbers[k][i] == value<S>(static_cast<std::size_t>(std::min(i, count - 1)), k));
+    for (const std::size_t step : {width, width + 1, width + 5}) {
+      for (int count = 1; count <= L::size; ++count) {
+        std::vector<S> rows;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+          for (std::size_t k = 0; k < step; ++k) rows.push_back(k < width ? value<S>(i, k) : S(-1));
+        }
+        rows.resize(rows.size() - (step - width));  // no more than are read
+        rows.shrink_to_fit();
+        std::vector<L> numbers(width);
+        ml::load_rows(rows.data(), step, count, std::span<L>(numbers));
+        for (std::size_t k = 0; k < width; ++k) {
+          for (int i = 0; i < L::size; ++i)
+            REQUIRE(numbers[k][i] == value<S>(static_cast<std::size_t>(std::min(i, count - 1)), k));
+        }
       }
     }
   }

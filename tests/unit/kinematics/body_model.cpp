@@ -7,6 +7,7 @@
 
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"
+#include "../../support/threads.hpp"
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<double>;
@@ -14,6 +15,7 @@ using ml::Index;
 using Matrix = ml::Tensor<B, 2>;
 using Poses = ml::Tensor<B, 3>;
 using tensors::distance;
+using tensors::same_bits;
 
 namespace {
 
@@ -72,6 +74,44 @@ TEST_CASE("poses of a batch do not meet") {
   const auto model = bar();
   const auto both = model(Matrix::zeros({2, 1}), ml::concat(0, pose(0.3, 1), pose(-1, 0.5)), Matrix::zeros({2, 3}));
   CHECK(distance(ml::slice(both.vertices, 0, 1, 2), model(no_shape, pose(-1, 0.5), nowhere).vertices) < 1e-15);
+}
+
+TEST_CASE_TEMPLATE("a pose gets the same bits in any batch, on any number of threads, prepared or not", S, float, double) {
+  using F = ml::EigenBackend<S>;
+  using F2 = ml::Tensor<F, 2>;
+  using F3 = ml::Tensor<F, 3>;
+  constexpr Index vertices = 131, most = 300;  // no multiple of four, or of a block
+  for (const auto& [joints, shapes, posed] : std::vector<std::tuple<Index, Index, bool>>{{3, 2, true}, {3, 0, true}, {1, 2, false}}) {
+    ml::Philox rng{.seed = 2};
+    ml::BodyModel<F> model{.v_template = F2::randn({vertices, 3}, rng),
+                           .shapedirs = F2::randn({3 * vertices, shapes}, rng),
+                           .posedirs = F2::randn({3 * vertices, posed ? 9 * (joints - 1) : 0}, rng),
+                           .J_regressor = F2::full({joints, vertices}, 1.0 / vertices),
+                           .weights = ml::softmax(F2::randn({vertices, joints}, rng)),
+                           .parents = {},
+                           .extra = {5}};
+    for (int j = 0; j < joints; ++j) model.parents.push_back(j - 1);
+    const auto betas = F2::randn({most, shapes}, rng), tau = F2::randn({most, 3}, rng);
+    const auto rotations = ml::rotation_rows(F3::randn({most, joints, 3}, rng));
+    const auto first = [&](Index n) {
+      return model(ml::slice(betas, 0, 0, n), ml::slice(rotations, 0, 0, n), ml::slice(tau, 0, 0, n));
+    };
+    const auto all = first(most);
+    const auto check = [&](Index n) {
+      const auto some = first(n);
+      CHECK(same_bits(some.vertices, ml::slice(all.vertices, 0, 0, n)));
+      CHECK(same_bits(some.joints, ml::slice(all.joints, 0, 0, n)));
+      CHECK(same_bits(some.extra, ml::slice(all.extra, 0, 0, n)));
+    };
+    for (const Index n : {0, 1, 2, 4, 5, 15, 16, 17, 257}) check(n);
+    for (const int threads : {1, 3}) {
+      const Threads now(threads);
+      check(most);
+    }
+    ml::prepare(model);
+    for (const Index n : {0, 1, 17, 300}) check(n);
+    CHECK(same_bits(model.posed_joints(betas, rotations, tau), all.joints));
+  }
 }
 
 TEST_CASE("a body of many vertices is made in blocks, prepared or not, and is that of one with a tape") {

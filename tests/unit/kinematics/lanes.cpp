@@ -8,6 +8,8 @@
 #include <motionlang/kinematics/lanes.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
+#include "../../support/threads.hpp"
+
 namespace ml = motionlang;
 using ml::Index;
 
@@ -46,21 +48,45 @@ TEST_CASE_TEMPLATE("several poses at a time are the same poses", S, float, doubl
 }
 
 TEST_CASE("registers of every width give the same joints") {
-  const auto& skeleton = ml::smpl24_skeleton();
   constexpr Index poses = 37;
-  const auto rot6d = normals<float>(poses * 24 * 6, 1), root = normals<float>(poses * 3, 2);
-  const auto joints_of = [&]<int bytes>() {
-    using L = ml::Lane<float, bytes>;
-    std::vector<float> joints(poses * 72);
-    std::vector<ml::Rotation6dRows<L>> local;
-    ml::JointTransforms<L> world;
-    for (Index first = 0; first < poses; first += L::size)
-      ml::detail::forward_kinematics_lane(skeleton, rot6d.data(), root.data(), first, poses, joints.data(), local, world);
-    return joints;
-  };
-  const auto narrow = joints_of.operator()<16>();
-  CHECK(joints_of.operator()<32>() == narrow);
-  CHECK(joints_of.operator()<64>() == narrow);
+  for (const auto* skeleton : {&ml::smpl24_skeleton(), &ml::kit21_skeleton()}) {  // pairs of joints, and one that is alone
+    const Index n = skeleton->size();
+    const auto rot6d = normals<float>(poses * n * 6, 1), root = normals<float>(poses * 3, 2);
+    const auto joints_of = [&]<class L>() {
+      std::vector<float> joints(static_cast<std::size_t>(poses * n * 3));
+      ml::detail::PoseArrays<float>(*skeleton, rot6d.data(), root.data(), poses, joints.data()).template place<L>(0, poses);
+      return joints;
+    };
+    const auto narrow = joints_of.operator()<ml::Lane<float, 16>>();
+    CHECK(joints_of.operator()<ml::Lane<float, 32>>() == narrow);
+    CHECK(joints_of.operator()<ml::Lane<float, 64>>() == narrow);
+    std::vector<float> joints(narrow.size());
+    ml::forward_kinematics<float>(*skeleton, rot6d, root, std::span<float>(joints));
+    for (std::size_t i = 0; i < joints.size(); ++i) REQUIRE(joints[i] == doctest::Approx(narrow[i]).epsilon(1e-5));
+  }
+}
+
+TEST_CASE_TEMPLATE("a pose gets the same bits in any batch, on any number of threads", S, float, double) {
+  const auto one_joint = ml::Skeleton::from_joints({{"root", "", {1, 2, 3}}});
+  for (const auto* skeleton : {&ml::smpl24_skeleton(), &one_joint}) {
+    const Index n = skeleton->size(), most = 1100;
+    const auto rot6d = normals<S>(most * n * 6, 1), root = normals<S>(most * 3, 2);
+    const auto joints_of = [&](Index poses) {
+      std::vector<S> joints(static_cast<std::size_t>(poses * n * 3));
+      ml::forward_kinematics<S>(*skeleton, std::span(rot6d).first(static_cast<std::size_t>(poses * n * 6)),
+                                std::span(root).first(static_cast<std::size_t>(poses * 3)), joints);
+      return joints;
+    };
+    const auto all = joints_of(most);
+    for (const Index poses : {0, 1, 3, 16, 17, 511, 512, 513}) {
+      const auto some = joints_of(poses);
+      CHECK(std::equal(some.begin(), some.end(), all.begin()));
+    }
+    for (const int threads : {1, 3}) {
+      const Threads now(threads);
+      CHECK(joints_of(most) == all);
+    }
+  }
 }
 
 TEST_CASE("the same call on a tape gives the same joints and right gradients") {

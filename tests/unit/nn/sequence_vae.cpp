@@ -1,6 +1,7 @@
 // Sequence autoencoders: sampling, tokens through a stack, one row of memory, dropout, copied layers.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/reference.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
 #include "../../support/check_error.hpp"
@@ -84,7 +85,7 @@ TEST_CASE("a sequence has the same latent and the same frames alone and among ot
 }
 
 TEST_CASE("groups of sequences: each sequence once, in order, as many at a time as there is room for") {
-  const Index at_once = B::rows_at_once();
+  const Index at_once = B::rows_in_cache();
   const auto rows = normal<B, 2>({1, 8}, 22);
   for (const std::vector<Index>& pattern : {std::vector<Index>{200}, {1, 70, 130, 40}, {600, 2}, {300, 0}}) {
     std::vector<Index> lengths;
@@ -109,6 +110,10 @@ TEST_CASE("groups of sequences: each sequence once, in order, as many at a time 
       return rows;
     };
     ml::detail::in_groups<B>(offsets, {.dropout = ml::Philox{}}, whole);
+    ml::detail::in_groups<ml::ReferenceBackend<double>>(offsets, {}, [&](Index first, Index last) {
+      whole(first, last);
+      return ml::Tensor<ml::ReferenceBackend<double>, 2>::zeros({1, 8});
+    });
     const auto kept = ml::Tensor<A, 2>::from(rows.span(), rows.shape());
     ml::detail::in_groups<A>(offsets, {}, [&](Index first, Index last) { return whole(first, last), kept; });
   }
@@ -117,7 +122,7 @@ TEST_CASE("groups of sequences: each sequence once, in order, as many at a time 
 TEST_CASE("many sequences go through the layers in groups, with the same bits") {
   const auto encoder = stack<ml::TransformerEncoder<B>>();
   const auto decode = decoder();
-  const Index count = B::rows_at_once() / 6;  // of 11 rows on average: more than one group
+  const Index count = B::rows_in_cache() / 6;  // of 11 rows on average: more than one group
   std::vector<Index> frames;
   for (Index i = 0; i < count; ++i) frames.push_back(6 + 5 * (i % 3));
   const Offsets lengths(frames);

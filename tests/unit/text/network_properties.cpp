@@ -43,7 +43,7 @@ static_assert(ml::Tokenizer<Letters>);
 void check_batches(const auto& network) {
   const std::vector<std::vector<Index>> texts{{2, 5, 6, 3}, {2, 3}, {2, 6, 5, 3}, {2, 9, 9, 9, 9, 9, 3}};
   ml::TokenBatch all;
-  for (Index copies = B::rows_at_once() / 12; copies > 0; --copies) {  // of 17 rows: more than one group goes through the layers
+  for (Index copies = B::rows_in_cache() / 12; copies > 0; --copies) {  // of 17 rows: more than one group goes through the layers
     for (const auto& t : texts) {
       all.ids.insert(all.ids.end(), t.begin(), t.end());
       all.lengths.push_back(std::ssize(t));

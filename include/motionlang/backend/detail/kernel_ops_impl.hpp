@@ -199,8 +199,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 }
 
 template <Scalar S>
-Index KernelOps<S>::rows_at_once() {
-  return 256 * thread_count();
+Index KernelOps<S>::rows_in_cache() {
+  return 256 * thread_count();  // of a few thousand numbers each, 2 to 4 MB
 }
 
 template <Scalar S>
