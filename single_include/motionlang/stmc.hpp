@@ -3243,7 +3243,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
+//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -3348,6 +3349,7 @@ struct WideningTile {
   static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
   static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
   static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static void begin() {}
   static void end() {}
   /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
@@ -3459,7 +3461,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
           const float* residual = g.residual + row * g.ldr + j * bf16_columns;
           __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
     }
@@ -3494,9 +3496,9 @@ struct Bf16Products {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
         if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
         } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
           const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
           for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
         }
@@ -4409,7 +4411,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
+//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -4514,6 +4517,7 @@ struct WideningTile {
   static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
   static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
   static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static void begin() {}
   static void end() {}
   /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
@@ -4625,7 +4629,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
           const float* residual = g.residual + row * g.ldr + j * bf16_columns;
           __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
     }
@@ -4660,9 +4664,9 @@ struct Bf16Products {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
         if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
         } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
           const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
           for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
         }
@@ -5573,7 +5577,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k: rows of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
+//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -5678,6 +5683,7 @@ struct WideningTile {
   static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
   static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
   static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static void begin() {}
   static void end() {}
   /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
@@ -5789,7 +5795,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
           const float* residual = g.residual + row * g.ldr + j * bf16_columns;
           __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
         }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, depth, sums, bf16_columns);
+        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
         bf16_finish(g, top + first, height, j * bf16_columns, sums);
       }
     }
@@ -5824,9 +5830,9 @@ struct Bf16Products {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
         float* to = c + first * ldc + j;
         if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, depth, to, ldc);
+          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
         } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, depth, sums, bf16_columns);
+          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
           const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
           for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
         }
@@ -5913,6 +5919,7 @@ struct DotTile {
   static constexpr const char* name = "avx512_bf16";
   static constexpr int rows = MOTIONLANG_TILE_ROWS;
   static constexpr bool even = true;
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }
   static void begin() {}
   static void end() {}
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
@@ -5949,6 +5956,7 @@ struct AmxTile {
   static constexpr const char* name = "amx";
   static constexpr int rows = 32;
   static constexpr bool even = false;  // 32 rows cost as much as 17
+  static constexpr Index depth(Index k) { return bf16_depth(k); }
 
   struct alignas(64) Shapes {
     std::uint8_t palette = 1, start_row = 0, reserved[14] = {};
