@@ -258,6 +258,13 @@ struct Gemm {
   const S* residual = nullptr;
   Index ldr = 0;
   Activation act = Activation::none;
+  const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
+  Index after_bytes = 0;
+
+  /// The part of it that whoever is done with panels from `first` of `count` on goes on with; `otherwise` if nothing is known.
+  const void* following(Index first, Index count, const void* otherwise) const {
+    return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
+  }
 };
 
 /// Attention over packed sequences: q (query rows, heads * width), k and v (key rows, ...), each a part of a wider
@@ -320,7 +327,9 @@ struct Binary {
 template <class S>
 struct Kernels {
   const char* name;
-  Index panel_width, row_block, gemm_scratch;
+  Index panel_width, tile_rows;
+  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
@@ -346,8 +355,8 @@ struct Kernels {
 /// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
-  Index row_block;
-  Index (*scratch)(Index k);  // numbers
+  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
                std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
@@ -447,21 +456,21 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
-// Lane sums in a fixed order: halves are added until one lane is left.
-template <class S>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
-  store(t, v);
-  for (int half = lanes<S> / 2; half > 0; half /= 2) {
-    for (int i = 0; i < half; ++i) t[i] += t[i + half];
-  }
-  return t[0];
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-template <class S>
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0) return v[0];
+  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  S m = v[0];
-  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
-  return m;
+  if constexpr (half == 0) return v[0];
+  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -603,18 +612,23 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
-//            follows.
+//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
+//            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 512;
-inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile) {
+  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+}
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
@@ -647,7 +661,20 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
+    const Index step = line_bytes / tiles;
+    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -655,49 +682,33 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
-  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
-  Index next_step = 0;
+
+  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
 };
 
-/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+/// Asks for the rows of c and of the residual that a tile is put into.
 template <class S, int R>
-void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr Index w = panel_width<S>;
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) {
-      const S* row = e.residual + i * e.residual_stride;
-      __builtin_prefetch(row), __builtin_prefetch(row + l);
-    }
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
   }
-  const S* next = e.next_step > 0 ? e.next : panel;
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
-  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    __builtin_prefetch(next, 0, 2);
-    next += e.next_step;
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  const bool whole = columns >= w;
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  const bool whole = columns >= 2 * l;
   const Index n0 = columns, n1 = columns - l;
   Vec<S> z0{}, z1{};
   if (e.bias != nullptr) {
@@ -722,21 +733,54 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act != Activation::none) {
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (whole) {
-        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-      } else {
-        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-      }
+  if (e.act == Activation::none) return;
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+    } else {
+      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
     }
   }
 }
 
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
 template <class S>
-using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
 template <class S>
 TileFunction<S> tile_of(Index rows) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -748,17 +792,43 @@ TileFunction<S> tile_of(Index rows) {
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+  /// A result that no cache holds is written in few rows at a time, which are soon complete.
+  Blocks(const Gemm<S>& g) : Blocks(g.k) {
+    constexpr Index caches = 16 << 20;
+    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
+  }
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  const Blocks<S> split(g);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
-  for (Index top = r0; top < r1; top += row_block) {
-    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
+    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
+    const Index tiles = (rows + tile_rows - 1) / tile_rows;
     for (Index piece = 0; piece < pieces * blocks; ++piece) {
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
@@ -778,11 +848,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right          ? panel + g.k * w
-                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                             : right < j1           ? g.panels + right * g.k * w
-                             : top + row_block < r1 ? g.panels + j0 * g.k * w
-                                                    : panel;
+        const void* following = j + 1 < right          ? panel + g.k * w
+                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                                : right < j1           ? g.panels + right * g.k * w
+                                : top + rows < r1      ? g.panels + j0 * g.k * w
+                                                       : g.following(j0, (g.n + w - 1) / w, panel);
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -792,11 +862,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = w / tiles;
-          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
         }
       }
     }
@@ -886,7 +955,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                           whole_panels ? w : n - j * w, plain);
+                           whole_panels ? w : n - j * w, plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
   }
@@ -1228,8 +1297,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
-//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
+//            the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -1318,14 +1387,17 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
   }
 }
 
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
-                        Index sums_pitch) {
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
 }
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
@@ -1342,19 +1414,25 @@ struct WideningTile {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, const Ahead& ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        next.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -1367,11 +1445,7 @@ struct WideningTile {
           c1[i] += y * odd1;
         }
       }
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) {
-        store(sums + i * sums_pitch + column, c0[i]);
-        store(sums + i * sums_pitch + column + l, c1[i]);
-      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
     }
   }
 };
@@ -1386,12 +1460,10 @@ void round_rows(const float* a, Index row_stride, Index depth_stride, Index coun
   }
 }
 
-/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
+/// Rows of A in scratch at once, and their distance.
 template <class Tile>
-constexpr Index bf16_rows_at_once(Index depth) {
-  constexpr Index bytes = 768 * 1024;
-  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
-  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+Index bf16_rows(Index k) {
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -1400,54 +1472,37 @@ constexpr Index bf16_pitch(Index depth) {
 /// Numbers of scratch that bf16_gemm_block needs.
 template <class Tile>
 Index bf16_scratch(Index k) {
-  const Index depth = bf16_depth(k);
-  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
-}
-
-/// c = act(sums + bias + residual) for `rows` rows and one panel.
-inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
-  constexpr Index l = lanes<float>;
-  const Index columns = std::min(bf16_columns, g.n - column);
-  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
-    float* c = g.c + (row + r) * g.ldc + column;
-    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      Vec<float> x = load(sums + i);
-      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
-      if (residual != nullptr) x += load_first(residual + i, n);
-      store_first(c + i, x, n);
-    }
-    if (g.act == Activation::none) continue;
-    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
-  }
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
 void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
   using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
-  float* sums = scratch;
-  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
   Tile::begin();
-  for (Index top = r0; top < r1; top += at_once) {
-    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
+                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
+                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
-          const float* c = g.c + row * g.ldc + j * bf16_columns;
-          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
-          if (g.residual == nullptr) continue;
-          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
-          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
-        }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
-        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+        const Index row = top + first, column = j * bf16_columns;
+        Epilogue<float> e{.act = g.act};
+        if (g.bias != nullptr) e.bias = g.bias + column;
+        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
+                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
       }
     }
   }
@@ -1464,29 +1519,23 @@ struct Bf16Products {
   static void end() { Tile::end(); }
   static Index columns(Index n) { return bf16_depth(n); }
   static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
-  /// With whole panels, rows of c up to a multiple of a tile's are written.
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
-                       Index ldc, float* sums, bool whole_panels) {
+                       Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    const Epilogue<float> plain;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        float* to = c + first * ldc + j;
-        if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
-        } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
-          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
-          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
-        }
+        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
+                       Ahead{reinterpret_cast<const std::byte*>(panel)});
       }
     }
   }
@@ -1495,8 +1544,8 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .row_block = Index{128} / Tile::rows * Tile::rows,
-                                 .scratch = &bf16_scratch<Tile>,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack = &bf16_pack,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
@@ -1511,8 +1560,9 @@ const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
       .panel_width = panel_width<S>,
-      .row_block = row_block,
-      .gemm_scratch = row_block * (depth_block + 16),
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
@@ -1615,21 +1665,21 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
-// Lane sums in a fixed order: halves are added until one lane is left.
-template <class S>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
-  store(t, v);
-  for (int half = lanes<S> / 2; half > 0; half /= 2) {
-    for (int i = 0; i < half; ++i) t[i] += t[i + half];
-  }
-  return t[0];
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-template <class S>
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0) return v[0];
+  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  S m = v[0];
-  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
-  return m;
+  if constexpr (half == 0) return v[0];
+  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -1771,18 +1821,23 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
-//            follows.
+//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
+//            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 512;
-inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile) {
+  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+}
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
@@ -1815,7 +1870,20 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
+    const Index step = line_bytes / tiles;
+    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -1823,49 +1891,33 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
-  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
-  Index next_step = 0;
+
+  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
 };
 
-/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+/// Asks for the rows of c and of the residual that a tile is put into.
 template <class S, int R>
-void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr Index w = panel_width<S>;
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) {
-      const S* row = e.residual + i * e.residual_stride;
-      __builtin_prefetch(row), __builtin_prefetch(row + l);
-    }
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
   }
-  const S* next = e.next_step > 0 ? e.next : panel;
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
-  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    __builtin_prefetch(next, 0, 2);
-    next += e.next_step;
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  const bool whole = columns >= w;
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  const bool whole = columns >= 2 * l;
   const Index n0 = columns, n1 = columns - l;
   Vec<S> z0{}, z1{};
   if (e.bias != nullptr) {
@@ -1890,21 +1942,54 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act != Activation::none) {
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (whole) {
-        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-      } else {
-        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-      }
+  if (e.act == Activation::none) return;
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+    } else {
+      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
     }
   }
 }
 
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
 template <class S>
-using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
 template <class S>
 TileFunction<S> tile_of(Index rows) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -1916,17 +2001,43 @@ TileFunction<S> tile_of(Index rows) {
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+  /// A result that no cache holds is written in few rows at a time, which are soon complete.
+  Blocks(const Gemm<S>& g) : Blocks(g.k) {
+    constexpr Index caches = 16 << 20;
+    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
+  }
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  const Blocks<S> split(g);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
-  for (Index top = r0; top < r1; top += row_block) {
-    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
+    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
+    const Index tiles = (rows + tile_rows - 1) / tile_rows;
     for (Index piece = 0; piece < pieces * blocks; ++piece) {
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
@@ -1946,11 +2057,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right          ? panel + g.k * w
-                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                             : right < j1           ? g.panels + right * g.k * w
-                             : top + row_block < r1 ? g.panels + j0 * g.k * w
-                                                    : panel;
+        const void* following = j + 1 < right          ? panel + g.k * w
+                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                                : right < j1           ? g.panels + right * g.k * w
+                                : top + rows < r1      ? g.panels + j0 * g.k * w
+                                                       : g.following(j0, (g.n + w - 1) / w, panel);
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -1960,11 +2071,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = w / tiles;
-          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
         }
       }
     }
@@ -2054,7 +2164,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                           whole_panels ? w : n - j * w, plain);
+                           whole_panels ? w : n - j * w, plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
   }
@@ -2396,8 +2506,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
-//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
+//            the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -2486,14 +2596,17 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
   }
 }
 
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
-                        Index sums_pitch) {
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
 }
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
@@ -2510,19 +2623,25 @@ struct WideningTile {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, const Ahead& ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        next.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -2535,11 +2654,7 @@ struct WideningTile {
           c1[i] += y * odd1;
         }
       }
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) {
-        store(sums + i * sums_pitch + column, c0[i]);
-        store(sums + i * sums_pitch + column + l, c1[i]);
-      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
     }
   }
 };
@@ -2554,12 +2669,10 @@ void round_rows(const float* a, Index row_stride, Index depth_stride, Index coun
   }
 }
 
-/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
+/// Rows of A in scratch at once, and their distance.
 template <class Tile>
-constexpr Index bf16_rows_at_once(Index depth) {
-  constexpr Index bytes = 768 * 1024;
-  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
-  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+Index bf16_rows(Index k) {
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -2568,54 +2681,37 @@ constexpr Index bf16_pitch(Index depth) {
 /// Numbers of scratch that bf16_gemm_block needs.
 template <class Tile>
 Index bf16_scratch(Index k) {
-  const Index depth = bf16_depth(k);
-  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
-}
-
-/// c = act(sums + bias + residual) for `rows` rows and one panel.
-inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
-  constexpr Index l = lanes<float>;
-  const Index columns = std::min(bf16_columns, g.n - column);
-  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
-    float* c = g.c + (row + r) * g.ldc + column;
-    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      Vec<float> x = load(sums + i);
-      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
-      if (residual != nullptr) x += load_first(residual + i, n);
-      store_first(c + i, x, n);
-    }
-    if (g.act == Activation::none) continue;
-    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
-  }
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
 void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
   using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
-  float* sums = scratch;
-  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
   Tile::begin();
-  for (Index top = r0; top < r1; top += at_once) {
-    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
+                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
+                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
-          const float* c = g.c + row * g.ldc + j * bf16_columns;
-          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
-          if (g.residual == nullptr) continue;
-          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
-          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
-        }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
-        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+        const Index row = top + first, column = j * bf16_columns;
+        Epilogue<float> e{.act = g.act};
+        if (g.bias != nullptr) e.bias = g.bias + column;
+        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
+                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
       }
     }
   }
@@ -2632,29 +2728,23 @@ struct Bf16Products {
   static void end() { Tile::end(); }
   static Index columns(Index n) { return bf16_depth(n); }
   static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
-  /// With whole panels, rows of c up to a multiple of a tile's are written.
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
-                       Index ldc, float* sums, bool whole_panels) {
+                       Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    const Epilogue<float> plain;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        float* to = c + first * ldc + j;
-        if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
-        } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
-          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
-          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
-        }
+        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
+                       Ahead{reinterpret_cast<const std::byte*>(panel)});
       }
     }
   }
@@ -2663,8 +2753,8 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .row_block = Index{128} / Tile::rows * Tile::rows,
-                                 .scratch = &bf16_scratch<Tile>,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack = &bf16_pack,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
@@ -2679,8 +2769,9 @@ const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
       .panel_width = panel_width<S>,
-      .row_block = row_block,
-      .gemm_scratch = row_block * (depth_block + 16),
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
@@ -2781,21 +2872,21 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
-// Lane sums in a fixed order: halves are added until one lane is left.
-template <class S>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
-  store(t, v);
-  for (int half = lanes<S> / 2; half > 0; half /= 2) {
-    for (int i = 0; i < half; ++i) t[i] += t[i + half];
-  }
-  return t[0];
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-template <class S>
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0) return v[0];
+  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  S m = v[0];
-  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
-  return m;
+  if constexpr (half == 0) return v[0];
+  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -2937,18 +3028,23 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
-//            follows.
+//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
+//            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 512;
-inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile) {
+  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+}
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
@@ -2981,7 +3077,20 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
+    const Index step = line_bytes / tiles;
+    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -2989,49 +3098,33 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
-  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
-  Index next_step = 0;
+
+  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
 };
 
-/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+/// Asks for the rows of c and of the residual that a tile is put into.
 template <class S, int R>
-void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr Index w = panel_width<S>;
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) {
-      const S* row = e.residual + i * e.residual_stride;
-      __builtin_prefetch(row), __builtin_prefetch(row + l);
-    }
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
   }
-  const S* next = e.next_step > 0 ? e.next : panel;
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
-  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    __builtin_prefetch(next, 0, 2);
-    next += e.next_step;
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  const bool whole = columns >= w;
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  const bool whole = columns >= 2 * l;
   const Index n0 = columns, n1 = columns - l;
   Vec<S> z0{}, z1{};
   if (e.bias != nullptr) {
@@ -3056,21 +3149,54 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act != Activation::none) {
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (whole) {
-        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-      } else {
-        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-      }
+  if (e.act == Activation::none) return;
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+    } else {
+      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
     }
   }
 }
 
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
 template <class S>
-using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
 template <class S>
 TileFunction<S> tile_of(Index rows) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -3082,17 +3208,43 @@ TileFunction<S> tile_of(Index rows) {
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+  /// A result that no cache holds is written in few rows at a time, which are soon complete.
+  Blocks(const Gemm<S>& g) : Blocks(g.k) {
+    constexpr Index caches = 16 << 20;
+    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
+  }
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  const Blocks<S> split(g);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
-  for (Index top = r0; top < r1; top += row_block) {
-    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
+    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
+    const Index tiles = (rows + tile_rows - 1) / tile_rows;
     for (Index piece = 0; piece < pieces * blocks; ++piece) {
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
@@ -3112,11 +3264,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right          ? panel + g.k * w
-                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                             : right < j1           ? g.panels + right * g.k * w
-                             : top + row_block < r1 ? g.panels + j0 * g.k * w
-                                                    : panel;
+        const void* following = j + 1 < right          ? panel + g.k * w
+                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                                : right < j1           ? g.panels + right * g.k * w
+                                : top + rows < r1      ? g.panels + j0 * g.k * w
+                                                       : g.following(j0, (g.n + w - 1) / w, panel);
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -3126,11 +3278,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = w / tiles;
-          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
         }
       }
     }
@@ -3220,7 +3371,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                           whole_panels ? w : n - j * w, plain);
+                           whole_panels ? w : n - j * w, plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
   }
@@ -3562,8 +3713,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
-//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
+//            the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -3652,14 +3803,17 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
   }
 }
 
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
-                        Index sums_pitch) {
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
 }
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
@@ -3676,19 +3830,25 @@ struct WideningTile {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, const Ahead& ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        next.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -3701,11 +3861,7 @@ struct WideningTile {
           c1[i] += y * odd1;
         }
       }
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) {
-        store(sums + i * sums_pitch + column, c0[i]);
-        store(sums + i * sums_pitch + column + l, c1[i]);
-      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
     }
   }
 };
@@ -3720,12 +3876,10 @@ void round_rows(const float* a, Index row_stride, Index depth_stride, Index coun
   }
 }
 
-/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
+/// Rows of A in scratch at once, and their distance.
 template <class Tile>
-constexpr Index bf16_rows_at_once(Index depth) {
-  constexpr Index bytes = 768 * 1024;
-  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
-  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+Index bf16_rows(Index k) {
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -3734,54 +3888,37 @@ constexpr Index bf16_pitch(Index depth) {
 /// Numbers of scratch that bf16_gemm_block needs.
 template <class Tile>
 Index bf16_scratch(Index k) {
-  const Index depth = bf16_depth(k);
-  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
-}
-
-/// c = act(sums + bias + residual) for `rows` rows and one panel.
-inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
-  constexpr Index l = lanes<float>;
-  const Index columns = std::min(bf16_columns, g.n - column);
-  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
-    float* c = g.c + (row + r) * g.ldc + column;
-    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      Vec<float> x = load(sums + i);
-      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
-      if (residual != nullptr) x += load_first(residual + i, n);
-      store_first(c + i, x, n);
-    }
-    if (g.act == Activation::none) continue;
-    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
-  }
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
 void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
   using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
-  float* sums = scratch;
-  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
   Tile::begin();
-  for (Index top = r0; top < r1; top += at_once) {
-    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
+                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
+                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
-          const float* c = g.c + row * g.ldc + j * bf16_columns;
-          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
-          if (g.residual == nullptr) continue;
-          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
-          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
-        }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
-        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+        const Index row = top + first, column = j * bf16_columns;
+        Epilogue<float> e{.act = g.act};
+        if (g.bias != nullptr) e.bias = g.bias + column;
+        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
+                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
       }
     }
   }
@@ -3798,29 +3935,23 @@ struct Bf16Products {
   static void end() { Tile::end(); }
   static Index columns(Index n) { return bf16_depth(n); }
   static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
-  /// With whole panels, rows of c up to a multiple of a tile's are written.
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
-                       Index ldc, float* sums, bool whole_panels) {
+                       Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    const Epilogue<float> plain;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        float* to = c + first * ldc + j;
-        if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
-        } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
-          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
-          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
-        }
+        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
+                       Ahead{reinterpret_cast<const std::byte*>(panel)});
       }
     }
   }
@@ -3829,8 +3960,8 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .row_block = Index{128} / Tile::rows * Tile::rows,
-                                 .scratch = &bf16_scratch<Tile>,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack = &bf16_pack,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
@@ -3845,8 +3976,9 @@ const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
       .panel_width = panel_width<S>,
-      .row_block = row_block,
-      .gemm_scratch = row_block * (depth_block + 16),
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
@@ -3909,28 +4041,35 @@ struct DotTile {
   static void end() {}
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<DotTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<DotTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
+  MOTIONLANG_INLINE static Vec<float> add_products(Vec<float> c, const Words& x, const Words& b) {
+    asm("vdpbf16ps %2, %1, %0" : "+v"(c) : "v"(x), "v"(b));
+    return c;
+  }
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, Ahead ahead) {
     Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+    fetch_result<float, R>(c, ldc, e);
     for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
+      ahead.fetch();
       const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) {
         std::uint32_t pair;
         std::memcpy(&pair, a + i * pitch + k, sizeof pair);
         const Words x = pair - Words{};
-        asm("vdpbf16ps %2, %1, %0" : "+v"(c0[i]) : "v"(x), "v"(b0));
-        asm("vdpbf16ps %2, %1, %0" : "+v"(c1[i]) : "v"(x), "v"(b1));
+        c0[i] = add_products(c0[i], x, b0);
+        c1[i] = add_products(c1[i], x, b1);
       }
     }
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(sums + i * sums_pitch, c0[i]), store(sums + i * sums_pitch + lanes<float>, c1[i]);
+    put_result<float, R>(c0, c1, c, ldc, columns, e);
   }
 };
 
@@ -3955,11 +4094,17 @@ struct AmxTile {
   static void end() { asm volatile("tilerelease"); }
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, Ahead ahead) {
+    alignas(64) float own[rows * bf16_columns];
+    const bool direct = e.plain() && height == rows && columns >= bf16_columns;
+    float* sums = direct ? c : own;
+    const Index sums_pitch = direct ? ldc : bf16_columns;
     const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
     const bool lower = height > 16;
     asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
     for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
+      for (Index pair = 0; pair < 16; ++pair) ahead.fetch();
       asm volatile(
           "tileloadd (%0,%3,1), %%tmm6\n\t"
           "tileloadd (%1,%2,1), %%tmm4\n\t"
@@ -3983,6 +4128,13 @@ struct AmxTile {
                    :
                    : "r"(sums + 16 * sums_pitch), "r"(c_stride)
                    : "memory");
+    }
+    if (direct) return;
+    for (Index r = 0; r < height; ++r) {
+      Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
+      Epilogue<float> row = e;
+      if (e.residual != nullptr) row.residual += r * e.residual_stride;
+      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, row);
     }
   }
 };

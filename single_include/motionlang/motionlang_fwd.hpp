@@ -93,6 +93,7 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 #include <charconv>          // to_chars: messages without streams and without the locale
 #include <cstdlib>           // abort
 #include <stdexcept>         // runtime_error
+#include <utility>           // move
 #include <vector>            // diagnostics path
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -228,6 +229,22 @@ struct ModulePath {
     thread_local std::vector<std::string> path;
     return path;
   }
+  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  class Continued {
+   public:
+#ifdef MOTIONLANG_DIAGNOSTICS
+    explicit Continued(const std::vector<std::string>& other) : own_(names()) { names() = other; }
+    ~Continued() { names() = std::move(own_); }
+    Continued(const Continued&) = delete;
+    Continued& operator=(const Continued&) = delete;
+
+   private:
+    std::vector<std::string> own_;
+#else
+    explicit Continued(const std::vector<std::string>&) {}
+    ~Continued() {}
+#endif
+  };
 };
 
 }  // namespace detail

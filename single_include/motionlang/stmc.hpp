@@ -545,6 +545,22 @@ struct ModulePath {
     thread_local std::vector<std::string> path;
     return path;
   }
+  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  class Continued {
+   public:
+#ifdef MOTIONLANG_DIAGNOSTICS
+    explicit Continued(const std::vector<std::string>& other) : own_(names()) { names() = other; }
+    ~Continued() { names() = std::move(own_); }
+    Continued(const Continued&) = delete;
+    Continued& operator=(const Continued&) = delete;
+
+   private:
+    std::vector<std::string> own_;
+#else
+    explicit Continued(const std::vector<std::string>&) {}
+    ~Continued() {}
+#endif
+  };
 };
 
 }  // namespace detail
@@ -1689,6 +1705,22 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
   return {gather(rows, pick), Offsets::equal(count, rows.size(0))};
 }
 
+/// Sequence i of x times[i] times, one after the other. Throws shape_error 204 for another number of times.
+template <Backend B>
+Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
+  if (times.count() != x.count())
+    raise<shape_error>(204, "repeat_sequences: ", times.count(), " numbers of times for ", x.count(), " sequences");
+  if (times == Offsets::equal(x.count(), 1)) return x;
+  PoolVector<Index> pick, lengths;
+  for (Index s = 0; s < x.count(); ++s) {
+    for (Index k = 0; k < times.length(s); ++k) {
+      for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
+      lengths.push_back(x.offsets.length(s));
+    }
+  }
+  return {gather(x.rows, pick), Offsets(std::span<const Index>(lengths))};
+}
+
 /// Joins sequence by sequence: the rows of a's sequence i, then of b's, ... Throws shape_error 204 if the counts
 /// differ.
 template <Backend B, class... T>
@@ -2273,6 +2305,13 @@ struct Gemm {
   const S* residual = nullptr;
   Index ldr = 0;
   Activation act = Activation::none;
+  const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
+  Index after_bytes = 0;
+
+  /// The part of it that whoever is done with panels from `first` of `count` on goes on with; `otherwise` if nothing is known.
+  const void* following(Index first, Index count, const void* otherwise) const {
+    return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
+  }
 };
 
 /// Attention over packed sequences: q (query rows, heads * width), k and v (key rows, ...), each a part of a wider
@@ -2335,7 +2374,9 @@ struct Binary {
 template <class S>
 struct Kernels {
   const char* name;
-  Index panel_width, row_block, gemm_scratch;
+  Index panel_width, tile_rows;
+  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
@@ -2361,8 +2402,8 @@ struct Kernels {
 /// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
-  Index row_block;
-  Index (*scratch)(Index k);  // numbers
+  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
                std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
@@ -2462,21 +2503,21 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
-// Lane sums in a fixed order: halves are added until one lane is left.
-template <class S>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
-  store(t, v);
-  for (int half = lanes<S> / 2; half > 0; half /= 2) {
-    for (int i = 0; i < half; ++i) t[i] += t[i + half];
-  }
-  return t[0];
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-template <class S>
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0) return v[0];
+  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  S m = v[0];
-  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
-  return m;
+  if constexpr (half == 0) return v[0];
+  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -2618,18 +2659,23 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
-//            follows.
+//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
+//            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 512;
-inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile) {
+  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+}
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
@@ -2662,7 +2708,20 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
+    const Index step = line_bytes / tiles;
+    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -2670,49 +2729,33 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
-  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
-  Index next_step = 0;
+
+  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
 };
 
-/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+/// Asks for the rows of c and of the residual that a tile is put into.
 template <class S, int R>
-void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr Index w = panel_width<S>;
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) {
-      const S* row = e.residual + i * e.residual_stride;
-      __builtin_prefetch(row), __builtin_prefetch(row + l);
-    }
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
   }
-  const S* next = e.next_step > 0 ? e.next : panel;
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
-  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    __builtin_prefetch(next, 0, 2);
-    next += e.next_step;
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  const bool whole = columns >= w;
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  const bool whole = columns >= 2 * l;
   const Index n0 = columns, n1 = columns - l;
   Vec<S> z0{}, z1{};
   if (e.bias != nullptr) {
@@ -2737,21 +2780,54 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act != Activation::none) {
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (whole) {
-        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-      } else {
-        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-      }
+  if (e.act == Activation::none) return;
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+    } else {
+      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
     }
   }
 }
 
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
 template <class S>
-using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
 template <class S>
 TileFunction<S> tile_of(Index rows) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -2763,17 +2839,43 @@ TileFunction<S> tile_of(Index rows) {
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+  /// A result that no cache holds is written in few rows at a time, which are soon complete.
+  Blocks(const Gemm<S>& g) : Blocks(g.k) {
+    constexpr Index caches = 16 << 20;
+    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
+  }
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  const Blocks<S> split(g);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
-  for (Index top = r0; top < r1; top += row_block) {
-    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
+    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
+    const Index tiles = (rows + tile_rows - 1) / tile_rows;
     for (Index piece = 0; piece < pieces * blocks; ++piece) {
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
@@ -2793,11 +2895,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right          ? panel + g.k * w
-                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                             : right < j1           ? g.panels + right * g.k * w
-                             : top + row_block < r1 ? g.panels + j0 * g.k * w
-                                                    : panel;
+        const void* following = j + 1 < right          ? panel + g.k * w
+                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                                : right < j1           ? g.panels + right * g.k * w
+                                : top + rows < r1      ? g.panels + j0 * g.k * w
+                                                       : g.following(j0, (g.n + w - 1) / w, panel);
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -2807,11 +2909,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = w / tiles;
-          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
         }
       }
     }
@@ -2901,7 +3002,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                           whole_panels ? w : n - j * w, plain);
+                           whole_panels ? w : n - j * w, plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
   }
@@ -3243,8 +3344,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
-//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
+//            the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -3333,14 +3434,17 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
   }
 }
 
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
-                        Index sums_pitch) {
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
 }
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
@@ -3357,19 +3461,25 @@ struct WideningTile {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, const Ahead& ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        next.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -3382,11 +3492,7 @@ struct WideningTile {
           c1[i] += y * odd1;
         }
       }
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) {
-        store(sums + i * sums_pitch + column, c0[i]);
-        store(sums + i * sums_pitch + column + l, c1[i]);
-      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
     }
   }
 };
@@ -3401,12 +3507,10 @@ void round_rows(const float* a, Index row_stride, Index depth_stride, Index coun
   }
 }
 
-/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
+/// Rows of A in scratch at once, and their distance.
 template <class Tile>
-constexpr Index bf16_rows_at_once(Index depth) {
-  constexpr Index bytes = 768 * 1024;
-  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
-  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+Index bf16_rows(Index k) {
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -3415,54 +3519,37 @@ constexpr Index bf16_pitch(Index depth) {
 /// Numbers of scratch that bf16_gemm_block needs.
 template <class Tile>
 Index bf16_scratch(Index k) {
-  const Index depth = bf16_depth(k);
-  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
-}
-
-/// c = act(sums + bias + residual) for `rows` rows and one panel.
-inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
-  constexpr Index l = lanes<float>;
-  const Index columns = std::min(bf16_columns, g.n - column);
-  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
-    float* c = g.c + (row + r) * g.ldc + column;
-    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      Vec<float> x = load(sums + i);
-      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
-      if (residual != nullptr) x += load_first(residual + i, n);
-      store_first(c + i, x, n);
-    }
-    if (g.act == Activation::none) continue;
-    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
-  }
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
 void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
   using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
-  float* sums = scratch;
-  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
   Tile::begin();
-  for (Index top = r0; top < r1; top += at_once) {
-    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
+                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
+                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
-          const float* c = g.c + row * g.ldc + j * bf16_columns;
-          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
-          if (g.residual == nullptr) continue;
-          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
-          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
-        }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
-        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+        const Index row = top + first, column = j * bf16_columns;
+        Epilogue<float> e{.act = g.act};
+        if (g.bias != nullptr) e.bias = g.bias + column;
+        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
+                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
       }
     }
   }
@@ -3479,29 +3566,23 @@ struct Bf16Products {
   static void end() { Tile::end(); }
   static Index columns(Index n) { return bf16_depth(n); }
   static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
-  /// With whole panels, rows of c up to a multiple of a tile's are written.
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
-                       Index ldc, float* sums, bool whole_panels) {
+                       Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    const Epilogue<float> plain;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        float* to = c + first * ldc + j;
-        if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
-        } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
-          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
-          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
-        }
+        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
+                       Ahead{reinterpret_cast<const std::byte*>(panel)});
       }
     }
   }
@@ -3510,8 +3591,8 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .row_block = Index{128} / Tile::rows * Tile::rows,
-                                 .scratch = &bf16_scratch<Tile>,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack = &bf16_pack,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
@@ -3526,8 +3607,9 @@ const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
       .panel_width = panel_width<S>,
-      .row_block = row_block,
-      .gemm_scratch = row_block * (depth_block + 16),
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
@@ -3630,21 +3712,21 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
-// Lane sums in a fixed order: halves are added until one lane is left.
-template <class S>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
-  store(t, v);
-  for (int half = lanes<S> / 2; half > 0; half /= 2) {
-    for (int i = 0; i < half; ++i) t[i] += t[i + half];
-  }
-  return t[0];
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-template <class S>
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0) return v[0];
+  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  S m = v[0];
-  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
-  return m;
+  if constexpr (half == 0) return v[0];
+  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -3786,18 +3868,23 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
-//            follows.
+//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
+//            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 512;
-inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile) {
+  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+}
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
@@ -3830,7 +3917,20 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
+    const Index step = line_bytes / tiles;
+    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -3838,49 +3938,33 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
-  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
-  Index next_step = 0;
+
+  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
 };
 
-/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+/// Asks for the rows of c and of the residual that a tile is put into.
 template <class S, int R>
-void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr Index w = panel_width<S>;
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) {
-      const S* row = e.residual + i * e.residual_stride;
-      __builtin_prefetch(row), __builtin_prefetch(row + l);
-    }
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
   }
-  const S* next = e.next_step > 0 ? e.next : panel;
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
-  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    __builtin_prefetch(next, 0, 2);
-    next += e.next_step;
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  const bool whole = columns >= w;
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  const bool whole = columns >= 2 * l;
   const Index n0 = columns, n1 = columns - l;
   Vec<S> z0{}, z1{};
   if (e.bias != nullptr) {
@@ -3905,21 +3989,54 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act != Activation::none) {
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (whole) {
-        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-      } else {
-        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-      }
+  if (e.act == Activation::none) return;
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+    } else {
+      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
     }
   }
 }
 
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
 template <class S>
-using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
 template <class S>
 TileFunction<S> tile_of(Index rows) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -3931,17 +4048,43 @@ TileFunction<S> tile_of(Index rows) {
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+  /// A result that no cache holds is written in few rows at a time, which are soon complete.
+  Blocks(const Gemm<S>& g) : Blocks(g.k) {
+    constexpr Index caches = 16 << 20;
+    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
+  }
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  const Blocks<S> split(g);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
-  for (Index top = r0; top < r1; top += row_block) {
-    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
+    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
+    const Index tiles = (rows + tile_rows - 1) / tile_rows;
     for (Index piece = 0; piece < pieces * blocks; ++piece) {
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
@@ -3961,11 +4104,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right          ? panel + g.k * w
-                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                             : right < j1           ? g.panels + right * g.k * w
-                             : top + row_block < r1 ? g.panels + j0 * g.k * w
-                                                    : panel;
+        const void* following = j + 1 < right          ? panel + g.k * w
+                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                                : right < j1           ? g.panels + right * g.k * w
+                                : top + rows < r1      ? g.panels + j0 * g.k * w
+                                                       : g.following(j0, (g.n + w - 1) / w, panel);
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -3975,11 +4118,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = w / tiles;
-          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
         }
       }
     }
@@ -4069,7 +4211,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                           whole_panels ? w : n - j * w, plain);
+                           whole_panels ? w : n - j * w, plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
   }
@@ -4411,8 +4553,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
-//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
+//            the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -4501,14 +4643,17 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
   }
 }
 
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
-                        Index sums_pitch) {
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
 }
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
@@ -4525,19 +4670,25 @@ struct WideningTile {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, const Ahead& ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        next.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -4550,11 +4701,7 @@ struct WideningTile {
           c1[i] += y * odd1;
         }
       }
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) {
-        store(sums + i * sums_pitch + column, c0[i]);
-        store(sums + i * sums_pitch + column + l, c1[i]);
-      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
     }
   }
 };
@@ -4569,12 +4716,10 @@ void round_rows(const float* a, Index row_stride, Index depth_stride, Index coun
   }
 }
 
-/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
+/// Rows of A in scratch at once, and their distance.
 template <class Tile>
-constexpr Index bf16_rows_at_once(Index depth) {
-  constexpr Index bytes = 768 * 1024;
-  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
-  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+Index bf16_rows(Index k) {
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -4583,54 +4728,37 @@ constexpr Index bf16_pitch(Index depth) {
 /// Numbers of scratch that bf16_gemm_block needs.
 template <class Tile>
 Index bf16_scratch(Index k) {
-  const Index depth = bf16_depth(k);
-  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
-}
-
-/// c = act(sums + bias + residual) for `rows` rows and one panel.
-inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
-  constexpr Index l = lanes<float>;
-  const Index columns = std::min(bf16_columns, g.n - column);
-  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
-    float* c = g.c + (row + r) * g.ldc + column;
-    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      Vec<float> x = load(sums + i);
-      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
-      if (residual != nullptr) x += load_first(residual + i, n);
-      store_first(c + i, x, n);
-    }
-    if (g.act == Activation::none) continue;
-    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
-  }
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
 void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
   using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
-  float* sums = scratch;
-  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
   Tile::begin();
-  for (Index top = r0; top < r1; top += at_once) {
-    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
+                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
+                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
-          const float* c = g.c + row * g.ldc + j * bf16_columns;
-          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
-          if (g.residual == nullptr) continue;
-          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
-          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
-        }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
-        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+        const Index row = top + first, column = j * bf16_columns;
+        Epilogue<float> e{.act = g.act};
+        if (g.bias != nullptr) e.bias = g.bias + column;
+        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
+                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
       }
     }
   }
@@ -4647,29 +4775,23 @@ struct Bf16Products {
   static void end() { Tile::end(); }
   static Index columns(Index n) { return bf16_depth(n); }
   static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
-  /// With whole panels, rows of c up to a multiple of a tile's are written.
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
-                       Index ldc, float* sums, bool whole_panels) {
+                       Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    const Epilogue<float> plain;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        float* to = c + first * ldc + j;
-        if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
-        } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
-          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
-          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
-        }
+        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
+                       Ahead{reinterpret_cast<const std::byte*>(panel)});
       }
     }
   }
@@ -4678,8 +4800,8 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .row_block = Index{128} / Tile::rows * Tile::rows,
-                                 .scratch = &bf16_scratch<Tile>,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack = &bf16_pack,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
@@ -4694,8 +4816,9 @@ const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
       .panel_width = panel_width<S>,
-      .row_block = row_block,
-      .gemm_scratch = row_block * (depth_block + 16),
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
@@ -4796,21 +4919,21 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
-// Lane sums in a fixed order: halves are added until one lane is left.
-template <class S>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)];
-  store(t, v);
-  for (int half = lanes<S> / 2; half > 0; half /= 2) {
-    for (int i = 0; i < half; ++i) t[i] += t[i + half];
-  }
-  return t[0];
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
 }
-template <class S>
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0) return v[0];
+  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  S m = v[0];
-  for (int i = 1; i < lanes<S>; ++i) m = v[i] > m ? v[i] : m;
-  return m;
+  if constexpr (half == 0) return v[0];
+  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -4952,18 +5075,23 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 512 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 512 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for some numbers of the panel that
-//            follows.
+//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
+//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
+//            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
 inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 512;
-inline constexpr Index row_block = 8 * tile_rows;
+inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile) {
+  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+}
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
@@ -4996,7 +5124,20 @@ void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index fi
   }
 }
 
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity. And what follows it.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
+    const Index step = line_bytes / tiles;
+    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
 template <class S>
 struct Epilogue {
   bool accumulate = false;
@@ -5004,49 +5145,33 @@ struct Epilogue {
   const S* residual = nullptr;  // of the tile's first element
   Index residual_stride = 0;
   Activation act = Activation::none;
-  const S* next = nullptr;  // what is read after the tile: fetched into the second-level cache meanwhile, next_step numbers for every k
-  Index next_step = 0;
+
+  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
 };
 
-/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+/// Asks for the rows of c and of the residual that a tile is put into.
 template <class S, int R>
-void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr Index w = panel_width<S>;
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
   constexpr int l = lanes<S>;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual != nullptr) {
-    for (int i = 0; i < R; ++i) {
-      const S* row = e.residual + i * e.residual_stride;
-      __builtin_prefetch(row), __builtin_prefetch(row + l);
-    }
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
   }
-  const S* next = e.next_step > 0 ? e.next : panel;
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
-  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    __builtin_prefetch(next, 0, 2);
-    next += e.next_step;
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  const bool whole = columns >= w;
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  const bool whole = columns >= 2 * l;
   const Index n0 = columns, n1 = columns - l;
   Vec<S> z0{}, z1{};
   if (e.bias != nullptr) {
@@ -5071,21 +5196,54 @@ void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Inde
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act != Activation::none) {
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (whole) {
-        store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-      } else {
-        store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-        store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-      }
+  if (e.act == Activation::none) return;
+  for (int i = 0; i < R; ++i) {
+    S* out = c + i * ldc;
+    if (whole) {
+      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
+    } else {
+      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
+      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
     }
   }
 }
 
+/// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
+template <class S, int R>
+void tile(const S* a, Index row_stride, Index depth_stride, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode.
+  const S *p0 = a, *p1 = a + 3 * row_stride, *p2 = a + 6 * row_stride, *p3 = a + 9 * row_stride, *p4 = a + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
 template <class S>
-using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&);
+using TileFunction = void (*)(const S*, Index, Index, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
 template <class S>
 TileFunction<S> tile_of(Index rows) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
@@ -5097,17 +5255,43 @@ TileFunction<S> tile_of(Index rows) {
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product. `scratch` holds row_block * (depth_block + 16) numbers.
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+  /// A result that no cache holds is written in few rows at a time, which are soon complete.
+  Blocks(const Gemm<S>& g) : Blocks(g.k) {
+    constexpr Index caches = 16 << 20;
+    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
+  }
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Index blocks = g.k == 0 ? 1 : (g.k + depth_block - 1) / depth_block;
+  const Blocks<S> split(g);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
-  for (Index top = r0; top < r1; top += row_block) {
-    const Index rows = r1 - top < row_block ? r1 - top : row_block, tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
+    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
+    const Index tiles = (rows + tile_rows - 1) / tile_rows;
     for (Index piece = 0; piece < pieces * blocks; ++piece) {
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
@@ -5127,11 +5311,11 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
         const S* panel = g.panels + (j * g.k + k0) * w;
-        const S* following = j + 1 < right          ? panel + g.k * w
-                             : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                             : right < j1           ? g.panels + right * g.k * w
-                             : top + row_block < r1 ? g.panels + j0 * g.k * w
-                                                    : panel;
+        const void* following = j + 1 < right          ? panel + g.k * w
+                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
+                                : right < j1           ? g.panels + right * g.k * w
+                                : top + rows < r1      ? g.panels + j0 * g.k * w
+                                                       : g.following(j0, (g.n + w - 1) / w, panel);
         const Index columns = g.n - j * w;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
@@ -5141,11 +5325,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.residual_stride = g.ldr;
             e.act = g.act;
           }
-          e.next_step = w / tiles;
-          e.next = following + t * e.next_step * depth;
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e);
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
         }
       }
     }
@@ -5235,7 +5418,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height)(a + first * row_stride, row_stride, depth_stride, panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                           whole_panels ? w : n - j * w, plain);
+                           whole_panels ? w : n - j * w, plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
   }
@@ -5577,8 +5760,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time: rows
-//            of 32 sums, in scratch; bias, residual and nonlinearity follow.
+//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
+//            the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -5667,14 +5850,17 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
   }
 }
 
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums,
-                        Index sums_pitch) {
+void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, sums, sums_pitch);
+  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
 }
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
@@ -5691,19 +5877,25 @@ struct WideningTile {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, const Ahead& ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < bf16_columns; column += 2 * l) {
+    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        next.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -5716,11 +5908,7 @@ struct WideningTile {
           c1[i] += y * odd1;
         }
       }
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) {
-        store(sums + i * sums_pitch + column, c0[i]);
-        store(sums + i * sums_pitch + column + l, c1[i]);
-      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
     }
   }
 };
@@ -5735,12 +5923,10 @@ void round_rows(const float* a, Index row_stride, Index depth_stride, Index coun
   }
 }
 
-/// Rows of A in scratch at once (a part of a second-level cache), and their distance.
+/// Rows of A in scratch at once, and their distance.
 template <class Tile>
-constexpr Index bf16_rows_at_once(Index depth) {
-  constexpr Index bytes = 768 * 1024;
-  const Index fitting = bytes / (depth * static_cast<Index>(sizeof(typename Tile::Element))) / Tile::rows;
-  return std::clamp(fitting, Index{1}, Index{256} / Tile::rows) * Tile::rows;
+Index bf16_rows(Index k) {
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -5749,54 +5935,37 @@ constexpr Index bf16_pitch(Index depth) {
 /// Numbers of scratch that bf16_gemm_block needs.
 template <class Tile>
 Index bf16_scratch(Index k) {
-  const Index depth = bf16_depth(k);
-  return Tile::rows * bf16_columns + bf16_rows_at_once<Tile>(depth) * bf16_pitch<Tile>(depth);
-}
-
-/// c = act(sums + bias + residual) for `rows` rows and one panel.
-inline void bf16_finish(const Gemm<float>& g, Index row, Index rows, Index column, const float* sums) {
-  constexpr Index l = lanes<float>;
-  const Index columns = std::min(bf16_columns, g.n - column);
-  for (Index r = 0; r < rows; ++r, sums += bf16_columns) {
-    float* c = g.c + (row + r) * g.ldc + column;
-    const float* residual = g.residual == nullptr ? nullptr : g.residual + (row + r) * g.ldr + column;
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      Vec<float> x = load(sums + i);
-      if (g.bias != nullptr) x += load_first(g.bias + column + i, n);
-      if (residual != nullptr) x += load_first(residual + i, n);
-      store_first(c + i, x, n);
-    }
-    if (g.act == Activation::none) continue;
-    for (Index i = 0; i < columns; i += l) store_first(c + i, apply_activation<float>(load_first(c + i, columns - i), g.act), columns - i);
-  }
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
 void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
   using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows_at_once<Tile>(depth);
-  float* sums = scratch;
-  Element* a = reinterpret_cast<Element*>(scratch + Tile::rows * bf16_columns);
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
   Tile::begin();
-  for (Index top = r0; top < r1; top += at_once) {
-    const Index rows = std::min(at_once, r1 - top), tiles = (rows + Tile::rows - 1) / Tile::rows;
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
+                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
+                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
       for (Index t = 0; t < tiles; ++t) {
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        for (Index row = top + first; row < top + first + height; ++row) {  // what bf16_finish needs
-          const float* c = g.c + row * g.ldc + j * bf16_columns;
-          __builtin_prefetch(c, 1), __builtin_prefetch(c + 16, 1);
-          if (g.residual == nullptr) continue;
-          const float* residual = g.residual + row * g.ldr + j * bf16_columns;
-          __builtin_prefetch(residual), __builtin_prefetch(residual + 16);
-        }
-        Tile::multiply(a + first * pitch, pitch, height, panels + j * depth * bf16_columns, Tile::depth(g.k), sums, bf16_columns);
-        bf16_finish(g, top + first, height, j * bf16_columns, sums);
+        const Index row = top + first, column = j * bf16_columns;
+        Epilogue<float> e{.act = g.act};
+        if (g.bias != nullptr) e.bias = g.bias + column;
+        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
+                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
       }
     }
   }
@@ -5813,29 +5982,23 @@ struct Bf16Products {
   static void end() { Tile::end(); }
   static Index columns(Index n) { return bf16_depth(n); }
   static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * (bf16_columns + bf16_pitch<Tile>(bf16_depth(k))); }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
-  /// With whole panels, rows of c up to a multiple of a tile's are written.
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
-                       Index ldc, float* sums, bool whole_panels) {
+                       Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(sums + Tile::rows * bf16_columns);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    const Epilogue<float> plain;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        float* to = c + first * ldc + j;
-        if (whole_panels) {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), to, ldc);
-        } else {
-          Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), sums, bf16_columns);
-          const std::size_t bytes = static_cast<std::size_t>(std::min(bf16_columns, n - j)) * sizeof(float);
-          for (Index r = 0; r < height; ++r) std::memcpy(to + r * ldc, sums + r * bf16_columns, bytes);
-        }
+        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
+                       Ahead{reinterpret_cast<const std::byte*>(panel)});
       }
     }
   }
@@ -5844,8 +6007,8 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .row_block = Index{128} / Tile::rows * Tile::rows,
-                                 .scratch = &bf16_scratch<Tile>,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack = &bf16_pack,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
@@ -5860,8 +6023,9 @@ const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
       .panel_width = panel_width<S>,
-      .row_block = row_block,
-      .gemm_scratch = row_block * (depth_block + 16),
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
       .pack = &pack<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
@@ -5924,28 +6088,35 @@ struct DotTile {
   static void end() {}
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
-    multiply_by_height<DotTile>(a, pitch, height, panel, depth, sums, sums_pitch);
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, const Ahead& ahead) {
+    multiply_by_height<DotTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
+  MOTIONLANG_INLINE static Vec<float> add_products(Vec<float> c, const Words& x, const Words& b) {
+    asm("vdpbf16ps %2, %1, %0" : "+v"(c) : "v"(x), "v"(b));
+    return c;
+  }
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                      const Epilogue<float>& e, Ahead ahead) {
     Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+    fetch_result<float, R>(c, ldc, e);
     for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
+      ahead.fetch();
       const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) {
         std::uint32_t pair;
         std::memcpy(&pair, a + i * pitch + k, sizeof pair);
         const Words x = pair - Words{};
-        asm("vdpbf16ps %2, %1, %0" : "+v"(c0[i]) : "v"(x), "v"(b0));
-        asm("vdpbf16ps %2, %1, %0" : "+v"(c1[i]) : "v"(x), "v"(b1));
+        c0[i] = add_products(c0[i], x, b0);
+        c1[i] = add_products(c1[i], x, b1);
       }
     }
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(sums + i * sums_pitch, c0[i]), store(sums + i * sums_pitch + lanes<float>, c1[i]);
+    put_result<float, R>(c0, c1, c, ldc, columns, e);
   }
 };
 
@@ -5970,11 +6141,17 @@ struct AmxTile {
   static void end() { asm volatile("tilerelease"); }
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* sums, Index sums_pitch) {
+  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
+                       const Epilogue<float>& e, Ahead ahead) {
+    alignas(64) float own[rows * bf16_columns];
+    const bool direct = e.plain() && height == rows && columns >= bf16_columns;
+    float* sums = direct ? c : own;
+    const Index sums_pitch = direct ? ldc : bf16_columns;
     const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
     const bool lower = height > 16;
     asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
     for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
+      for (Index pair = 0; pair < 16; ++pair) ahead.fetch();
       asm volatile(
           "tileloadd (%0,%3,1), %%tmm6\n\t"
           "tileloadd (%1,%2,1), %%tmm4\n\t"
@@ -5998,6 +6175,13 @@ struct AmxTile {
                    :
                    : "r"(sums + 16 * sums_pitch), "r"(c_stride)
                    : "memory");
+    }
+    if (direct) return;
+    for (Index r = 0; r < height; ++r) {
+      Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
+      Epilogue<float> row = e;
+      if (e.residual != nullptr) row.residual += r * e.residual_stride;
+      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, row);
     }
   }
 };
@@ -6099,6 +6283,8 @@ class ThreadPool {
   }
 
   int size() const { return workers_ + 1; }
+  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  int width() const { return inside_ ? 1 : size(); }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
 
@@ -6237,6 +6423,9 @@ class ThreadPool {
 /// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
 inline int thread_count() { return detail::ThreadPool::instance().size(); }
 
+/// Threads that `parallel_for` uses here: one inside a task.
+inline int parallel_width() { return detail::ThreadPool::instance().width(); }
+
 /// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
 inline int thread_number() { return detail::ThreadPool::number(); }
 
@@ -6304,12 +6493,14 @@ template <class S>
 class Scratch {
  public:
   explicit Scratch(Index count)
-      : piece_((count + 63) / 64 * 64), memory_(static_cast<std::size_t>(piece_ * thread_count()) * sizeof(S)) {}
+      : piece_((count + 63) / 64 * 64),
+        pieces_(parallel_width()),
+        memory_(static_cast<std::size_t>(piece_ * pieces_) * sizeof(S)) {}
   /// The piece of the calling thread.
-  S* mine() const { return static_cast<S*>(memory_.data()) + piece_ * thread_number(); }
+  S* mine() const { return static_cast<S*>(memory_.data()) + (pieces_ == 1 ? 0 : piece_ * thread_number()); }
 
  private:
-  Index piece_;
+  Index piece_, pieces_;
   BufferHandle memory_;
 };
 
@@ -6322,6 +6513,22 @@ struct Panels {
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
   const std::uint16_t* bf16() const { return static_cast<const std::uint16_t*>(memory.data()); }
+  Index bytes() const {
+    const Index width = kernels == nullptr ? bf16_columns : kernels->panel_width,
+                columns = (n + width - 1) / width * width;
+    return kernels == nullptr ? columns * bf16_depth(k) * 2 : columns * k * static_cast<Index>(sizeof(S));
+  }
+};
+
+/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied with next. Of these only
+/// the place is known, for the cache: they may be gone.
+template <class S>
+struct PreparedPanels {
+  explicit PreparedPanels(Panels<S> p) : panels(std::move(p)) {}
+
+  Panels<S> panels;
+  mutable std::atomic<const std::byte*> next{nullptr};
+  mutable std::atomic<Index> next_bytes{0};
 };
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
@@ -6358,11 +6565,13 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 
 /// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
 template <class S, class F>
-void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
-  const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
-  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // as many for every thread
-  const Index wanted = small || threads == 1 ? 1 : 2 * threads;
-  const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index scratch_count, const F& block) {
+  const Index threads = small ? 1 : parallel_width(), blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
+  // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
+  const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
+                          : rows >= threads * (rows_at_once / 4) ? threads
+                                                                 : blocks;
+  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(2 * threads, row_parts));
   const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
@@ -6379,7 +6588,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p) {
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.row_block, small, kernel.scratch(g.k),
+      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
                     [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
                       kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
                     });
@@ -6388,10 +6597,9 @@ void run_gemm(Gemm<S> g, const Panels<S>& p) {
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(g.m, parts(g.n, kernel.panel_width), kernel.row_block, small, kernel.gemm_scratch,
-                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
-                });
+  for_blocks<S>(
+      g.m, parts(g.n, kernel.panel_width), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
+      [&](Index r0, Index r1, Index j0, Index j1, S* scratch) { kernel.gemm_block(g, r0, r1, j0, j1, scratch); });
 }
 
 template <class S>
@@ -6485,21 +6693,29 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 
 template <Scalar S>
 Index KernelOps<S>::rows_in_cache() {
-  return 256 * thread_count();  // of a few thousand numbers each, 2 to 4 MB
+  return 256 * parallel_width();  // of a few thousand numbers each, 2 to 4 MB
 }
 
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k,
-                                                                           detail::precision_of<S>())));
+  thread_local std::weak_ptr<const detail::PreparedPanels<S>> before;
+  const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
+      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>()));
+  if (const auto last = before.lock()) {
+    last->next_bytes = prepared->panels.bytes();
+    last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
+  }
+  before = prepared;
+  weight.attach(prepared);
 }
 
 template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
-  const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
+  const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
   const bool last =
       residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
@@ -6514,18 +6730,21 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
-  detail::run_gemm(detail::Gemm<S>{.m = m,
-                                   .n = n,
-                                   .k = k,
-                                   .a = x.data(),
-                                   .lda = k,
-                                   .c = y.data(),
-                                   .ldc = n,
-                                   .bias = bias == nullptr ? nullptr : bias->data(),
-                                   .residual = residual == nullptr || !last ? nullptr : residual->data(),
-                                   .ldr = n,
-                                   .act = act},
-                   *ready);
+  detail::run_gemm(
+      detail::Gemm<S>{.m = m,
+                      .n = n,
+                      .k = k,
+                      .a = x.data(),
+                      .lda = k,
+                      .c = y.data(),
+                      .ldc = n,
+                      .bias = bias == nullptr ? nullptr : bias->data(),
+                      .residual = residual == nullptr || !last ? nullptr : residual->data(),
+                      .ldr = n,
+                      .act = act,
+                      .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
+                      .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
+      *ready);
   if (!last) {
     for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
   }
@@ -6573,7 +6792,7 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
-  const Index columns = std::max<Index>(64, detail::parts(t.width, thread_count()));
+  const Index columns = std::max<Index>(64, detail::parts(t.width, parallel_width()));
   parallel_for(detail::parts(t.width, columns), [&](Index i) {
     detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows,
                                                 i * columns, std::min(t.width, (i + 1) * columns));
@@ -6601,7 +6820,7 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
 template <Scalar S>
 Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
   const Index rows = x.shape()[0], width = x.shape()[1],
-              columns = std::max<Index>(64, detail::parts(width, thread_count()));
+              columns = std::max<Index>(64, detail::parts(width, parallel_width()));
   Dense<S> y(Shape{width});
   parallel_for(detail::parts(width, columns), [&](Index i) {
     detail::kernels<S>().column_sums(x.data(), rows, width, i * columns, std::min(width, (i + 1) * columns), y.data());
@@ -8166,6 +8385,19 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
+/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
+/// and none, for guidance. t: a step for each text.
+/// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
+template <Backend B, Denoiser<B> D, class Text>
+Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                                const Text& text) {
+  if constexpr (requires { denoiser(x, uses, t, text); })
+    return denoiser(x, uses, t, text);
+  else
+    return denoiser(repeat_sequences(x, uses), t, text);
+}
+
 /// The texts as they are passed to a denoiser at every step.
 template <Backend B, Denoiser<B> D>
 auto encoded_text(const D& denoiser, TextFeatures<B> text) {
@@ -8653,10 +8885,16 @@ struct MultiheadAttention {
   /// x (rows, width) attends to itself within each sequence; the result is projected and `residual` added.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
-    const auto qkv = linear(x, in_proj_weight, &in_proj_bias);
-    return out_proj(
-        self_attention(qkv, offsets, {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}),
-        Activation::none, residual);
+    return attend(project(x), offsets, context, residual, causal);
+  }
+  /// Queries, keys and values of each row, (rows, 3 width).
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
+  /// `self` behind `project`.
+  Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
+                      const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
+    const auto read = self_attention(std::move(qkv), offsets,
+                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+    return out_proj(read, Activation::none, residual);
   }
   /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
   /// value.
@@ -8798,47 +9036,350 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
 #define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
-/// A few sequences of a batch at a time through a whole stack of layers.
+/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
+
+#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
+#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
+/// A small pool of threads and `parallel_for`.
+///
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
+
+#include <condition_variable>  // sleeping workers
+#include <exception>           // exception_ptr: errors in tasks reach the caller
+#include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
+#include <thread>              // workers
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+class ThreadPool {
+ public:
+  static ThreadPool& instance() {
+    static ThreadPool pool;
+    return pool;
+  }
+
+  int size() const { return workers_ + 1; }
+  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  int width() const { return inside_ ? 1 : size(); }
+  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
+  static int number() { return number_; }
+
+  void resize(int threads) {
+    stop();
+    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    stopping_ = false;
+    for (int i = 1; i < threads; ++i) {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
+        number_ = i;
+        work(seen);
+      });
+      ++workers_;
+    }
+  }
+
+  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+  void run(Index count, void (*task)(const void*, Index), const void* context) {
+    if (count == 1 || workers_ == 0 || inside_) {
+      for (Index i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::scoped_lock only_one_caller(caller_);
+    task_ = task;
+    context_ = context;
+    for (int t = 0; t < size(); ++t) {
+      share(t).next.store(count * t / size(), std::memory_order_relaxed);
+      share(t).end = count * (t + 1) / size();
+    }
+    pending_.store(workers_, std::memory_order_relaxed);
+    {
+      std::scoped_lock lock(sleep_);
+      round_.fetch_add(1, std::memory_order_release);
+    }
+    if (asleep_.load() > 0) wake_.notify_all();
+    take_tasks();
+    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+ private:
+  static constexpr int spins_before_sleep = 20000;
+
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
+  struct alignas(64) Share {
+    std::atomic<Index> next{0};
+    Index end = 0;
+  };
+
+  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
+
+  ThreadPool() {
+    try {
+      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
+    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
+    }
+  }
+  ~ThreadPool() { stop(); }
+
+  static void pause(int spins) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
+  }
+
+  void stop() {
+    {
+      std::scoped_lock lock(sleep_);
+      stopping_ = true;
+      round_.fetch_add(1);
+    }
+    wake_.notify_all();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
+  }
+
+  void work(unsigned seen) {
+    inside_ = true;
+    for (;;) {
+      int spins = 0;
+      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
+      if (round_.load(std::memory_order_acquire) == seen) {
+        std::unique_lock lock(sleep_);
+        ++asleep_;
+        wake_.wait(lock, [&] { return round_.load() != seen; });
+        --asleep_;
+      }
+      ++seen;
+      if (stopping_) return;
+      take_tasks();
+      pending_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  void take_tasks() {
+    const bool outer = std::exchange(inside_, true);
+    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
+    inside_ = outer;
+  }
+  void take_tasks(Share& from) {
+    while (from.next.load(std::memory_order_relaxed) < from.end) {
+      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
+      if (i >= from.end) return;
+      try {
+        task_(context_, i);
+      } catch (...) {
+        std::scoped_lock lock(sleep_);
+        if (!failure_) failure_ = std::current_exception();
+        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      }
+    }
+  }
+
+  inline static thread_local int number_ = 0;
+  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
+  std::mutex caller_, sleep_;
+  std::condition_variable wake_;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0}, asleep_{0};
+  std::atomic<bool> stopping_{false};
+  void (*task_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  std::exception_ptr failure_;
+};
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Threads that `parallel_for` uses here: one inside a task.
+inline int parallel_width() { return detail::ThreadPool::instance().width(); }
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+inline int thread_number() { return detail::ThreadPool::number(); }
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+inline void set_thread_count(int threads) {
+  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
+  detail::ThreadPool::instance().resize(threads);
+}
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::ThreadPool::instance().run(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
+#define MOTIONLANG_HAS_CORE_SORT_HPP
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// Sequences first ... last-1.
-inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
-  PoolVector<Index> lengths;
-  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
-template <Backend B>
-Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
-  if (first == 0 && last == x.count()) return x;
-  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
+/// the list. `List` is a vector.
+template <class List, class Less>
+void sort(List& list, Less less) {
+  const auto sift_down = [&](std::size_t i, std::size_t size) {
+    for (std::size_t child; (child = 2 * i + 1) < size; i = child) {
+      if (child + 1 < size && less(list[child], list[child + 1])) ++child;
+      if (!less(list[i], list[child])) return;
+      std::swap(list[i], list[child]);
+    }
+  };
+  for (std::size_t i = list.size() / 2; i-- > 0;) sift_down(i, list.size());
+  for (std::size_t size = list.size(); size-- > 1;) {
+    std::swap(list[0], list[size]);
+    sift_down(0, size);
+  }
 }
 
-/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_in_cache() rows (a longer one alone): what
-/// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
-/// once. Where the backend says nothing, gradients are kept or dropout counts rows, it is called for all at once. Weights that were not
-/// prepared are packed for every group.
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// The lengths of some sequences.
+inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
+  PoolVector<Index> lengths;
+  for (Index s : which) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+/// Some sequences; without copying if they follow each other.
+template <Backend B>
+Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
+  const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
+  bool in_a_row = true;
+  for (Index i = 0; i < count; ++i) in_a_row = in_a_row && which[static_cast<std::size_t>(i)] == first + i;
+  if (in_a_row && count == x.count()) return x;
+  if (in_a_row)
+    return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(first + count)), some_sequences(x.offsets, which)};
+  PoolVector<Index> rows;
+  for (Index s : which) {
+    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) rows.push_back(r);
+  }
+  return {gather(x.rows, rows), some_sequences(x.offsets, which)};
+}
+
+/// How threads share sequences: the thread of each of the first ones.
+using SequenceShares = PoolVector<Index>;
+/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
+/// than the mean, and that is at least the 128 rows from which on it pays to read all weights in every thread. None if there is no such
+/// number.
+inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
+  SequenceShares out;
+  if (threads == 1) return out;
+  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread;
+  Index total = 0;
+  std::size_t even = 0;
+  for (Index s : order) {
+    Index* const fewest = std::min_element(rows.begin(), rows.end());
+    thread.push_back(fewest - rows.begin());
+    *fewest += offsets.length(s);
+    total += offsets.length(s);
+    const Index most = *std::max_element(rows.begin(), rows.end());
+    if (total >= 128 * threads && most * threads * 20 <= total * 21) even = thread.size();
+  }
+  for (std::size_t i = 0; i < even; ++i) out.push_back(thread[i]);
+  return out;
+}
+
+/// The first sequences that have at most so many rows together; at least one. There must be one.
+inline std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
+  std::size_t size = 0;
+  Index sum = 0;
+  do sum += offsets.length(order[size++]);
+  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
+  return order.first(size);
+}
+
+/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
+/// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
+/// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
+/// waiting for each other; what is left over they do together. The numbers are those of all at once. Where the backend says nothing,
+/// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
-Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
-  const Index count = offsets.count();
+Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
+  PoolVector<Index> order;
+  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
+  const std::span<const Index> all(order);
   if constexpr (requires { B::rows_in_cache(); }) {
-    const Index at_once = B::rows_in_cache();
-    if (!context.dropout && offsets.rows() > at_once) {
-      PoolVector<Tensor<B, 2>> parts;
-      for (Index first = 0, last = 0; first < count; first = last) {
-        do ++last;
-        while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
-        parts.push_back(f(first, last));
+    const Index threads = parallel_width(), at_once = B::rows_in_cache();
+    if (!context.dropout && (offsets.rows() > at_once || offsets.rows() >= 128 * threads)) {
+      if (threads > 1) {  // the longest first: shares become more equal
+        sort(order, [&](Index a, Index b) {
+          return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
+        });
       }
-      return concat(std::span<const Tensor<B, 2>>(parts), 0);
+      typename B::tensor y(Shape{results.rows(), width});
+      const auto put = [&, out = y.data()](std::span<const Index> which) {
+        const auto rows = f(which);
+        const auto* from = rows.span().data();
+        for (Index s : which) {
+          const Index n = results.length(s) * width;
+          std::copy(from, from + n, out + results.begin(s) * width);
+          from += n;
+        }
+      };
+      const auto& modules = ModulePath::names();
+      for (std::size_t done = 0; done < all.size();) {
+        const auto rest = all.subspan(done);
+        const SequenceShares thread = share_sequences(offsets, rest, threads);
+        if (thread.empty()) {
+          const auto group = first_group(offsets, rest, at_once);
+          put(group);
+          done += group.size();
+          continue;
+        }
+        parallel_for(threads, [&](Index t) {
+          const ModulePath::Continued path(modules);
+          PoolVector<Index> mine;
+          for (std::size_t i = 0; i < thread.size(); ++i) {
+            if (thread[i] == t) mine.push_back(rest[i]);
+          }
+          for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
+            group = first_group(offsets, left, at_once / threads);
+            put(group);
+          }
+        });
+        done += thread.size();
+      }
+      return Tensor<B, 2>(std::move(y));
     }
   }
-  return f(Index{0}, count);
+  return f(all);
 }
-/// The same with f(some), `some` being these sequences of x.
+/// The same with f(some), `some` being these sequences of x, and results as wide as x.
 template <Backend B, class F>
-Tensor<B, 2> in_groups(const Sequences<B>& x, const Context& context, F f) {
-  return in_groups<B>(x.offsets, context, [&](Index first, Index last) { return f(some_sequences(x, first, last)); });
+Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
+  const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };
+  return in_groups<B>(x.offsets, results, x.width(), context, some);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
@@ -8897,12 +9438,15 @@ struct TransformerEncoderLayer {
 
   /// x (rows, width) -> (rows, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    if (context.dropout) return with_dropout(x, offsets, context);
-    if (norm_first) {
-      const auto y = self_attn.self(norm1(x), offsets, context, &x, causal);
-      return linear2(linear1(norm2(y), activation), Activation::none, &y);
-    }
-    const auto y = norm1(self_attn.self(x, offsets, context, &x, causal));
+    return context.dropout ? with_dropout(x, offsets, context) : behind_project(x, project(x), offsets);
+  }
+  /// Queries, keys and values of each row, (rows, 3 width).
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
+  /// The layer behind `project`, without dropout.
+  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets) const {
+    const auto attended = self_attn.attend(std::move(qkv), offsets, {}, &x, causal);
+    if (norm_first) return linear2(linear1(norm2(attended), activation), Activation::none, &attended);
+    const auto y = norm1(attended);
     return norm2(linear2(linear1(y, activation), Activation::none, &y));
   }
 
@@ -8933,13 +9477,47 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    return x.with(detail::in_groups(x, context, [&](Sequences<B> some) {
+    return x.with(detail::in_groups(x, x.offsets, context, [&](Sequences<B> some) {
       for (std::size_t i = 0; i < layers.size(); ++i) {
         const ModuleScope scope("layers.", i);
         some.rows = run_layer(layers[i], some.rows, some.offsets, context);
       }
       return some.rows;
     }));
+  }
+  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j < uses.end(i). The same
+  /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
+  /// numbers of heads or tails.
+  Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
+    if (heads.count() != uses.rows() || tails.count() != uses.count())
+      raise<shape_error>(204, "with_tails: ", uses.rows(), " uses of ", uses.count(), " tails; ", heads.count(),
+                         " heads, ", tails.count(), " tails");
+    PoolVector<Index> lengths, tail_of;  // of each sequence
+    for (Index i = 0; i < uses.count(); ++i) {
+      for (Index j = uses.begin(i); j < uses.end(i); ++j) {
+        lengths.push_back(heads.offsets.length(j) + tails.offsets.length(i));
+        tail_of.push_back(i);
+      }
+    }
+    const Offsets offsets{std::span<const Index>(lengths)};
+    const auto distinct = concat(0, heads.rows, tails.rows);
+    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
+    const auto encode = [&](std::span<const Index> which) {
+      PoolVector<Index> pick;
+      for (Index j : which) {
+        const Index i = tail_of[static_cast<std::size_t>(j)];
+        for (Index r = heads.offsets.begin(j); r < heads.offsets.end(j); ++r) pick.push_back(r);
+        for (Index r = tails.offsets.begin(i); r < tails.offsets.end(i); ++r) pick.push_back(heads.offsets.rows() + r);
+      }
+      const Offsets some = detail::some_sequences(offsets, which);
+      auto rows = gather(distinct, pick);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        const ModuleScope scope("layers.", i);
+        rows = i == 0 ? layers[i].behind_project(rows, gather(projected, pick), some) : layers[i](rows, some);
+      }
+      return rows;
+    };
+    return {detail::in_groups<B>(offsets, offsets, heads.width(), {}, encode), offsets};
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
@@ -9037,19 +9615,28 @@ struct MdmSmplDenoiser {
 
   /// What enters the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
-    const Index n = x.count();
-    const Offsets& texts = text.tokens.offsets;
-    if (texts.count() != n || static_cast<Index>(t.size()) != n) {
-      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", texts.count(), " texts, ", t.size(), " steps");
-    }
-    const Sequences<B> time(time_tokens(t), Offsets::equal(n, 1));
-    const auto tokens = concat_tokens(time, text.tokens, repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
-    PoolVector<PositionGap> gaps;  // what follows the text stands where it would behind the longest text of the batch
-    for (Index s = 0; s < n; ++s) gaps.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
-    return add_positions(tokens, positions.rows(), gaps);
+    check_counts(x.count(), t, text);
+    const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
+    return add_positions(tokens, positions.rows(), gaps(text));
   }
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
+  }
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
+  /// step for each text.
+  Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                          const EncodedText& text) const {
+    check_counts(uses.rows(), t, text);
+    const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
+    const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
+                                         {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
+    const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
+    PoolVector<Index> lengths;
+    for (Index i = 0; i < uses.count(); ++i) {
+      for (Index j = uses.begin(i); j < uses.end(i); ++j) lengths.push_back(x.offsets.length(i));
+    }
+    const auto rows = seqTransEncoder.with_tails(heads, frames, uses);
+    return to_skel_layer(last_rows(rows, Offsets(std::span<const Index>(lengths))));
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
@@ -9060,6 +9647,25 @@ struct MdmSmplDenoiser {
     auto tokens = sequence(x, t, text);
     if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
     return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));
+  }
+
+ private:
+  static void check_counts(Index n, std::span<const Index> t, const EncodedText& text) {
+    if (text.tokens.count() == n && static_cast<Index>(t.size()) == n) return;
+    raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
+                       " steps");
+  }
+  /// What stands in front of the frames, without positions.
+  Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
+    const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
+    return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
+  }
+  /// What follows a text stands where it would behind the longest text of the batch.
+  static PoolVector<PositionGap> gaps(const EncodedText& text) {
+    const Offsets& texts = text.tokens.offsets;
+    PoolVector<PositionGap> out;
+    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
+    return out;
   }
 };
 
@@ -10407,33 +11013,6 @@ namespace detail {
 ///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
 ///          the header, and nothing is allocated for what a file merely claims.
 /// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
-
-#ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
-#define MOTIONLANG_HAS_CORE_SORT_HPP
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
-
-namespace motionlang::inline MOTIONLANG_ABI::detail {
-
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
-/// the list. `List` is a vector.
-template <class List, class Less>
-void sort(List& list, Less less) {
-  const auto sift_down = [&](std::size_t i, std::size_t size) {
-    for (std::size_t child; (child = 2 * i + 1) < size; i = child) {
-      if (child + 1 < size && less(list[child], list[child + 1])) ++child;
-      if (!less(list[i], list[child])) return;
-      std::swap(list[i], list[child]);
-    }
-  };
-  for (std::size_t i = list.size() / 2; i-- > 0;) sift_down(i, list.size());
-  for (std::size_t size = list.size(); size-- > 1;) {
-    std::swap(list[0], list[size]);
-    sift_down(0, size);
-  }
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
-#endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_BYTES_HPP  // <motionlang/io/detail/bytes.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_BYTES_HPP
@@ -12286,8 +12865,9 @@ struct CollageStep {
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
 ///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
-///         text is "", and the unconditional calls of texts that begin and end together. The longest come first, so that threads
-///         end together; crops without frames are left out. Texts, offsets and index lists are prepared here, not in the loop.
+///         text is "", and the unconditional calls of texts that begin and end together; what a denoiser can compute for the frames of a
+///         crop whatever its text is computed once as well. The longest come first, so that threads end together; crops without frames
+///         are left out. Texts, offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -12325,7 +12905,9 @@ class Collage {
   /// Rows that go through the network in a step, without tokens for time and text.
   Index batch_rows() const {
     Index rows = 0;
-    for (const Batch& b : batches_) rows += b.offsets.rows();
+    for (const Batch& b : batches_) {
+      for (Index i = 0; i < b.uses.count(); ++i) rows += b.uses.length(i) * b.frames.length(i);
+    }
     return rows;
   }
 
@@ -12362,10 +12944,10 @@ class Collage {
     Index first, length, text;  // first: row of the motions
     auto operator<=>(const Job&) const = default;
   };
-  /// Jobs that go through the network together.
+  /// Jobs that go through the network together: sequences of frames, each with one or several texts.
   struct Batch {
     std::vector<Index> rows;  // of x
-    Offsets offsets;
+    Offsets frames, uses;     // uses: the texts of each sequence
     decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
@@ -12400,8 +12982,8 @@ class Collage {
   /// What the network makes of all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
     const auto of = [&](const Batch& b) {
-      const PoolVector<Index> steps(static_cast<std::size_t>(b.offsets.count()), t);
-      return (*denoiser_)(Sequences<B>(gather(x, b.rows), b.offsets), steps, b.text).rows;
+      const PoolVector<Index> steps(static_cast<std::size_t>(b.uses.rows()), t);
+      return denoise_with_texts(*denoiser_, Sequences<B>(gather(x, b.rows), b.frames), b.uses, steps, b.text).rows;
     };
     if (batches_.size() == 1) return of(batches_.front());
     PoolVector<Tensor<B, 2>> parts;
@@ -12443,19 +13025,28 @@ class Collage {
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
-    std::vector<Index> rows, lengths, which;  // of the next batch
-    Index before = 0;                         // rows of the batches so far
+    std::vector<Index> rows, lengths, uses, which;  // of the next batch
+    Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
     const auto end_batch = [&] {
-      batches_.push_back({rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
-      before += std::ssize(rows);
-      rows.clear(), lengths.clear(), which.clear();
+      batches_.push_back({rows, Offsets(lengths), Offsets(uses), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      before += results;
+      results = 0;
+      rows.clear(), lengths.clear(), uses.clear(), which.clear();
     };
+    const Job* last = nullptr;
     for (const Job& job : jobs) {
-      if (!rows.empty() && std::ssize(rows) + job.length > most) end_batch();
-      begin[job] = before + std::ssize(rows);
-      for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
-      lengths.push_back(job.length);
+      if (results > 0 && results + job.length > most) end_batch();
+      begin[job] = before + results;
+      results += job.length;
       which.push_back(job.text);
+      if (results > job.length && last->first == job.first && last->length == job.length) {
+        ++uses.back();
+      } else {
+        for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
+        lengths.push_back(job.length);
+        uses.push_back(1);
+      }
+      last = &job;
     }
     end_batch();
     for (const auto& [with, without] : crops) {
@@ -12475,7 +13066,9 @@ class Collage {
         lengths.push_back(with.length);
         which.push_back(call == 0 ? with.text : without.text);
       }
-      batches_.push_back({crops_.rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      const Offsets frames(lengths);
+      batches_.push_back(
+          {crops_.rows, frames, Offsets::equal(frames.count(), 1), encoded_text<B>(*denoiser_, gather(texts_, which))});
       for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
     }
   }

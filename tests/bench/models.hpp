@@ -50,18 +50,22 @@ struct MdmBatch {
   }
 };
 
-/// One denoising step.
+/// One denoising step of guided sampling: crops of these lengths, each with its text and without.
 template <ml::Backend B>
 struct MdmStep {
   ml::MdmSmplDenoiser<B> model;
-  MdmBatch<B> batch;
+  MdmBatch<B> crops, texts;  // texts: two for each crop
+  ml::Offsets uses;
 
   explicit MdmStep(const std::vector<Index>& lengths, ml::Philox rng = {.seed = 1})
-      : model(mdm, rng), batch(lengths, rng) {
+      : model(mdm, rng),
+        crops(lengths, rng),
+        texts(equal(2 * std::ssize(lengths), 1), rng),
+        uses(ml::Offsets::equal(std::ssize(lengths), 2)) {
     ml::prepare(model);
   }
-  void operator()() const { model(batch.x, batch.t, batch.text); }
-  double gflop() const { return batch.gflop(); }
+  void operator()() const { model(crops.x, uses, texts.t, model.encode(texts.text)); }
+  double gflop() const { return 2 * crops.gflop(); }
 };
 
 inline double encoder_gflop_of(double frames, double features) {

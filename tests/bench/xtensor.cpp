@@ -24,7 +24,7 @@ void compare(const std::string& config, const Over& run, const Peer& peer) {
 
 int main(int argc, char** argv) {
   const Arguments read(argc, argv);
-  const auto crops = equal(2, 200);
+  const auto crops = equal(1, 200);
   compare("denoising step 2 crops T=200", MdmStep<Xtensor>(crops), MdmStep<Eigen_>(crops));
   compare("TMR encoder B=1 T=200", TmrEncoding<Xtensor>(1), TmrEncoding<Eigen_>(1));
   compare("TEMOS decoder B=1 T=200", TemosDecoding<Xtensor>(1), TemosDecoding<Eigen_>(1));

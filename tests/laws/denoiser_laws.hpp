@@ -4,6 +4,7 @@
 ///     shape      the result has the sequences and the width of x
 ///     batch      a sequence has the same bits alone and in a batch, on one thread and on two
 ///     tape       the values on a tape equal those without, up to rounding, and every parameter gets a gradient
+///     several    frames with several texts each: the same bits as frame by frame and text by text
 ///     texts      encoded before the first step they give the same bits (EncodesText)
 ///     numbers    one step and one text for each sequence, else shape_error 204
 #pragma once
@@ -47,7 +48,13 @@ void denoiser_laws() {
       CHECK(tensors::same_bits(alone.rows, together[s]));
     }
   }
+  const ml::Offsets uses{2, 0, 1};
+  const auto several = ml::denoise_with_texts(model, x, uses, t, ml::encoded_text<B>(model, text));
+  CHECK(several.offsets == ml::Offsets::equal(n, frames));
+  CHECK(tensors::same_bits(several.rows, model(ml::repeat_sequences(x, uses), t, text).rows));
+
   const std::vector<Index> two{0, 1};
+  CHECK_ERROR(ml::denoise_with_texts(model, x, uses, two, ml::encoded_text<B>(model, text)), "[motionlang.shape.204]");
   CHECK_ERROR(model(x, two, text), "[motionlang.shape.204]");
   CHECK_ERROR(model(x, t, ml::gather(text, two)), "[motionlang.shape.204]");
 }

@@ -23,8 +23,9 @@ struct CollageStep {
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
 ///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
-///         text is "", and the unconditional calls of texts that begin and end together. The longest come first, so that threads
-///         end together; crops without frames are left out. Texts, offsets and index lists are prepared here, not in the loop.
+///         text is "", and the unconditional calls of texts that begin and end together; what a denoiser can compute for the frames of a
+///         crop whatever its text is computed once as well. The longest come first, so that threads end together; crops without frames
+///         are left out. Texts, offsets and index lists are prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
@@ -62,7 +63,9 @@ class Collage {
   /// Rows that go through the network in a step, without tokens for time and text.
   Index batch_rows() const {
     Index rows = 0;
-    for (const Batch& b : batches_) rows += b.offsets.rows();
+    for (const Batch& b : batches_) {
+      for (Index i = 0; i < b.uses.count(); ++i) rows += b.uses.length(i) * b.frames.length(i);
+    }
     return rows;
   }
 
@@ -99,10 +102,10 @@ class Collage {
     Index first, length, text;  // first: row of the motions
     auto operator<=>(const Job&) const = default;
   };
-  /// Jobs that go through the network together.
+  /// Jobs that go through the network together: sequences of frames, each with one or several texts.
   struct Batch {
     std::vector<Index> rows;  // of x
-    Offsets offsets;
+    Offsets frames, uses;     // uses: the texts of each sequence
     decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
@@ -137,8 +140,8 @@ class Collage {
   /// What the network makes of all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
     const auto of = [&](const Batch& b) {
-      const PoolVector<Index> steps(static_cast<std::size_t>(b.offsets.count()), t);
-      return (*denoiser_)(Sequences<B>(gather(x, b.rows), b.offsets), steps, b.text).rows;
+      const PoolVector<Index> steps(static_cast<std::size_t>(b.uses.rows()), t);
+      return denoise_with_texts(*denoiser_, Sequences<B>(gather(x, b.rows), b.frames), b.uses, steps, b.text).rows;
     };
     if (batches_.size() == 1) return of(batches_.front());
     PoolVector<Tensor<B, 2>> parts;
@@ -180,19 +183,28 @@ class Collage {
     detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
-    std::vector<Index> rows, lengths, which;  // of the next batch
-    Index before = 0;                         // rows of the batches so far
+    std::vector<Index> rows, lengths, uses, which;  // of the next batch
+    Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
     const auto end_batch = [&] {
-      batches_.push_back({rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
-      before += std::ssize(rows);
-      rows.clear(), lengths.clear(), which.clear();
+      batches_.push_back({rows, Offsets(lengths), Offsets(uses), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      before += results;
+      results = 0;
+      rows.clear(), lengths.clear(), uses.clear(), which.clear();
     };
+    const Job* last = nullptr;
     for (const Job& job : jobs) {
-      if (!rows.empty() && std::ssize(rows) + job.length > most) end_batch();
-      begin[job] = before + std::ssize(rows);
-      for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
-      lengths.push_back(job.length);
+      if (results > 0 && results + job.length > most) end_batch();
+      begin[job] = before + results;
+      results += job.length;
       which.push_back(job.text);
+      if (results > job.length && last->first == job.first && last->length == job.length) {
+        ++uses.back();
+      } else {
+        for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
+        lengths.push_back(job.length);
+        uses.push_back(1);
+      }
+      last = &job;
     }
     end_batch();
     for (const auto& [with, without] : crops) {
@@ -212,7 +224,9 @@ class Collage {
         lengths.push_back(with.length);
         which.push_back(call == 0 ? with.text : without.text);
       }
-      batches_.push_back({crops_.rows, Offsets(lengths), encoded_text<B>(*denoiser_, gather(texts_, which))});
+      const Offsets frames(lengths);
+      batches_.push_back(
+          {crops_.rows, frames, Offsets::equal(frames.count(), 1), encoded_text<B>(*denoiser_, gather(texts_, which))});
       for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
     }
   }

@@ -13,6 +13,7 @@
 #include <stdexcept>         // runtime_error
 #include <string>            // string
 #include <string_view>       // string_view
+#include <utility>           // move
 #include <vector>            // diagnostics path
 
 #include <motionlang/version.hpp>
@@ -150,6 +151,22 @@ struct ModulePath {
     thread_local std::vector<std::string> path;
     return path;
   }
+  /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
+  class Continued {
+   public:
+#ifdef MOTIONLANG_DIAGNOSTICS
+    explicit Continued(const std::vector<std::string>& other) : own_(names()) { names() = other; }
+    ~Continued() { names() = std::move(own_); }
+    Continued(const Continued&) = delete;
+    Continued& operator=(const Continued&) = delete;
+
+   private:
+    std::vector<std::string> own_;
+#else
+    explicit Continued(const std::vector<std::string>&) {}
+    ~Continued() {}
+#endif
+  };
 };
 
 }  // namespace detail

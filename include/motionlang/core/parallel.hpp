@@ -32,6 +32,8 @@ class ThreadPool {
   }
 
   int size() const { return workers_ + 1; }
+  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  int width() const { return inside_ ? 1 : size(); }
   /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
   static int number() { return number_; }
 
@@ -169,6 +171,9 @@ class ThreadPool {
 
 /// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
 inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Threads that `parallel_for` uses here: one inside a task.
+inline int parallel_width() { return detail::ThreadPool::instance().width(); }
 
 /// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
 inline int thread_number() { return detail::ThreadPool::number(); }

@@ -43,6 +43,10 @@ struct AnyDenoiser {
     if (mdm) return (*mdm)(x, t, text.text, context);
     return (*motiondiffuse)(x, t, *text.motiondiffuse, context);
   }
+  Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                          const EncodedText& text) const {
+    return mdm_smpl ? (*mdm_smpl)(x, uses, t, *text.mdm_smpl) : (*this)(repeat_sequences(x, uses), t, text);
+  }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
     return (*this)(x, t, encode(text), context);

@@ -47,6 +47,19 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
+/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
+/// and none, for guidance. t: a step for each text.
+/// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
+template <Backend B, Denoiser<B> D, class Text>
+Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                                const Text& text) {
+  if constexpr (requires { denoiser(x, uses, t, text); })
+    return denoiser(x, uses, t, text);
+  else
+    return denoiser(repeat_sequences(x, uses), t, text);
+}
+
 /// The texts as they are passed to a denoiser at every step.
 template <Backend B, Denoiser<B> D>
 auto encoded_text(const D& denoiser, TextFeatures<B> text) {

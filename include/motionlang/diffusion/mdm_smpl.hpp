@@ -94,19 +94,28 @@ struct MdmSmplDenoiser {
 
   /// What enters the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
-    const Index n = x.count();
-    const Offsets& texts = text.tokens.offsets;
-    if (texts.count() != n || static_cast<Index>(t.size()) != n) {
-      raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", texts.count(), " texts, ", t.size(), " steps");
-    }
-    const Sequences<B> time(time_tokens(t), Offsets::equal(n, 1));
-    const auto tokens = concat_tokens(time, text.tokens, repeat_sequence(registers, n), x.with(skel_embedding(x.rows)));
-    PoolVector<PositionGap> gaps;  // what follows the text stands where it would behind the longest text of the batch
-    for (Index s = 0; s < n; ++s) gaps.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
-    return add_positions(tokens, positions.rows(), gaps);
+    check_counts(x.count(), t, text);
+    const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
+    return add_positions(tokens, positions.rows(), gaps(text));
   }
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
+  }
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
+  /// step for each text.
+  Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                          const EncodedText& text) const {
+    check_counts(uses.rows(), t, text);
+    const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
+    const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
+                                         {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
+    const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
+    PoolVector<Index> lengths;
+    for (Index i = 0; i < uses.count(); ++i) {
+      for (Index j = uses.begin(i); j < uses.end(i); ++j) lengths.push_back(x.offsets.length(i));
+    }
+    const auto rows = seqTransEncoder.with_tails(heads, frames, uses);
+    return to_skel_layer(last_rows(rows, Offsets(std::span<const Index>(lengths))));
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
@@ -117,6 +126,25 @@ struct MdmSmplDenoiser {
     auto tokens = sequence(x, t, text);
     if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
     return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));
+  }
+
+ private:
+  static void check_counts(Index n, std::span<const Index> t, const EncodedText& text) {
+    if (text.tokens.count() == n && static_cast<Index>(t.size()) == n) return;
+    raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
+                       " steps");
+  }
+  /// What stands in front of the frames, without positions.
+  Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
+    const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
+    return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
+  }
+  /// What follows a text stands where it would behind the longest text of the batch.
+  static PoolVector<PositionGap> gaps(const EncodedText& text) {
+    const Offsets& texts = text.tokens.offsets;
+    PoolVector<PositionGap> out;
+    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
+    return out;
   }
 };
 

@@ -44,10 +44,16 @@ struct MultiheadAttention {
   /// x (rows, width) attends to itself within each sequence; the result is projected and `residual` added.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
-    const auto qkv = linear(x, in_proj_weight, &in_proj_bias);
-    return out_proj(
-        self_attention(qkv, offsets, {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}),
-        Activation::none, residual);
+    return attend(project(x), offsets, context, residual, causal);
+  }
+  /// Queries, keys and values of each row, (rows, 3 width).
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
+  /// `self` behind `project`.
+  Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
+                      const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
+    const auto read = self_attention(std::move(qkv), offsets,
+                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+    return out_proj(read, Activation::none, residual);
   }
   /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
   /// value.

@@ -1,49 +1,132 @@
 // SPDX-License-Identifier: MIT
-/// A few sequences of a batch at a time through a whole stack of layers.
+/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
 #pragma once
 
+#include <algorithm>  // min_element, max_element, copy
+#include <utility>    // pair
+
 #include <motionlang/core/context.hpp>
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/sort.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// Sequences first ... last-1.
-inline Offsets some_sequences(const Offsets& offsets, Index first, Index last) {
+/// The lengths of some sequences.
+inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
   PoolVector<Index> lengths;
-  for (Index s = first; s < last; ++s) lengths.push_back(offsets.length(s));
+  for (Index s : which) lengths.push_back(offsets.length(s));
   return Offsets(std::span<const Index>(lengths));
 }
+/// Some sequences; without copying if they follow each other.
 template <Backend B>
-Sequences<B> some_sequences(const Sequences<B>& x, Index first, Index last) {
-  if (first == 0 && last == x.count()) return x;
-  return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(last)), some_sequences(x.offsets, first, last)};
+Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
+  const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
+  bool in_a_row = true;
+  for (Index i = 0; i < count; ++i) in_a_row = in_a_row && which[static_cast<std::size_t>(i)] == first + i;
+  if (in_a_row && count == x.count()) return x;
+  if (in_a_row)
+    return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(first + count)), some_sequences(x.offsets, which)};
+  PoolVector<Index> rows;
+  for (Index s : which) {
+    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) rows.push_back(r);
+  }
+  return {gather(x.rows, rows), some_sequences(x.offsets, which)};
 }
 
-/// The rows f(first, last) of sequences first ... last-1, as many at a time as have B::rows_in_cache() rows (a longer one alone): what
-/// one layer writes is still in the cache when the next reads it. f treats each sequence on its own, so the numbers are those of all at
-/// once. Where the backend says nothing, gradients are kept or dropout counts rows, it is called for all at once. Weights that were not
-/// prepared are packed for every group.
+/// How threads share sequences: the thread of each of the first ones.
+using SequenceShares = PoolVector<Index>;
+/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
+/// than the mean, and that is at least the 128 rows from which on it pays to read all weights in every thread. None if there is no such
+/// number.
+inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
+  SequenceShares out;
+  if (threads == 1) return out;
+  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread;
+  Index total = 0;
+  std::size_t even = 0;
+  for (Index s : order) {
+    Index* const fewest = std::min_element(rows.begin(), rows.end());
+    thread.push_back(fewest - rows.begin());
+    *fewest += offsets.length(s);
+    total += offsets.length(s);
+    const Index most = *std::max_element(rows.begin(), rows.end());
+    if (total >= 128 * threads && most * threads * 20 <= total * 21) even = thread.size();
+  }
+  for (std::size_t i = 0; i < even; ++i) out.push_back(thread[i]);
+  return out;
+}
+
+/// The first sequences that have at most so many rows together; at least one. There must be one.
+inline std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
+  std::size_t size = 0;
+  Index sum = 0;
+  do sum += offsets.length(order[size++]);
+  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
+  return order.first(size);
+}
+
+/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
+/// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
+/// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
+/// waiting for each other; what is left over they do together. The numbers are those of all at once. Where the backend says nothing,
+/// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
-Tensor<B, 2> in_groups(const Offsets& offsets, const Context& context, F f) {
-  const Index count = offsets.count();
+Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
+  PoolVector<Index> order;
+  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
+  const std::span<const Index> all(order);
   if constexpr (requires { B::rows_in_cache(); }) {
-    const Index at_once = B::rows_in_cache();
-    if (!context.dropout && offsets.rows() > at_once) {
-      PoolVector<Tensor<B, 2>> parts;
-      for (Index first = 0, last = 0; first < count; first = last) {
-        do ++last;
-        while (last < count && offsets.end(last) - offsets.begin(first) <= at_once);
-        parts.push_back(f(first, last));
+    const Index threads = parallel_width(), at_once = B::rows_in_cache();
+    if (!context.dropout && (offsets.rows() > at_once || offsets.rows() >= 128 * threads)) {
+      if (threads > 1) {  // the longest first: shares become more equal
+        sort(order, [&](Index a, Index b) {
+          return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
+        });
       }
-      return concat(std::span<const Tensor<B, 2>>(parts), 0);
+      typename B::tensor y(Shape{results.rows(), width});
+      const auto put = [&, out = y.data()](std::span<const Index> which) {
+        const auto rows = f(which);
+        const auto* from = rows.span().data();
+        for (Index s : which) {
+          const Index n = results.length(s) * width;
+          std::copy(from, from + n, out + results.begin(s) * width);
+          from += n;
+        }
+      };
+      const auto& modules = ModulePath::names();
+      for (std::size_t done = 0; done < all.size();) {
+        const auto rest = all.subspan(done);
+        const SequenceShares thread = share_sequences(offsets, rest, threads);
+        if (thread.empty()) {
+          const auto group = first_group(offsets, rest, at_once);
+          put(group);
+          done += group.size();
+          continue;
+        }
+        parallel_for(threads, [&](Index t) {
+          const ModulePath::Continued path(modules);
+          PoolVector<Index> mine;
+          for (std::size_t i = 0; i < thread.size(); ++i) {
+            if (thread[i] == t) mine.push_back(rest[i]);
+          }
+          for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
+            group = first_group(offsets, left, at_once / threads);
+            put(group);
+          }
+        });
+        done += thread.size();
+      }
+      return Tensor<B, 2>(std::move(y));
     }
   }
-  return f(Index{0}, count);
+  return f(all);
 }
-/// The same with f(some), `some` being these sequences of x.
+/// The same with f(some), `some` being these sequences of x, and results as wide as x.
 template <Backend B, class F>
-Tensor<B, 2> in_groups(const Sequences<B>& x, const Context& context, F f) {
-  return in_groups<B>(x.offsets, context, [&](Index first, Index last) { return f(some_sequences(x, first, last)); });
+Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
+  const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };
+  return in_groups<B>(x.offsets, results, x.width(), context, some);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail

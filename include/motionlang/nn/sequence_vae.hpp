@@ -113,7 +113,8 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
     }
     return first_rows(x, n).rows;
   };
-  return {detail::in_groups(sequence, context, encode), Offsets::equal(sequence.count(), n)};
+  const auto tokens = Offsets::equal(sequence.count(), n);
+  return {detail::in_groups(sequence, tokens, context, encode), tokens};
 }
 
 /// The distribution from the rows of its tokens: mean and log-variance, or one row each for a deterministic latent.
@@ -163,11 +164,11 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
     const ModuleScope scope("layers.", 0);
     attended = layers.front().attend_self(each.rows, each.offsets);
   }
-  auto decode = [&](Index first, Index last) {
-    const auto offsets = detail::some_sequences(lengths, first, last);
-    const auto some = detail::some_sequences(memory, first, last);
+  auto decode = [&](std::span<const Index> which) {
+    const auto offsets = detail::some_sequences(lengths, which);
+    const auto some = detail::some_sequences(memory, which);
     PoolVector<Index> pick;
-    for (Index s = first; s < last; ++s) {
+    for (Index s : which) {
       const Index k = kind[static_cast<std::size_t>(s)];
       for (Index row = each.offsets.begin(k); row < each.offsets.end(k); ++row) pick.push_back(row);
     }
@@ -178,7 +179,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
     }
     return final_layer(rows);
   };
-  return {detail::in_groups<B>(lengths, context, decode), lengths};
+  return {detail::in_groups<B>(lengths, lengths, final_layer.weight.size(0), context, decode), lengths};
 }
 
 /// From latents to sequences of any length (TEMOS, TMR, TEACH, SINC): the keys are theirs.

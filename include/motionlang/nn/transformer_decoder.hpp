@@ -112,14 +112,19 @@ struct TransformerDecoder {
   TransformerDecoder(const TransformerConfig& c, Rng auto& rng) {
     for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
   }
-  /// x: queries; memory: as many sequences.
+  /// x: queries; memory: as many sequences, else shape_error 207.
   Sequences<B> operator()(const Sequences<B>& x, const Sequences<B>& memory, const Context& context = {}) const {
-    Tensor<B, 2> rows = x.rows;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
-      rows = run_layer(layers[i], rows, x.offsets, memory, context);
-    }
-    return x.with(std::move(rows));
+    if (memory.count() != x.count())
+      raise<shape_error>(207, "TransformerDecoder: ", memory.count(), " memories for ", x.count(), " sequences");
+    return x.with(detail::in_groups<B>(x.offsets, x.offsets, x.width(), context, [&](std::span<const Index> which) {
+      auto some = detail::some_sequences(x, which);
+      const auto read = detail::some_sequences(memory, which);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        const ModuleScope scope("layers.", i);
+        some.rows = run_layer(layers[i], some.rows, some.offsets, read, context);
+      }
+      return some.rows;
+    }));
   }
 };
 

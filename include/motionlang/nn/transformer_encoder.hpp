@@ -60,12 +60,15 @@ struct TransformerEncoderLayer {
 
   /// x (rows, width) -> (rows, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    if (context.dropout) return with_dropout(x, offsets, context);
-    if (norm_first) {
-      const auto y = self_attn.self(norm1(x), offsets, context, &x, causal);
-      return linear2(linear1(norm2(y), activation), Activation::none, &y);
-    }
-    const auto y = norm1(self_attn.self(x, offsets, context, &x, causal));
+    return context.dropout ? with_dropout(x, offsets, context) : behind_project(x, project(x), offsets);
+  }
+  /// Queries, keys and values of each row, (rows, 3 width).
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
+  /// The layer behind `project`, without dropout.
+  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets) const {
+    const auto attended = self_attn.attend(std::move(qkv), offsets, {}, &x, causal);
+    if (norm_first) return linear2(linear1(norm2(attended), activation), Activation::none, &attended);
+    const auto y = norm1(attended);
     return norm2(linear2(linear1(y, activation), Activation::none, &y));
   }
 
@@ -96,13 +99,47 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    return x.with(detail::in_groups(x, context, [&](Sequences<B> some) {
+    return x.with(detail::in_groups(x, x.offsets, context, [&](Sequences<B> some) {
       for (std::size_t i = 0; i < layers.size(); ++i) {
         const ModuleScope scope("layers.", i);
         some.rows = run_layer(layers[i], some.rows, some.offsets, context);
       }
       return some.rows;
     }));
+  }
+  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j < uses.end(i). The same
+  /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
+  /// numbers of heads or tails.
+  Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
+    if (heads.count() != uses.rows() || tails.count() != uses.count())
+      raise<shape_error>(204, "with_tails: ", uses.rows(), " uses of ", uses.count(), " tails; ", heads.count(),
+                         " heads, ", tails.count(), " tails");
+    PoolVector<Index> lengths, tail_of;  // of each sequence
+    for (Index i = 0; i < uses.count(); ++i) {
+      for (Index j = uses.begin(i); j < uses.end(i); ++j) {
+        lengths.push_back(heads.offsets.length(j) + tails.offsets.length(i));
+        tail_of.push_back(i);
+      }
+    }
+    const Offsets offsets{std::span<const Index>(lengths)};
+    const auto distinct = concat(0, heads.rows, tails.rows);
+    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
+    const auto encode = [&](std::span<const Index> which) {
+      PoolVector<Index> pick;
+      for (Index j : which) {
+        const Index i = tail_of[static_cast<std::size_t>(j)];
+        for (Index r = heads.offsets.begin(j); r < heads.offsets.end(j); ++r) pick.push_back(r);
+        for (Index r = tails.offsets.begin(i); r < tails.offsets.end(i); ++r) pick.push_back(heads.offsets.rows() + r);
+      }
+      const Offsets some = detail::some_sequences(offsets, which);
+      auto rows = gather(distinct, pick);
+      for (std::size_t i = 0; i < layers.size(); ++i) {
+        const ModuleScope scope("layers.", i);
+        rows = i == 0 ? layers[i].behind_project(rows, gather(projected, pick), some) : layers[i](rows, some);
+      }
+      return rows;
+    };
+    return {detail::in_groups<B>(offsets, offsets, heads.width(), {}, encode), offsets};
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {

@@ -172,7 +172,7 @@ struct BertNetwork {
     std::optional<Tensor<B, 2>> scores;
     if (relative_scores) scores = scores_of_distances(std::max<Index>(1, offsets.longest()));
     const Sequences<B> texts(std::move(x), offsets);
-    return {texts.with(detail::in_groups(texts, context, [&](Sequences<B> some) {
+    return {texts.with(detail::in_groups(texts, texts.offsets, context, [&](Sequences<B> some) {
       for (const auto& layer : layers) some.rows = layer(some.rows, some.offsets, scores ? &*scores : nullptr, context);
       return some.rows;
     }))};

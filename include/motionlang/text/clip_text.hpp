@@ -92,7 +92,7 @@ struct ClipText {
       for (Index i = 0; i < length; ++i) position_ids.push_back(i);
     }
     const Sequences<B> texts(token_embedding(batch.ids) + gather(positional_embedding, position_ids), offsets);
-    return {texts.with(detail::in_groups(texts, {}, [&](Sequences<B> some) {
+    return {texts.with(detail::in_groups(texts, texts.offsets, {}, [&](Sequences<B> some) {
               for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
               return ln_final(some.rows);
             })),

@@ -84,41 +84,6 @@ TEST_CASE("a sequence has the same latent and the same frames alone and among ot
   CHECK_ERROR(decode(z, Offsets{1, 1}), "[motionlang.shape.207]");
 }
 
-TEST_CASE("groups of sequences: each sequence once, in order, as many at a time as there is room for") {
-  const Index at_once = B::rows_in_cache();
-  const auto rows = normal<B, 2>({1, 8}, 22);
-  for (const std::vector<Index>& pattern : {std::vector<Index>{200}, {1, 70, 130, 40}, {600, 2}, {300, 0}}) {
-    std::vector<Index> lengths;
-    for (Index total = 0; total < 5 * at_once / 2; total += lengths.back())
-      lengths.push_back(pattern[lengths.size() % pattern.size()]);
-    const Offsets offsets(lengths);
-    Index next = 0, before = at_once;
-    const auto numbers = ml::detail::in_groups<B>(offsets, {}, [&](Index first, Index last) {
-      CHECK(first == next);
-      next = last;
-      const Index size = offsets.end(last - 1) - offsets.begin(first);
-      CHECK(size <= std::max(at_once, offsets.longest()));
-      CHECK(before + offsets.length(first) > at_once);
-      before = size;
-      return ml::gather(rows, std::vector<Index>(static_cast<std::size_t>(size), 0));
-    });
-    CHECK(next == offsets.count());
-    CHECK(numbers.size(0) == offsets.rows());
-    const auto whole = [&](Index first, Index last) {
-      CHECK(first == 0);
-      CHECK(last == offsets.count());
-      return rows;
-    };
-    ml::detail::in_groups<B>(offsets, {.dropout = ml::Philox{}}, whole);
-    ml::detail::in_groups<ml::ReferenceBackend<double>>(offsets, {}, [&](Index first, Index last) {
-      whole(first, last);
-      return ml::Tensor<ml::ReferenceBackend<double>, 2>::zeros({1, 8});
-    });
-    const auto kept = ml::Tensor<A, 2>::from(rows.span(), rows.shape());
-    ml::detail::in_groups<A>(offsets, {}, [&](Index first, Index last) { return whole(first, last), kept; });
-  }
-}
-
 TEST_CASE("many sequences go through the layers in groups, with the same bits") {
   const auto encoder = stack<ml::TransformerEncoder<B>>();
   const auto decode = decoder();

@@ -4,6 +4,10 @@
 /// Work is split over rows or columns of the result only, never over a summed index.
 #pragma once
 
+#include <atomic>   // the weight prepared next
+#include <memory>   // shared_ptr
+#include <utility>  // move
+
 #include <motionlang/backend/detail/kernels.hpp>
 #include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/core/parallel.hpp>
@@ -19,12 +23,14 @@ template <class S>
 class Scratch {
  public:
   explicit Scratch(Index count)
-      : piece_((count + 63) / 64 * 64), memory_(static_cast<std::size_t>(piece_ * thread_count()) * sizeof(S)) {}
+      : piece_((count + 63) / 64 * 64),
+        pieces_(parallel_width()),
+        memory_(static_cast<std::size_t>(piece_ * pieces_) * sizeof(S)) {}
   /// The piece of the calling thread.
-  S* mine() const { return static_cast<S*>(memory_.data()) + piece_ * thread_number(); }
+  S* mine() const { return static_cast<S*>(memory_.data()) + (pieces_ == 1 ? 0 : piece_ * thread_number()); }
 
  private:
-  Index piece_;
+  Index piece_, pieces_;
   BufferHandle memory_;
 };
 
@@ -37,6 +43,22 @@ struct Panels {
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
   const std::uint16_t* bf16() const { return static_cast<const std::uint16_t*>(memory.data()); }
+  Index bytes() const {
+    const Index width = kernels == nullptr ? bf16_columns : kernels->panel_width,
+                columns = (n + width - 1) / width * width;
+    return kernels == nullptr ? columns * bf16_depth(k) * 2 : columns * k * static_cast<Index>(sizeof(S));
+  }
+};
+
+/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied with next. Of these only
+/// the place is known, for the cache: they may be gone.
+template <class S>
+struct PreparedPanels {
+  explicit PreparedPanels(Panels<S> p) : panels(std::move(p)) {}
+
+  Panels<S> panels;
+  mutable std::atomic<const std::byte*> next{nullptr};
+  mutable std::atomic<Index> next_bytes{0};
 };
 
 inline Index parts(Index count, Index size) { return (count + size - 1) / size; }
@@ -73,11 +95,13 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
 
 /// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
 template <class S, class F>
-void for_blocks(Index rows, Index panels, Index row_block, bool small, Index scratch_count, const F& block) {
-  const Index threads = thread_count(), blocks = small ? 1 : parts(rows, row_block);
-  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : blocks;  // as many for every thread
-  const Index wanted = small || threads == 1 ? 1 : 2 * threads;
-  const Index panel_parts = std::min(panels, std::max<Index>(1, parts(wanted, row_parts)));
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index scratch_count, const F& block) {
+  const Index threads = small ? 1 : parallel_width(), blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
+  // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
+  const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
+                          : rows >= threads * (rows_at_once / 4) ? threads
+                                                                 : blocks;
+  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(2 * threads, row_parts));
   const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
@@ -94,7 +118,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p) {
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.row_block, small, kernel.scratch(g.k),
+      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
                     [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
                       kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
                     });
@@ -103,10 +127,9 @@ void run_gemm(Gemm<S> g, const Panels<S>& p) {
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(g.m, parts(g.n, kernel.panel_width), kernel.row_block, small, kernel.gemm_scratch,
-                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
-                });
+  for_blocks<S>(
+      g.m, parts(g.n, kernel.panel_width), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
+      [&](Index r0, Index r1, Index j0, Index j1, S* scratch) { kernel.gemm_block(g, r0, r1, j0, j1, scratch); });
 }
 
 template <class S>
@@ -200,21 +223,29 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
 
 template <Scalar S>
 Index KernelOps<S>::rows_in_cache() {
-  return 256 * thread_count();  // of a few thousand numbers each, 2 to 4 MB
+  return 256 * parallel_width();  // of a few thousand numbers each, 2 to 4 MB
 }
 
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  weight.attach(std::make_shared<const detail::Panels<S>>(detail::pack_panels(weight.data(), k, n, Index{1}, k,
-                                                                           detail::precision_of<S>())));
+  thread_local std::weak_ptr<const detail::PreparedPanels<S>> before;
+  const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
+      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>()));
+  if (const auto last = before.lock()) {
+    last->next_bytes = prepared->panels.bytes();
+    last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
+  }
+  before = prepared;
+  weight.attach(prepared);
 }
 
 template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
-  const auto* ready = static_cast<const detail::Panels<S>*>(weight.attached());
+  const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
   const bool last =
       residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
   detail::Panels<S> packed;
@@ -229,18 +260,21 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     ready = &packed;
   }
   Dense<S> y(Shape{m, n});
-  detail::run_gemm(detail::Gemm<S>{.m = m,
-                                   .n = n,
-                                   .k = k,
-                                   .a = x.data(),
-                                   .lda = k,
-                                   .c = y.data(),
-                                   .ldc = n,
-                                   .bias = bias == nullptr ? nullptr : bias->data(),
-                                   .residual = residual == nullptr || !last ? nullptr : residual->data(),
-                                   .ldr = n,
-                                   .act = act},
-                   *ready);
+  detail::run_gemm(
+      detail::Gemm<S>{.m = m,
+                      .n = n,
+                      .k = k,
+                      .a = x.data(),
+                      .lda = k,
+                      .c = y.data(),
+                      .ldc = n,
+                      .bias = bias == nullptr ? nullptr : bias->data(),
+                      .residual = residual == nullptr || !last ? nullptr : residual->data(),
+                      .ldr = n,
+                      .act = act,
+                      .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
+                      .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
+      *ready);
   if (!last) {
     for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
   }
@@ -288,7 +322,7 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
-  const Index columns = std::max<Index>(64, detail::parts(t.width, thread_count()));
+  const Index columns = std::max<Index>(64, detail::parts(t.width, parallel_width()));
   parallel_for(detail::parts(t.width, columns), [&](Index i) {
     detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows,
                                                 i * columns, std::min(t.width, (i + 1) * columns));
@@ -316,7 +350,7 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
 template <Scalar S>
 Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
   const Index rows = x.shape()[0], width = x.shape()[1],
-              columns = std::max<Index>(64, detail::parts(width, thread_count()));
+              columns = std::max<Index>(64, detail::parts(width, parallel_width()));
   Dense<S> y(Shape{width});
   parallel_for(detail::parts(width, columns), [&](Index i) {
     detail::kernels<S>().column_sums(x.data(), rows, width, i * columns, std::min(width, (i + 1) * columns), y.data());

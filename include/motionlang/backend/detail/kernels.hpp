@@ -10,6 +10,7 @@
 
 #include <algorithm>    // min, max
 #include <cmath>        // sqrt, erf, tanh
+#include <cstddef>      // byte
 #include <cstdint>      // bit patterns
 #include <cstring>      // memcpy
 #include <type_traits>  // conditional
@@ -37,6 +38,13 @@ struct Gemm {
   const S* residual = nullptr;
   Index ldr = 0;
   Activation act = Activation::none;
+  const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
+  Index after_bytes = 0;
+
+  /// The part of it that whoever is done with panels from `first` of `count` on goes on with; `otherwise` if nothing is known.
+  const void* following(Index first, Index count, const void* otherwise) const {
+    return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
+  }
 };
 
 /// Attention over packed sequences: q (query rows, heads * width), k and v (key rows, ...), each a part of a wider
@@ -99,7 +107,9 @@ struct Binary {
 template <class S>
 struct Kernels {
   const char* name;
-  Index panel_width, row_block, gemm_scratch;
+  Index panel_width, tile_rows;
+  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
@@ -125,8 +135,8 @@ struct Kernels {
 /// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
-  Index row_block;
-  Index (*scratch)(Index k);  // numbers
+  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
                std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,

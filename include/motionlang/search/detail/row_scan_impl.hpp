@@ -70,12 +70,14 @@ struct ScoreBlock {
   explicit ScoreBlock(const Panels<S>& queries) {
     if (queries.kernels != nullptr) {  // one panel at a time: its scores stay in the first-level cache
       const Kernels<S>& kernel = *queries.kernels;
-      rows = kernel.row_block, panels = 1, panel_width = kernel.panel_width, product_scratch = kernel.gemm_scratch;
+      rows = rows_of(kernel), panels = 1, panel_width = kernel.panel_width;
+      product_scratch = kernel.gemm_scratch(queries.k);
     } else {  // all of them: every product puts the rows into another order first
       rows = 64, panels = parts(queries.n, bf16_columns), panel_width = bf16_columns;
-      product_scratch = current_bf16_kernels()->scratch(queries.k);
+      product_scratch = current_bf16_kernels()->gemm_scratch(queries.k);
     }
   }
+  static Index rows_of(const Kernels<S>& kernel) { return 8 * kernel.tile_rows; }
   Index columns() const { return panels * panel_width; }
   /// Distance of rows: of those that are a power of two apart, few fit into a cache.
   Index pitch() const { return panels == 1 ? panel_width : columns() + 16; }
@@ -154,7 +156,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
   const Index total = std::ssize(queries) / width, threads = thread_count();
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
   if (k == 0) return out;
-  const Index blocks = parts(count, kernel.row_block),
+  const Index blocks = parts(count, ScoreBlock<S>::rows_of(kernel)),
               tasks = std::min(blocks, std::max(8 * threads, parts(blocks, 64)));
   for (Index begin = 0; begin < total; begin += group) {
     const Index n = std::min(group, total - begin);
@@ -166,7 +168,8 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
     std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
-        f(blocks * i / tasks * kernel.row_block, std::min(count, blocks * (i + 1) / tasks * kernel.row_block),
+        f(blocks * i / tasks * ScoreBlock<S>::rows_of(kernel),
+          std::min(count, blocks * (i + 1) / tasks * ScoreBlock<S>::rows_of(kernel)),
           seen[static_cast<std::size_t>(thread_number())]);
       });
     };
