@@ -23,6 +23,20 @@ namespace laws {
 
 using modules::Index, modules::small_features;
 
+/// Three sequences, three steps, three texts.
+template <class Denoiser, ml::Backend B>
+void several_texts_law(const Denoiser& model, const ml::Sequences<B>& x, std::span<const Index> t,
+                       const ml::TextFeatures<B>& text) {
+  const auto encoded = ml::encoded_text<B>(model, text);
+  const ml::Offsets uses{2, 0, 1};
+  const auto several = ml::denoise_with_texts(model, x, uses, t, encoded);
+  CHECK(several.offsets == ml::repeat_lengths(x.offsets, uses));
+  CHECK(tensors::same_bits(several.rows, model(ml::repeat_sequences(x, uses), t, text).rows));
+  CHECK_ERROR(ml::denoise_with_texts(model, x, uses, t.first(2), encoded), "[motionlang.shape.204]");
+  CHECK_ERROR(ml::denoise_with_texts(model, x, ml::Offsets{3}, t, encoded), "[motionlang.shape.204]");
+  CHECK_ERROR(ml::denoise_with_texts(model, x, ml::Offsets{1, 0, 1, 1}, t, encoded), "[motionlang.shape.204]");
+}
+
 /// `Small` makes the denoiser and texts for it. The lengths are equal, since a recurrent one wants that.
 template <class Small, ml::Backend B>
 void denoiser_laws() {
@@ -48,13 +62,10 @@ void denoiser_laws() {
       CHECK(tensors::same_bits(alone.rows, together[s]));
     }
   }
-  const ml::Offsets uses{2, 0, 1};
-  const auto several = ml::denoise_with_texts(model, x, uses, t, ml::encoded_text<B>(model, text));
-  CHECK(several.offsets == ml::Offsets::equal(n, frames));
-  CHECK(tensors::same_bits(several.rows, model(ml::repeat_sequences(x, uses), t, text).rows));
+  const bool equal = requires { Small::equal_lengths; };
+  several_texts_law(model, ml::Sequences<B>(x.rows, equal ? x.offsets : ml::Offsets{5, 9, 13}), t, text);
 
   const std::vector<Index> two{0, 1};
-  CHECK_ERROR(ml::denoise_with_texts(model, x, uses, two, ml::encoded_text<B>(model, text)), "[motionlang.shape.204]");
   CHECK_ERROR(model(x, two, text), "[motionlang.shape.204]");
   CHECK_ERROR(model(x, t, ml::gather(text, two)), "[motionlang.shape.204]");
 }

@@ -89,7 +89,7 @@ std::vector<Row<B>> rows() {
   for (int t = 0; t < 4; ++t) {
     const bool ta = (t & 1) != 0, tb = (t & 2) != 0;
     const std::vector<std::array<Index, 4>> sizes{{1, 1, 1, 1},    {1, 7, 5, 9},    {2, 3, 4, 5},
-                                                  {1, 33, 40, 35}, {1, 5, 1024, 35}, {1, 4, 1, 6}};
+                                                  {1, 33, 40, 35}, {1, 5, 1025, 35}, {1, 3, 2048, 35}, {1, 4, 1, 6}};
     for (auto [n, i, k, j] : sizes) {
       const Shape a = ta ? Shape{n, k, i} : Shape{n, i, k}, b = tb ? Shape{n, j, k} : Shape{n, k, j};
       r.push_back({"matmul" + std::string(ta ? " aT " : " ") + to_string(a) + (tb ? " bT " : " ") + to_string(b),

@@ -155,6 +155,7 @@ struct SmallMdmTokens : TokenTexts {
 };
 /// The recurrence over time: the published one runs over the batch, so that sequences depend on each other.
 struct SmallMdmGru : PooledTexts {
+  static constexpr bool equal_lengths = true;
   template <ml::Backend B>
   static ml::MdmDenoiser<B> make(ml::Philox rng) {
     auto c = small_mdm;

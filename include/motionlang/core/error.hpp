@@ -13,7 +13,7 @@
 #include <stdexcept>         // runtime_error
 #include <string>            // string
 #include <string_view>       // string_view
-#include <utility>           // move
+#include <utility>           // exchange, move
 #include <vector>            // diagnostics path
 
 #include <motionlang/version.hpp>
@@ -155,7 +155,7 @@ struct ModulePath {
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(const std::vector<std::string>& other) : own_(names()) { names() = other; }
+    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
     ~Continued() { names() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;

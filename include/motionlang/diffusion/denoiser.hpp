@@ -48,7 +48,7 @@ concept EncodesText = Denoiser<D, B> &&
 };
 
 /// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
-/// and none, for guidance. t: a step for each text.
+/// and none, for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
 /// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>

@@ -102,20 +102,16 @@ struct MdmSmplDenoiser {
     return sequence(x, t, encode(text));
   }
   /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
-  /// step for each text.
+  /// step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     check_counts(uses.rows(), t, text);
+    const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
                                          {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
-    PoolVector<Index> lengths;
-    for (Index i = 0; i < uses.count(); ++i) {
-      for (Index j = uses.begin(i); j < uses.end(i); ++j) lengths.push_back(x.offsets.length(i));
-    }
-    const auto rows = seqTransEncoder.with_tails(heads, frames, uses);
-    return to_skel_layer(last_rows(rows, Offsets(std::span<const Index>(lengths))));
+    return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <algorithm>  // min_element, max_element, copy
-#include <utility>    // pair
+#include <span>       // numbers of sequences
+#include <utility>    // move
 
 #include <motionlang/core/context.hpp>
+#include <motionlang/core/error.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/sort.hpp>
 #include <motionlang/tensor/sequences.hpp>
@@ -42,19 +44,29 @@ using SequenceShares = PoolVector<Index>;
 inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
   SequenceShares out;
   if (threads == 1) return out;
-  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread;
+  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
   Index total = 0;
-  std::size_t even = 0;
+  std::size_t shared = 0;
   for (Index s : order) {
     Index* const fewest = std::min_element(rows.begin(), rows.end());
-    thread.push_back(fewest - rows.begin());
+    thread_of.push_back(fewest - rows.begin());
     *fewest += offsets.length(s);
     total += offsets.length(s);
     const Index most = *std::max_element(rows.begin(), rows.end());
-    if (total >= 128 * threads && most * threads * 20 <= total * 21) even = thread.size();
+    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
   }
-  for (std::size_t i = 0; i < even; ++i) out.push_back(thread[i]);
+  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
   return out;
+}
+
+/// All sequences, the longest first: shares become more equal.
+inline PoolVector<Index> longest_first(const Offsets& offsets) {
+  PoolVector<Index> order;
+  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
+  sort(order, [&](Index a, Index b) {
+    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
+  });
+  return order;
 }
 
 /// The first sequences that have at most so many rows together; at least one. There must be one.
@@ -66,6 +78,24 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
   return order.first(size);
 }
 
+/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
+template <class F>
+void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads, Index rows,
+                const F& put) {
+  const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
+  parallel_for(threads, [&](Index thread) {
+    const ModulePath::Continued path(modules);
+    PoolVector<Index> mine;
+    for (std::size_t i = 0; i < thread_of.size(); ++i) {
+      if (thread_of[i] == thread) mine.push_back(order[i]);
+    }
+    for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
+      group = first_group(offsets, left, rows);
+      put(group);
+    }
+  });
+}
+
 /// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
 /// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
 /// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
@@ -73,17 +103,10 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
 /// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
-  PoolVector<Index> order;
-  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
-  const std::span<const Index> all(order);
   if constexpr (requires { B::rows_in_cache(); }) {
     const Index threads = parallel_width(), at_once = B::rows_in_cache();
-    if (!context.dropout && (offsets.rows() > at_once || offsets.rows() >= 128 * threads)) {
-      if (threads > 1) {  // the longest first: shares become more equal
-        sort(order, [&](Index a, Index b) {
-          return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
-        });
-      }
+    const PoolVector<Index> order = longest_first(offsets);
+    if (!context.dropout && (offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty())) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
         const auto rows = f(which);
@@ -94,33 +117,21 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
           from += n;
         }
       };
-      const auto& modules = ModulePath::names();
-      for (std::size_t done = 0; done < all.size();) {
-        const auto rest = all.subspan(done);
-        const SequenceShares thread = share_sequences(offsets, rest, threads);
-        if (thread.empty()) {
-          const auto group = first_group(offsets, rest, at_once);
-          put(group);
-          done += group.size();
-          continue;
-        }
-        parallel_for(threads, [&](Index t) {
-          const ModulePath::Continued path(modules);
-          PoolVector<Index> mine;
-          for (std::size_t i = 0; i < thread.size(); ++i) {
-            if (thread[i] == t) mine.push_back(rest[i]);
-          }
-          for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
-            group = first_group(offsets, left, at_once / threads);
-            put(group);
-          }
-        });
-        done += thread.size();
+      for (std::span<const Index> left(order); !left.empty();) {
+        const SequenceShares shares = share_sequences(offsets, left, threads);
+        const auto together = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
+        if (shares.empty())
+          put(together);
+        else
+          put_shares(offsets, together, shares, threads, at_once / threads, put);
+        left = left.subspan(together.size());
       }
       return Tensor<B, 2>(std::move(y));
     }
   }
-  return f(all);
+  PoolVector<Index> all;
+  for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
+  return f(std::span<const Index>(all));
 }
 /// The same with f(some), `some` being these sequences of x, and results as wide as x.
 template <Backend B, class F>

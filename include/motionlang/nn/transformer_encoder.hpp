@@ -111,19 +111,20 @@ struct TransformerEncoder {
   /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
   /// numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
-    if (heads.count() != uses.rows() || tails.count() != uses.count())
-      raise<shape_error>(204, "with_tails: ", uses.rows(), " uses of ", uses.count(), " tails; ", heads.count(),
-                         " heads, ", tails.count(), " tails");
-    PoolVector<Index> lengths, tail_of;  // of each sequence
-    for (Index i = 0; i < uses.count(); ++i) {
-      for (Index j = uses.begin(i); j < uses.end(i); ++j) {
-        lengths.push_back(heads.offsets.length(j) + tails.offsets.length(i));
-        tail_of.push_back(i);
-      }
-    }
+    const Offsets repeated = repeat_lengths(tails.offsets, uses);
+    if (heads.count() != repeated.count())
+      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ", tails.count(),
+                         " tails");
+    PoolVector<Index> lengths;
+    for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
     const Offsets offsets{std::span<const Index>(lengths)};
+    const PoolVector<Index> tail_of = sequence_of_row(uses);
     const auto distinct = concat(0, heads.rows, tails.rows);
-    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
+    const auto project = [&] {
+      const ModuleScope scope("layers.", 0);
+      return layers.front().project(distinct);
+    };
+    const auto projected = layers.empty() ? distinct : project();
     const auto encode = [&](std::span<const Index> which) {
       PoolVector<Index> pick;
       for (Index j : which) {

@@ -57,20 +57,23 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
   return {gather(rows, pick), Offsets::equal(count, rows.size(0))};
 }
 
-/// Sequence i of x times[i] times, one after the other. Throws shape_error 204 for another number of times.
+/// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
+inline Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
+  if (times.count() != offsets.count())
+    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", offsets.count(), " sequences");
+  PoolVector<Index> lengths;
+  for (Index s : sequence_of_row(times)) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
-  if (times.count() != x.count())
-    raise<shape_error>(204, "repeat_sequences: ", times.count(), " numbers of times for ", x.count(), " sequences");
+  const Offsets repeated = repeat_lengths(x.offsets, times);
   if (times == Offsets::equal(x.count(), 1)) return x;
-  PoolVector<Index> pick, lengths;
-  for (Index s = 0; s < x.count(); ++s) {
-    for (Index k = 0; k < times.length(s); ++k) {
-      for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
-      lengths.push_back(x.offsets.length(s));
-    }
+  PoolVector<Index> pick;
+  for (Index s : sequence_of_row(times)) {
+    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
   }
-  return {gather(x.rows, pick), Offsets(std::span<const Index>(lengths))};
+  return {gather(x.rows, pick), repeated};
 }
 
 /// Joins sequence by sequence: the rows of a's sequence i, then of b's, ... Throws shape_error 204 if the counts

@@ -35,6 +35,17 @@ struct Known {
   }
 };
 static_assert(ml::Denoiser<Known, B>);
+/// One that takes frames with several texts.
+struct KnownUses : Known {
+  mutable Offsets uses{};
+  using Known::operator();
+  ml::Sequences<B> operator()(const ml::Sequences<B>& x, const Offsets& times, std::span<const Index> t, const Text& text) const {
+    uses = times;
+    auto y = (*this)(ml::repeat_sequences(x, times), t, text);
+    seen.back() = x.offsets;
+    return y;
+  }
+};
 
 /// One row for each text: its number in all features.
 Text texts(const Values& numbers) {
@@ -46,7 +57,8 @@ const ml::Timeline timeline{{{"one", 0, 20, BodyParts::all()},
                              {"two", 20, 30, BodyParts::all()},
                              {"three", 5, 15, BodyParts{}.with(left_arm)}}};
 
-ml::Collage<B, Known> collage(const Known& denoiser, const ml::PlanOptions& options = {}, double guidance = 2.5,
+template <class D>
+ml::Collage<B, D> collage(const D& denoiser, const ml::PlanOptions& options = {}, double guidance = 2.5,
                               const ml::Timeline& t = timeline, Index rows_at_once = ml::usual_rows_at_once) {
   auto plan = ml::plan_timelines(std::span(&t, 1), options);
   return {denoiser, std::move(plan), layout, texts({1, 2, 3}), texts({0}), guidance, rows_at_once};
@@ -102,6 +114,16 @@ TEST_CASE("one call per step, the longest first; crops without a text go through
   CHECK(guided.seen.back() == Offsets{22, 22, 14, 14, 12, 4, 4, 4});
   collage(guided, {.overlap = 0}).step(Matrix::zeros({30, 5}), 7);
   CHECK(guided.seen.back() == Offsets{20, 20, 10, 10, 10, 10});  // transitions without frames are left out
+}
+
+TEST_CASE("a denoiser that takes several texts gets frames once for those with and without text") {
+  const Known one_by_one{.says_text = true};
+  const KnownUses several{one_by_one};
+  const auto x = normal<B, 2>({30, 5}, 4);
+  const auto expected = collage(one_by_one, {.overlap = 4}).step(x, 7);
+  CHECK(same_bits(collage(several, {.overlap = 4}).step(x, 7).x0, expected.x0));
+  CHECK(several.seen.back() == Offsets{22, 14, 12, 4, 4, 4});
+  CHECK(several.uses == Offsets{2, 2, 2, 1, 1, 1});
 }
 
 TEST_CASE("no more rows at once than wanted, but one crop at least; the answer is the same") {

@@ -86,10 +86,12 @@ TEST_CASE("an exception in a task reaches the caller, and the pool works on") {
 
 TEST_CASE("inside a task everything runs serially") {
   const Threads set(4);
+  CHECK(ml::parallel_width() == 4);
   std::atomic<int> total{0};
   std::atomic<bool> moved{false};
   ml::parallel_for(8, [&](ml::Index) {
     const auto here = std::this_thread::get_id();
+    if (ml::parallel_width() != 1) moved = true;
     ml::parallel_for(8, [&](ml::Index) {
       if (std::this_thread::get_id() != here) moved = true;
       ++total;

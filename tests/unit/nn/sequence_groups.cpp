@@ -74,15 +74,21 @@ TEST_CASE("each sequence once, in groups that fit, in its place") {
       for (const Offsets& results : {offsets, two}) {
         std::mutex mutex;
         std::vector<Index> calls(lengths.size(), 0);
+        Index groups = 0;
+        bool shared = false;
         const auto result = ml::detail::in_groups<B>(offsets, results, 2, {}, [&](std::span<const Index> which) {
           const std::scoped_lock lock(mutex);
           for (Index s : which) ++calls[static_cast<std::size_t>(s)];
-          const Index rows = ml::detail::some_sequences(offsets, which).rows(),
-                      limit = ml::parallel_width() == 1 ? own : at_once;
-          CHECK((which.size() == 1 || rows <= limit));
+          const bool alone = ml::parallel_width() < threads;
+          shared = shared || alone;
+          ++groups;
+          const Index rows = ml::detail::some_sequences(offsets, which).rows();
+          CHECK((which.size() == 1 || rows <= (alone ? own : at_once)));
           return numbers<B>(results, which);
         });
         CHECK(calls == std::vector<Index>(lengths.size(), 1));
+        CHECK(groups <= 2 * offsets.rows() / own + threads);  // two that follow each other would not fit into one
+        CHECK(shared == !shares(lengths, threads).empty());
         CHECK(tensors::same_bits(result, numbers<B>(results, all)));
       }
       const auto fails = [&](std::span<const Index> which) -> ml::Tensor<B, 2> {
@@ -91,6 +97,17 @@ TEST_CASE("each sequence once, in groups that fit, in its place") {
         return numbers<B>(offsets, which);
       };
       CHECK_ERROR(ml::detail::in_groups<B>(offsets, offsets, 2, {}, fails), "[motionlang.shape.204] the last one");
+
+      const auto fails_inside = [&](std::span<const Index> which) {
+        const ml::ModuleScope layer("layers.", 1);
+        return fails(which);
+      };
+      const ml::ModuleScope model("model");
+#ifdef MOTIONLANG_DIAGNOSTICS
+      CHECK_ERROR(ml::detail::in_groups<B>(offsets, offsets, 2, {}, fails_inside), "; at model.layers.1");
+#else
+      CHECK_ERROR(ml::detail::in_groups<B>(offsets, offsets, 2, {}, fails_inside), "[motionlang.shape.204]");
+#endif
 
       // All at once with dropout, with gradients, and where the backend says nothing.
       const auto at_once_only = [&](auto backend, const ml::Context& context) {
@@ -122,11 +139,11 @@ TEST_CASE("sequences that end alike: the same bits as one by one, on any number 
       CHECK(y.offsets == whole.offsets);
       CHECK(tensors::same_bits(y.rows, whole.rows));
     }
-    CHECK_ERROR(encoder.with_tails(head, tail, Offsets{2, 1, 1}), "[motionlang.shape.204] with_tails");
+    CHECK_ERROR(encoder.with_tails(head, tail, Offsets{2, 1, 1}), "[motionlang.shape.204] repeat_lengths");
     CHECK_ERROR(encoder.with_tails(tail, tail, uses), "[motionlang.shape.204] with_tails");
   }
   const ml::Sequences<B> x(tensors::normal<B, 2>({3, 2}, 4), Offsets{2, 1});
   CHECK(ml::repeat_sequences(x, Offsets{1, 2}).offsets == Offsets{2, 1, 1});
   CHECK(tensors::same_bits(ml::repeat_sequences(x, Offsets{0, 2})[1], x[1]));
-  CHECK_ERROR(ml::repeat_sequences(x, Offsets{1}), "[motionlang.shape.204] repeat_sequences");
+  CHECK_ERROR(ml::repeat_sequences(x, Offsets{1}), "[motionlang.shape.204] repeat_lengths");
 }

@@ -104,9 +104,10 @@ TEST_CASE("many sequences go through the layers in groups, with the same bits") 
     CHECK(same_bits(encoder(ml::Sequences<B>(x[i], alone)).rows, rows[i]));
     CHECK(same_bits(decode(ml::slice(z, 0, i, i + 1), alone).rows, y[i]));
   }
-  // The decoder's stack itself knows nothing of groups or of queries that are equal.
-  const auto all = decode.seqTransDecoder(ml::position_queries(decode.positions.rows(), lengths),
-                                          ml::Sequences<B>(z, Offsets::equal(count, 1)));
+  // All rows layer by layer, as if there were neither groups nor queries that are equal.
+  auto all = ml::position_queries(decode.positions.rows(), lengths);
+  for (const auto& layer : decode.seqTransDecoder.layers)
+    all.rows = layer(all.rows, all.offsets, {z, Offsets::equal(count, 1)}, {});
   CHECK(same_bits(decode.final_layer(all).rows, y.rows));
   CHECK_ERROR(ml::encode_tokens(encoder, x, 7, 0.1), "[motionlang.shape.207]");
 }

@@ -43,10 +43,11 @@ struct Panels {
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
   const std::uint16_t* bf16() const { return static_cast<const std::uint16_t*>(memory.data()); }
+  Index width() const { return kernels == nullptr ? bf16_columns : kernels->panel_width; }
+  Index count() const { return (n + width() - 1) / width(); }
   Index bytes() const {
-    const Index width = kernels == nullptr ? bf16_columns : kernels->panel_width,
-                columns = (n + width - 1) / width * width;
-    return kernels == nullptr ? columns * bf16_depth(k) * 2 : columns * k * static_cast<Index>(sizeof(S));
+    const Index column = kernels == nullptr ? bf16_depth(k) * 2 : k * static_cast<Index>(sizeof(S));
+    return count() * width() * column;
   }
 };
 
@@ -75,13 +76,11 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
                       Precision precision = Precision::fp32) {
   const Kernels<S>& kernel = kernels<S>();
   const bool bf16 = precision == Precision::bf16;
-  const Index width = bf16 ? bf16_columns : kernel.panel_width, panels = parts(n, width);
-  const Index rows = bf16 ? bf16_depth(k) : k;
-  const std::size_t element = bf16 ? sizeof(std::uint16_t) : sizeof(S);
-  Panels<S> p{k, n, bf16 ? nullptr : &kernel, BufferHandle(static_cast<std::size_t>(panels * width * rows) * element)};
-  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * width));
-  parallel_for(parts(panels, at_once), [&](Index i) {
-    const Index first = i * at_once, last = std::min(panels, first + at_once);
+  Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
+  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * p.width()));
+  parallel_for(parts(p.count(), at_once), [&](Index i) {
+    const Index first = i * at_once, last = std::min(p.count(), first + at_once);
     if constexpr (std::is_same_v<S, float>) {
       if (bf16) {
         auto* out = static_cast<std::uint16_t*>(p.memory.data());

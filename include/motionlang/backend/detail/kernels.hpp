@@ -41,7 +41,7 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// The part of it that whoever is done with panels from `first` of `count` on goes on with; `otherwise` if nothing is known.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
   const void* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
   }
@@ -108,7 +108,7 @@ template <class S>
 struct Kernels {
   const char* name;
   Index panel_width, tile_rows;
-  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
@@ -135,7 +135,7 @@ struct Kernels {
 /// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
-  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
                std::uint16_t* panels);

@@ -77,6 +77,7 @@ struct ScoreBlock {
       product_scratch = current_bf16_kernels()->gemm_scratch(queries.k);
     }
   }
+  /// Whole tiles, few enough to stay in the second-level cache beside a panel.
   static Index rows_of(const Kernels<S>& kernel) { return 8 * kernel.tile_rows; }
   Index columns() const { return panels * panel_width; }
   /// Distance of rows: of those that are a power of two apart, few fit into a cache.
@@ -156,7 +157,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
   const Index total = std::ssize(queries) / width, threads = thread_count();
   std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
   if (k == 0) return out;
-  const Index blocks = parts(count, ScoreBlock<S>::rows_of(kernel)),
+  const Index block = ScoreBlock<S>::rows_of(kernel), blocks = parts(count, block),
               tasks = std::min(blocks, std::max(8 * threads, parts(blocks, 64)));
   for (Index begin = 0; begin < total; begin += group) {
     const Index n = std::min(group, total - begin);
@@ -168,8 +169,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
     std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
-        f(blocks * i / tasks * ScoreBlock<S>::rows_of(kernel),
-          std::min(count, blocks * (i + 1) / tasks * ScoreBlock<S>::rows_of(kernel)),
+        f(blocks * i / tasks * block, std::min(count, blocks * (i + 1) / tasks * block),
           seen[static_cast<std::size_t>(thread_number())]);
       });
     };

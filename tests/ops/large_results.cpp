@@ -1,0 +1,69 @@
+// Products whose result is larger than the caches, which is written past them: the same bits as a few rows at a time.
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/core/precision.hpp>
+#include <motionlang/tensor/fused.hpp>
+
+#include <doctest/doctest.h>
+#include <algorithm>
+#include <utility>
+
+#include "../support/tensors.hpp"
+#include "../support/threads.hpp"
+
+namespace ml = motionlang;
+using ml::Index;
+using ml::detail::Isa;
+
+namespace {
+
+/// m rows of n columns; `few` at a time are smaller than any cache.
+template <class S>
+void check_large(Index m, Index n) {
+  using B = ml::EigenBackend<S>;
+  const Index k = 5, few = 1000;
+  REQUIRE(m * n * static_cast<Index>(sizeof(S)) > 16 << 20);
+  const auto x = tensors::normal<B, 2>({m, k}, 1), weight = tensors::normal<B, 2>({n, k}, 2),
+             residual = tensors::normal<B, 2>({m, n}, 3);
+  const auto bias = tensors::normal<B, 1>({n}, 4);
+  const ml::Tensor<B, 1>* const no_bias = nullptr;
+  for (int threads : {1, 2}) {
+    const Threads set(threads);
+    const auto whole = ml::linear(x, weight, &bias, ml::Activation::relu, &residual),
+               plain = ml::linear(x, weight, no_bias);
+    for (Index top = 0; top < m; top += few) {
+      const Index end = std::min(m, top + few);
+      const auto rows = ml::slice(x, 0, top, end), rest = ml::slice(residual, 0, top, end);
+      CHECK(tensors::same_bits(ml::slice(whole, 0, top, end),
+                               ml::linear(rows, weight, &bias, ml::Activation::relu, &rest)));
+      CHECK(tensors::same_bits(ml::slice(plain, 0, top, end), ml::linear(rows, weight, no_bias)));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("every instruction set", S, float, double) {
+  for (Isa isa : {Isa::portable, Isa::avx2, Isa::avx512}) {
+    const auto* wanted = ml::detail::kernels_for<S>(isa);
+    if (wanted == nullptr) continue;
+    INFO(wanted->name);
+    const auto* before = std::exchange(ml::detail::current_kernels<S>(), wanted);
+    check_large<S>(8203, 512);
+    check_large<S>(8203, 520);  // the last panel is not whole
+    ml::detail::current_kernels<S>() = before;
+  }
+}
+
+TEST_CASE("in bfloat16") {
+  ml::set_product_precision(ml::Precision::bf16);
+  for (Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::avx512_bf16, Isa::amx}) {
+    const auto* wanted = ml::detail::bf16_kernels_for(isa);
+    if (wanted == nullptr) continue;
+    INFO(wanted->name);
+    const auto* before = std::exchange(ml::detail::current_bf16_kernels(), wanted);
+    check_large<float>(8203, 512);
+    check_large<float>(8203, 520);
+    ml::detail::current_bf16_kernels() = before;
+  }
+  ml::set_product_precision(ml::Precision::fp32);
+}
