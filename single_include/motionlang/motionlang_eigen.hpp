@@ -261,7 +261,7 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// The part of it that whoever is done with panels from `first` of `count` on goes on with; `otherwise` if nothing is known.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
   const void* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
   }
@@ -328,7 +328,7 @@ template <class S>
 struct Kernels {
   const char* name;
   Index panel_width, tile_rows;
-  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
@@ -355,7 +355,7 @@ struct Kernels {
 /// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
-  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
                std::uint16_t* panels);
@@ -423,6 +423,29 @@ MOTIONLANG_INLINE Vec<S> load(const S* p) {
 template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
 }
 template <class S>
 MOTIONLANG_INLINE Vec<S> splat(S x) {
@@ -614,6 +637,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Stream   what is larger than the caches is written past them (streams).
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
 //            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -688,6 +712,11 @@ struct Epilogue {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
     if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
     return e;
   }
 };
@@ -789,6 +818,25 @@ TileFunction<S> tile_of(Index rows) {
   return table[static_cast<std::size_t>(rows - 1)];
 }
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+template <class S>
+bool streams(const Gemm<S>& g, Index columns) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
+  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
+                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+template <class S>
+void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
+    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
+  }
+}
+
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -800,11 +848,6 @@ struct Blocks {
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
         rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
-  /// A result that no cache holds is written in few rows at a time, which are soon complete.
-  Blocks(const Gemm<S>& g) : Blocks(g.k) {
-    constexpr Index caches = 16 << 20;
-    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
-  }
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -820,12 +863,14 @@ Index gemm_scratch(Index k) {
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g);
+  const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
+  const bool stream = blocks == 1 && streams(g, w);
+  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
   for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
     const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
     const Index tiles = (rows + tile_rows - 1) / tile_rows;
@@ -864,12 +909,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
           }
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
+          if (stream) stream_rows(result, height, w, c, g.ldc);
         }
       }
     }
   }
+  if (stream) end_of_streams();
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -1006,7 +1054,7 @@ Index attention_scratch(Index keys, Index width) {
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
          P::scratch(std::max(longest, width));
 }
 
@@ -1042,8 +1090,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
-  S* scratch = ds + (queries + P::rows) * pitch;
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
   P::begin();
   P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
   P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
@@ -1393,7 +1441,7 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
 void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
+                        Index columns, const Epilogue<float>& e, Ahead ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
@@ -1415,24 +1463,24 @@ struct WideningTile {
   }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, const Ahead& ahead) {
+                      const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
-      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
+      if (column > 0) ahead.step = 0;  // once is enough
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        next.fetch();
+        ahead.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -1481,6 +1529,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g, bf16_columns);
+  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -1501,11 +1551,14 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         Epilogue<float> e{.act = g.act};
         if (g.bias != nullptr) e.bias = g.bias + column;
         if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
-                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        float* c = g.c + row * g.ldc + column;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
+                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
       }
     }
   }
+  if (stream) end_of_streams();
   Tile::end();
 }
 
@@ -1633,6 +1686,29 @@ template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
 }
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
+}
 template <class S>
 MOTIONLANG_INLINE Vec<S> splat(S x) {
   return x - Vec<S>{};
@@ -1823,6 +1899,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Stream   what is larger than the caches is written past them (streams).
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
 //            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -1897,6 +1974,11 @@ struct Epilogue {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
     if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
     return e;
   }
 };
@@ -1998,6 +2080,25 @@ TileFunction<S> tile_of(Index rows) {
   return table[static_cast<std::size_t>(rows - 1)];
 }
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+template <class S>
+bool streams(const Gemm<S>& g, Index columns) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
+  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
+                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+template <class S>
+void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
+    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
+  }
+}
+
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -2009,11 +2110,6 @@ struct Blocks {
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
         rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
-  /// A result that no cache holds is written in few rows at a time, which are soon complete.
-  Blocks(const Gemm<S>& g) : Blocks(g.k) {
-    constexpr Index caches = 16 << 20;
-    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
-  }
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -2029,12 +2125,14 @@ Index gemm_scratch(Index k) {
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g);
+  const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
+  const bool stream = blocks == 1 && streams(g, w);
+  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
   for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
     const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
     const Index tiles = (rows + tile_rows - 1) / tile_rows;
@@ -2073,12 +2171,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
           }
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
+          if (stream) stream_rows(result, height, w, c, g.ldc);
         }
       }
     }
   }
+  if (stream) end_of_streams();
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -2215,7 +2316,7 @@ Index attention_scratch(Index keys, Index width) {
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
          P::scratch(std::max(longest, width));
 }
 
@@ -2251,8 +2352,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
-  S* scratch = ds + (queries + P::rows) * pitch;
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
   P::begin();
   P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
   P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
@@ -2602,7 +2703,7 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
 void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
+                        Index columns, const Epilogue<float>& e, Ahead ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
@@ -2624,24 +2725,24 @@ struct WideningTile {
   }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, const Ahead& ahead) {
+                      const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
-      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
+      if (column > 0) ahead.step = 0;  // once is enough
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        next.fetch();
+        ahead.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -2690,6 +2791,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g, bf16_columns);
+  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -2710,11 +2813,14 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         Epilogue<float> e{.act = g.act};
         if (g.bias != nullptr) e.bias = g.bias + column;
         if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
-                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        float* c = g.c + row * g.ldc + column;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
+                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
       }
     }
   }
+  if (stream) end_of_streams();
   Tile::end();
 }
 
@@ -2840,6 +2946,29 @@ template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
 }
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
+}
 template <class S>
 MOTIONLANG_INLINE Vec<S> splat(S x) {
   return x - Vec<S>{};
@@ -3030,6 +3159,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Stream   what is larger than the caches is written past them (streams).
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
 //            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -3104,6 +3234,11 @@ struct Epilogue {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
     if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
     return e;
   }
 };
@@ -3205,6 +3340,25 @@ TileFunction<S> tile_of(Index rows) {
   return table[static_cast<std::size_t>(rows - 1)];
 }
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+template <class S>
+bool streams(const Gemm<S>& g, Index columns) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
+  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
+                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+template <class S>
+void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
+    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
+  }
+}
+
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -3216,11 +3370,6 @@ struct Blocks {
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
         rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
-  /// A result that no cache holds is written in few rows at a time, which are soon complete.
-  Blocks(const Gemm<S>& g) : Blocks(g.k) {
-    constexpr Index caches = 16 << 20;
-    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
-  }
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -3236,12 +3385,14 @@ Index gemm_scratch(Index k) {
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g);
+  const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
+  const bool stream = blocks == 1 && streams(g, w);
+  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
   for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
     const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
     const Index tiles = (rows + tile_rows - 1) / tile_rows;
@@ -3280,12 +3431,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
           }
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
+          if (stream) stream_rows(result, height, w, c, g.ldc);
         }
       }
     }
   }
+  if (stream) end_of_streams();
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -3422,7 +3576,7 @@ Index attention_scratch(Index keys, Index width) {
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
          P::scratch(std::max(longest, width));
 }
 
@@ -3458,8 +3612,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
-  S* scratch = ds + (queries + P::rows) * pitch;
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
   P::begin();
   P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
   P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
@@ -3809,7 +3963,7 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
 void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
+                        Index columns, const Epilogue<float>& e, Ahead ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
@@ -3831,24 +3985,24 @@ struct WideningTile {
   }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, const Ahead& ahead) {
+                      const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
-      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
+      if (column > 0) ahead.step = 0;  // once is enough
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        next.fetch();
+        ahead.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -3897,6 +4051,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g, bf16_columns);
+  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -3917,11 +4073,14 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         Epilogue<float> e{.act = g.act};
         if (g.bias != nullptr) e.bias = g.bias + column;
         if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
-                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        float* c = g.c + row * g.ldc + column;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
+                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
       }
     }
   }
+  if (stream) end_of_streams();
   Tile::end();
 }
 
@@ -4042,7 +4201,7 @@ struct DotTile {
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<DotTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
@@ -4102,6 +4261,7 @@ struct AmxTile {
     const Index sums_pitch = direct ? ldc : bf16_columns;
     const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
     const bool lower = height > 16;
+    for (Index r = 0; r < height; ++r) fetch_result<float, 1>(c + r * ldc, ldc, e.from_row(r));
     asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
     for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
       for (Index pair = 0; pair < 16; ++pair) ahead.fetch();
@@ -4132,9 +4292,7 @@ struct AmxTile {
     if (direct) return;
     for (Index r = 0; r < height; ++r) {
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
-      Epilogue<float> row = e;
-      if (e.residual != nullptr) row.residual += r * e.residual_stride;
-      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, row);
+      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, e.from_row(r));
     }
   }
 };

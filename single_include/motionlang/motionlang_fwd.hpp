@@ -93,7 +93,7 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 #include <charconv>          // to_chars: messages without streams and without the locale
 #include <cstdlib>           // abort
 #include <stdexcept>         // runtime_error
-#include <utility>           // move
+#include <utility>           // exchange, move
 #include <vector>            // diagnostics path
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -233,7 +233,7 @@ struct ModulePath {
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(const std::vector<std::string>& other) : own_(names()) { names() = other; }
+    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
     ~Continued() { names() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;

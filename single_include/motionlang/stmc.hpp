@@ -549,7 +549,7 @@ struct ModulePath {
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(const std::vector<std::string>& other) : own_(names()) { names() = other; }
+    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
     ~Continued() { names() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;
@@ -1705,20 +1705,23 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
   return {gather(rows, pick), Offsets::equal(count, rows.size(0))};
 }
 
-/// Sequence i of x times[i] times, one after the other. Throws shape_error 204 for another number of times.
+/// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
+inline Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
+  if (times.count() != offsets.count())
+    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", offsets.count(), " sequences");
+  PoolVector<Index> lengths;
+  for (Index s : sequence_of_row(times)) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
-  if (times.count() != x.count())
-    raise<shape_error>(204, "repeat_sequences: ", times.count(), " numbers of times for ", x.count(), " sequences");
+  const Offsets repeated = repeat_lengths(x.offsets, times);
   if (times == Offsets::equal(x.count(), 1)) return x;
-  PoolVector<Index> pick, lengths;
-  for (Index s = 0; s < x.count(); ++s) {
-    for (Index k = 0; k < times.length(s); ++k) {
-      for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
-      lengths.push_back(x.offsets.length(s));
-    }
+  PoolVector<Index> pick;
+  for (Index s : sequence_of_row(times)) {
+    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
   }
-  return {gather(x.rows, pick), Offsets(std::span<const Index>(lengths))};
+  return {gather(x.rows, pick), repeated};
 }
 
 /// Joins sequence by sequence: the rows of a's sequence i, then of b's, ... Throws shape_error 204 if the counts
@@ -2308,7 +2311,7 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// The part of it that whoever is done with panels from `first` of `count` on goes on with; `otherwise` if nothing is known.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
   const void* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
   }
@@ -2375,7 +2378,7 @@ template <class S>
 struct Kernels {
   const char* name;
   Index panel_width, tile_rows;
-  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
@@ -2402,7 +2405,7 @@ struct Kernels {
 /// are the same for all instruction sets.
 struct Bf16Kernels {
   const char* name;
-  Index (*gemm_rows)(Index k);     // at a time
+  Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
                std::uint16_t* panels);
@@ -2470,6 +2473,29 @@ MOTIONLANG_INLINE Vec<S> load(const S* p) {
 template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
 }
 template <class S>
 MOTIONLANG_INLINE Vec<S> splat(S x) {
@@ -2661,6 +2687,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Stream   what is larger than the caches is written past them (streams).
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
 //            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -2735,6 +2762,11 @@ struct Epilogue {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
     if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
     return e;
   }
 };
@@ -2836,6 +2868,25 @@ TileFunction<S> tile_of(Index rows) {
   return table[static_cast<std::size_t>(rows - 1)];
 }
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+template <class S>
+bool streams(const Gemm<S>& g, Index columns) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
+  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
+                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+template <class S>
+void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
+    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
+  }
+}
+
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -2847,11 +2898,6 @@ struct Blocks {
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
         rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
-  /// A result that no cache holds is written in few rows at a time, which are soon complete.
-  Blocks(const Gemm<S>& g) : Blocks(g.k) {
-    constexpr Index caches = 16 << 20;
-    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
-  }
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -2867,12 +2913,14 @@ Index gemm_scratch(Index k) {
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g);
+  const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
+  const bool stream = blocks == 1 && streams(g, w);
+  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
   for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
     const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
     const Index tiles = (rows + tile_rows - 1) / tile_rows;
@@ -2911,12 +2959,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
           }
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
+          if (stream) stream_rows(result, height, w, c, g.ldc);
         }
       }
     }
   }
+  if (stream) end_of_streams();
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -3053,7 +3104,7 @@ Index attention_scratch(Index keys, Index width) {
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
          P::scratch(std::max(longest, width));
 }
 
@@ -3089,8 +3140,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
-  S* scratch = ds + (queries + P::rows) * pitch;
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
   P::begin();
   P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
   P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
@@ -3440,7 +3491,7 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
 void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
+                        Index columns, const Epilogue<float>& e, Ahead ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
@@ -3462,24 +3513,24 @@ struct WideningTile {
   }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, const Ahead& ahead) {
+                      const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
-      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
+      if (column > 0) ahead.step = 0;  // once is enough
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        next.fetch();
+        ahead.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -3528,6 +3579,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g, bf16_columns);
+  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -3548,11 +3601,14 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         Epilogue<float> e{.act = g.act};
         if (g.bias != nullptr) e.bias = g.bias + column;
         if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
-                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        float* c = g.c + row * g.ldc + column;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
+                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
       }
     }
   }
+  if (stream) end_of_streams();
   Tile::end();
 }
 
@@ -3680,6 +3736,29 @@ template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
 }
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
+}
 template <class S>
 MOTIONLANG_INLINE Vec<S> splat(S x) {
   return x - Vec<S>{};
@@ -3870,6 +3949,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Stream   what is larger than the caches is written past them (streams).
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
 //            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -3944,6 +4024,11 @@ struct Epilogue {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
     if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
     return e;
   }
 };
@@ -4045,6 +4130,25 @@ TileFunction<S> tile_of(Index rows) {
   return table[static_cast<std::size_t>(rows - 1)];
 }
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+template <class S>
+bool streams(const Gemm<S>& g, Index columns) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
+  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
+                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+template <class S>
+void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
+    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
+  }
+}
+
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -4056,11 +4160,6 @@ struct Blocks {
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
         rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
-  /// A result that no cache holds is written in few rows at a time, which are soon complete.
-  Blocks(const Gemm<S>& g) : Blocks(g.k) {
-    constexpr Index caches = 16 << 20;
-    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
-  }
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -4076,12 +4175,14 @@ Index gemm_scratch(Index k) {
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g);
+  const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
+  const bool stream = blocks == 1 && streams(g, w);
+  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
   for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
     const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
     const Index tiles = (rows + tile_rows - 1) / tile_rows;
@@ -4120,12 +4221,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
           }
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
+          if (stream) stream_rows(result, height, w, c, g.ldc);
         }
       }
     }
   }
+  if (stream) end_of_streams();
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -4262,7 +4366,7 @@ Index attention_scratch(Index keys, Index width) {
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
          P::scratch(std::max(longest, width));
 }
 
@@ -4298,8 +4402,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
-  S* scratch = ds + (queries + P::rows) * pitch;
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
   P::begin();
   P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
   P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
@@ -4649,7 +4753,7 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
 void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
+                        Index columns, const Epilogue<float>& e, Ahead ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
@@ -4671,24 +4775,24 @@ struct WideningTile {
   }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, const Ahead& ahead) {
+                      const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
-      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
+      if (column > 0) ahead.step = 0;  // once is enough
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        next.fetch();
+        ahead.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -4737,6 +4841,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g, bf16_columns);
+  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -4757,11 +4863,14 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         Epilogue<float> e{.act = g.act};
         if (g.bias != nullptr) e.bias = g.bias + column;
         if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
-                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        float* c = g.c + row * g.ldc + column;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
+                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
       }
     }
   }
+  if (stream) end_of_streams();
   Tile::end();
 }
 
@@ -4887,6 +4996,29 @@ template <class S>
 MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
   *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
 }
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
+}
 template <class S>
 MOTIONLANG_INLINE Vec<S> splat(S x) {
   return x - Vec<S>{};
@@ -5077,6 +5209,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
 //   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
 //            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Stream   what is larger than the caches is written past them (streams).
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
 //            be it of the product that follows.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -5151,6 +5284,11 @@ struct Epilogue {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
     if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
     return e;
   }
 };
@@ -5252,6 +5390,25 @@ TileFunction<S> tile_of(Index rows) {
   return table[static_cast<std::size_t>(rows - 1)];
 }
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+template <class S>
+bool streams(const Gemm<S>& g, Index columns) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
+  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
+                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+template <class S>
+void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
+    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
+  }
+}
+
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -5263,11 +5420,6 @@ struct Blocks {
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
         rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
-  /// A result that no cache holds is written in few rows at a time, which are soon complete.
-  Blocks(const Gemm<S>& g) : Blocks(g.k) {
-    constexpr Index caches = 16 << 20;
-    if (g.m * g.n * static_cast<Index>(sizeof(S)) > caches) rows = std::min(rows, 4 * tile_rows);
-  }
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -5283,12 +5435,14 @@ Index gemm_scratch(Index k) {
 template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g);
+  const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
   const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
   const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
   const Index pieces = (j1 - j0 + wide - 1) / wide;
+  const bool stream = blocks == 1 && streams(g, w);
+  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
   for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
     const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
     const Index tiles = (rows + tile_rows - 1) / tile_rows;
@@ -5327,12 +5481,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
           }
           const S* a = !copy ? g.a + row * g.lda + k0 : g.a_transposed ? scratch + first : scratch + first * pitch;
           const Index row_stride = !copy ? g.lda : g.a_transposed ? 1 : pitch, depth_stride = g.a_transposed ? rows : 1;
-          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, g.c + row * g.ldc + j * w, g.ldc, columns, e,
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height)(a, row_stride, depth_stride, panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
+          if (stream) stream_rows(result, height, w, c, g.ldc);
         }
       }
     }
   }
+  if (stream) end_of_streams();
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -5469,7 +5626,7 @@ Index attention_scratch(Index keys, Index width) {
 template <class P>
 Index attention_vjp_scratch(Index queries, Index keys, Index width) {
   const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * (queries + P::rows) * score_pitch<P>(keys) +
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
          P::scratch(std::max(longest, width));
 }
 
@@ -5505,8 +5662,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const S scale = S(1) / std::sqrt(static_cast<S>(width));
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + (queries + P::rows) * pitch;               // dP, later dS
-  S* scratch = ds + (queries + P::rows) * pitch;
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
   P::begin();
   P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
   P::multiply(h.q, t.q_stride, Index{1}, queries, width, a, keys, p, pitch, scratch, true);
@@ -5856,7 +6013,7 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// Tile::rows_of<height>, for tiles that keep their sums in registers.
 template <class Tile>
 void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, const Ahead& ahead) {
+                        Index columns, const Epilogue<float>& e, Ahead ahead) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
     return std::array{&Tile::template rows_of<R + 1>...};
   }(std::make_integer_sequence<int, Tile::rows>{});
@@ -5878,24 +6035,24 @@ struct WideningTile {
   }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, const Ahead& ahead) {
+                      const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
-      Ahead next{ahead.at, column == 0 ? ahead.step : 0};
+      if (column > 0) ahead.step = 0;  // once is enough
       Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
       const std::uint16_t* b = panel + 2 * column;
       for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        next.fetch();
+        ahead.fetch();
         const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
         const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
         const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
@@ -5944,6 +6101,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g, bf16_columns);
+  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -5964,11 +6123,14 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         Epilogue<float> e{.act = g.act};
         if (g.bias != nullptr) e.bias = g.bias + column;
         if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), g.c + row * g.ldc + column, g.ldc, g.n - column, e,
-                       Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        float* c = g.c + row * g.ldc + column;
+        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
+                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
+        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
       }
     }
   }
+  if (stream) end_of_streams();
   Tile::end();
 }
 
@@ -6089,7 +6251,7 @@ struct DotTile {
   static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
   static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, const Ahead& ahead) {
+                       const Epilogue<float>& e, Ahead ahead) {
     multiply_by_height<DotTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
@@ -6149,6 +6311,7 @@ struct AmxTile {
     const Index sums_pitch = direct ? ldc : bf16_columns;
     const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
     const bool lower = height > 16;
+    for (Index r = 0; r < height; ++r) fetch_result<float, 1>(c + r * ldc, ldc, e.from_row(r));
     asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
     for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
       for (Index pair = 0; pair < 16; ++pair) ahead.fetch();
@@ -6179,9 +6342,7 @@ struct AmxTile {
     if (direct) return;
     for (Index r = 0; r < height; ++r) {
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
-      Epilogue<float> row = e;
-      if (e.residual != nullptr) row.residual += r * e.residual_stride;
-      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, row);
+      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, e.from_row(r));
     }
   }
 };
@@ -6513,10 +6674,11 @@ struct Panels {
 
   const S* data() const { return static_cast<const S*>(memory.data()); }
   const std::uint16_t* bf16() const { return static_cast<const std::uint16_t*>(memory.data()); }
+  Index width() const { return kernels == nullptr ? bf16_columns : kernels->panel_width; }
+  Index count() const { return (n + width() - 1) / width(); }
   Index bytes() const {
-    const Index width = kernels == nullptr ? bf16_columns : kernels->panel_width,
-                columns = (n + width - 1) / width * width;
-    return kernels == nullptr ? columns * bf16_depth(k) * 2 : columns * k * static_cast<Index>(sizeof(S));
+    const Index column = kernels == nullptr ? bf16_depth(k) * 2 : k * static_cast<Index>(sizeof(S));
+    return count() * width() * column;
   }
 };
 
@@ -6545,13 +6707,11 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
                       Precision precision = Precision::fp32) {
   const Kernels<S>& kernel = kernels<S>();
   const bool bf16 = precision == Precision::bf16;
-  const Index width = bf16 ? bf16_columns : kernel.panel_width, panels = parts(n, width);
-  const Index rows = bf16 ? bf16_depth(k) : k;
-  const std::size_t element = bf16 ? sizeof(std::uint16_t) : sizeof(S);
-  Panels<S> p{k, n, bf16 ? nullptr : &kernel, BufferHandle(static_cast<std::size_t>(panels * width * rows) * element)};
-  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * width));
-  parallel_for(parts(panels, at_once), [&](Index i) {
-    const Index first = i * at_once, last = std::min(panels, first + at_once);
+  Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
+  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * p.width()));
+  parallel_for(parts(p.count(), at_once), [&](Index i) {
+    const Index first = i * at_once, last = std::min(p.count(), first + at_once);
     if constexpr (std::is_same_v<S, float>) {
       if (bf16) {
         auto* out = static_cast<std::uint16_t*>(p.memory.data());
@@ -8386,7 +8546,7 @@ concept EncodesText = Denoiser<D, B> &&
 };
 
 /// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
-/// and none, for guidance. t: a step for each text.
+/// and none, for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
 /// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
@@ -9295,19 +9455,29 @@ using SequenceShares = PoolVector<Index>;
 inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
   SequenceShares out;
   if (threads == 1) return out;
-  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread;
+  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
   Index total = 0;
-  std::size_t even = 0;
+  std::size_t shared = 0;
   for (Index s : order) {
     Index* const fewest = std::min_element(rows.begin(), rows.end());
-    thread.push_back(fewest - rows.begin());
+    thread_of.push_back(fewest - rows.begin());
     *fewest += offsets.length(s);
     total += offsets.length(s);
     const Index most = *std::max_element(rows.begin(), rows.end());
-    if (total >= 128 * threads && most * threads * 20 <= total * 21) even = thread.size();
+    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
   }
-  for (std::size_t i = 0; i < even; ++i) out.push_back(thread[i]);
+  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
   return out;
+}
+
+/// All sequences, the longest first: shares become more equal.
+inline PoolVector<Index> longest_first(const Offsets& offsets) {
+  PoolVector<Index> order;
+  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
+  sort(order, [&](Index a, Index b) {
+    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
+  });
+  return order;
 }
 
 /// The first sequences that have at most so many rows together; at least one. There must be one.
@@ -9319,6 +9489,24 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
   return order.first(size);
 }
 
+/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
+template <class F>
+void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads, Index rows,
+                const F& put) {
+  const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
+  parallel_for(threads, [&](Index thread) {
+    const ModulePath::Continued path(modules);
+    PoolVector<Index> mine;
+    for (std::size_t i = 0; i < thread_of.size(); ++i) {
+      if (thread_of[i] == thread) mine.push_back(order[i]);
+    }
+    for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
+      group = first_group(offsets, left, rows);
+      put(group);
+    }
+  });
+}
+
 /// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
 /// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
 /// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
@@ -9326,17 +9514,10 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
 /// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
-  PoolVector<Index> order;
-  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
-  const std::span<const Index> all(order);
   if constexpr (requires { B::rows_in_cache(); }) {
     const Index threads = parallel_width(), at_once = B::rows_in_cache();
-    if (!context.dropout && (offsets.rows() > at_once || offsets.rows() >= 128 * threads)) {
-      if (threads > 1) {  // the longest first: shares become more equal
-        sort(order, [&](Index a, Index b) {
-          return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
-        });
-      }
+    const PoolVector<Index> order = longest_first(offsets);
+    if (!context.dropout && (offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty())) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
         const auto rows = f(which);
@@ -9347,33 +9528,21 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
           from += n;
         }
       };
-      const auto& modules = ModulePath::names();
-      for (std::size_t done = 0; done < all.size();) {
-        const auto rest = all.subspan(done);
-        const SequenceShares thread = share_sequences(offsets, rest, threads);
-        if (thread.empty()) {
-          const auto group = first_group(offsets, rest, at_once);
-          put(group);
-          done += group.size();
-          continue;
-        }
-        parallel_for(threads, [&](Index t) {
-          const ModulePath::Continued path(modules);
-          PoolVector<Index> mine;
-          for (std::size_t i = 0; i < thread.size(); ++i) {
-            if (thread[i] == t) mine.push_back(rest[i]);
-          }
-          for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
-            group = first_group(offsets, left, at_once / threads);
-            put(group);
-          }
-        });
-        done += thread.size();
+      for (std::span<const Index> left(order); !left.empty();) {
+        const SequenceShares shares = share_sequences(offsets, left, threads);
+        const auto together = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
+        if (shares.empty())
+          put(together);
+        else
+          put_shares(offsets, together, shares, threads, at_once / threads, put);
+        left = left.subspan(together.size());
       }
       return Tensor<B, 2>(std::move(y));
     }
   }
-  return f(all);
+  PoolVector<Index> all;
+  for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
+  return f(std::span<const Index>(all));
 }
 /// The same with f(some), `some` being these sequences of x, and results as wide as x.
 template <Backend B, class F>
@@ -9489,19 +9658,20 @@ struct TransformerEncoder {
   /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
   /// numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
-    if (heads.count() != uses.rows() || tails.count() != uses.count())
-      raise<shape_error>(204, "with_tails: ", uses.rows(), " uses of ", uses.count(), " tails; ", heads.count(),
-                         " heads, ", tails.count(), " tails");
-    PoolVector<Index> lengths, tail_of;  // of each sequence
-    for (Index i = 0; i < uses.count(); ++i) {
-      for (Index j = uses.begin(i); j < uses.end(i); ++j) {
-        lengths.push_back(heads.offsets.length(j) + tails.offsets.length(i));
-        tail_of.push_back(i);
-      }
-    }
+    const Offsets repeated = repeat_lengths(tails.offsets, uses);
+    if (heads.count() != repeated.count())
+      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ", tails.count(),
+                         " tails");
+    PoolVector<Index> lengths;
+    for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
     const Offsets offsets{std::span<const Index>(lengths)};
+    const PoolVector<Index> tail_of = sequence_of_row(uses);
     const auto distinct = concat(0, heads.rows, tails.rows);
-    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
+    const auto project = [&] {
+      const ModuleScope scope("layers.", 0);
+      return layers.front().project(distinct);
+    };
+    const auto projected = layers.empty() ? distinct : project();
     const auto encode = [&](std::span<const Index> which) {
       PoolVector<Index> pick;
       for (Index j : which) {
@@ -9623,20 +9793,16 @@ struct MdmSmplDenoiser {
     return sequence(x, t, encode(text));
   }
   /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
-  /// step for each text.
+  /// step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     check_counts(uses.rows(), t, text);
+    const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
                                          {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
-    PoolVector<Index> lengths;
-    for (Index i = 0; i < uses.count(); ++i) {
-      for (Index j = uses.begin(i); j < uses.end(i); ++j) lengths.push_back(x.offsets.length(i));
-    }
-    const auto rows = seqTransEncoder.with_tails(heads, frames, uses);
-    return to_skel_layer(last_rows(rows, Offsets(std::span<const Index>(lengths))));
+    return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
