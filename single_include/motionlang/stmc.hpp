@@ -1705,23 +1705,45 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
   return {gather(rows, pick), Offsets::equal(count, rows.size(0))};
 }
 
+namespace detail {
+
+/// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
+inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
+  PoolVector<Index> lengths;
+  for (Index s : which) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+/// The sequences `which`; without copying if these are all of them in order.
+template <Backend B>
+Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
+  const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
+  bool in_a_row = true;
+  for (Index i = 0; i < count; ++i) in_a_row = in_a_row && which[static_cast<std::size_t>(i)] == first + i;
+  if (in_a_row && count == x.count()) return x;
+  const Offsets offsets = some_sequences(x.offsets, which);
+  if (in_a_row) return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(first + count)), offsets};
+  PoolVector<Index> rows;
+  for (Index s : which) {
+    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) rows.push_back(r);
+  }
+  return {gather(x.rows, rows), offsets};
+}
+/// Number i times.length(i) times. Throws shape_error 204 for another number of times.
+inline PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times) {
+  if (times.count() != sequences)
+    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", sequences, " sequences");
+  return sequence_of_row(times);
+}
+
+}  // namespace detail
+
 /// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
 inline Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
-  if (times.count() != offsets.count())
-    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", offsets.count(), " sequences");
-  PoolVector<Index> lengths;
-  for (Index s : sequence_of_row(times)) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
+  return detail::some_sequences(offsets, detail::repeated_numbers(offsets.count(), times));
 }
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
-  const Offsets repeated = repeat_lengths(x.offsets, times);
-  if (times == Offsets::equal(x.count(), 1)) return x;
-  PoolVector<Index> pick;
-  for (Index s : sequence_of_row(times)) {
-    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
-  }
-  return {gather(x.rows, pick), repeated};
+  return detail::some_sequences(x, detail::repeated_numbers(x.count(), times));
 }
 
 /// Joins sequence by sequence: the rows of a's sequence i, then of b's, ... Throws shape_error 204 if the counts
@@ -8490,15 +8512,12 @@ struct TextFeatures {
 /// Texts picked by number, with repetition.
 template <Backend B>
 TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
-  PoolVector<Index> rows, lengths;
   TextFeatures<B> out;
   for (Index i : which) {
     if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
-    lengths.push_back(text.tokens.offsets.length(i));
-    for (Index r = text.tokens.offsets.begin(i); r < text.tokens.offsets.end(i); ++r) rows.push_back(r);
     if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
   }
-  out.tokens = {gather(text.tokens.rows, rows), Offsets(std::span<const Index>(lengths))};
+  out.tokens = detail::some_sequences(text.tokens, which);
   return out;
 }
 
@@ -9425,28 +9444,6 @@ void sort(List& list, Less less) {
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// The lengths of some sequences.
-inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
-  PoolVector<Index> lengths;
-  for (Index s : which) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
-/// Some sequences; without copying if they follow each other.
-template <Backend B>
-Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
-  const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
-  bool in_a_row = true;
-  for (Index i = 0; i < count; ++i) in_a_row = in_a_row && which[static_cast<std::size_t>(i)] == first + i;
-  if (in_a_row && count == x.count()) return x;
-  if (in_a_row)
-    return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(first + count)), some_sequences(x.offsets, which)};
-  PoolVector<Index> rows;
-  for (Index s : which) {
-    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) rows.push_back(r);
-  }
-  return {gather(x.rows, rows), some_sequences(x.offsets, which)};
-}
-
 /// How threads share sequences: the thread of each of the first ones.
 using SequenceShares = PoolVector<Index>;
 /// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
@@ -9517,7 +9514,8 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
   if constexpr (requires { B::rows_in_cache(); }) {
     const Index threads = parallel_width(), at_once = B::rows_in_cache();
     const PoolVector<Index> order = longest_first(offsets);
-    if (!context.dropout && (offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty())) {
+    const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
+    if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
         const auto rows = f(which);
@@ -13071,9 +13069,7 @@ class Collage {
   /// Rows that go through the network in a step, without tokens for time and text.
   Index batch_rows() const {
     Index rows = 0;
-    for (const Batch& b : batches_) {
-      for (Index i = 0; i < b.uses.count(); ++i) rows += b.uses.length(i) * b.frames.length(i);
-    }
+    for (const Batch& b : batches_) rows += repeat_lengths(b.frames, b.uses).rows();
     return rows;
   }
 
@@ -13193,19 +13189,19 @@ class Collage {
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, uses, which;  // of the next batch
     Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
+    const Job* last = nullptr;                      // of the batch
     const auto end_batch = [&] {
       batches_.push_back({rows, Offsets(lengths), Offsets(uses), encoded_text<B>(*denoiser_, gather(texts_, which))});
       before += results;
-      results = 0;
+      results = 0, last = nullptr;
       rows.clear(), lengths.clear(), uses.clear(), which.clear();
     };
-    const Job* last = nullptr;
     for (const Job& job : jobs) {
-      if (results > 0 && results + job.length > most) end_batch();
+      if (last != nullptr && results + job.length > most) end_batch();
       begin[job] = before + results;
       results += job.length;
       which.push_back(job.text);
-      if (results > job.length && last->first == job.first && last->length == job.length) {
+      if (last != nullptr && last->first == job.first && last->length == job.length) {
         ++uses.back();
       } else {
         for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);

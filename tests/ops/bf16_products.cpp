@@ -11,38 +11,15 @@
 #include <utility>
 #include <vector>
 
+#include "../support/kernel_sets.hpp"
+
 namespace ml = motionlang;
 using ml::Index;
-using ml::detail::Isa;
+using kernel_sets::with_every_bf16_kernel;
 using B = ml::EigenBackend<float>;
 using Matrix = ml::Tensor<B, 2>;
 
 namespace {
-
-/// Products in bfloat16 with the kernels of one instruction set, as long as this lives.
-struct Bf16 {
-  explicit Bf16(Isa isa) : before(std::exchange(ml::detail::current_bf16_kernels(), ml::detail::bf16_kernels_for(isa))) {
-    ml::set_product_precision(ml::Precision::bf16);
-  }
-  ~Bf16() {
-    ml::set_product_precision(ml::Precision::fp32);
-    ml::detail::current_bf16_kernels() = before;
-  }
-  Bf16(const Bf16&) = delete;
-  Bf16& operator=(const Bf16&) = delete;
-  const ml::detail::Bf16Kernels* before;
-};
-
-template <class F>
-void with_every_kernel(F f) {
-  for (Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::avx512_bf16, Isa::amx}) {
-    const auto* kernels = ml::detail::bf16_kernels_for(isa);
-    if (kernels == nullptr) continue;
-    INFO(kernels->name);
-    const Bf16 scope(isa);
-    f();
-  }
-}
 
 double rounded(float x) { return static_cast<double>(ml::bfloat16_to_float(ml::float_to_bfloat16(x))); }
 
@@ -70,7 +47,7 @@ std::pair<double, double> errors(const ml::Dense<float>& c, Index m, Index n, In
 
 TEST_CASE("bf16: every form of the product keeps the promised bound, for all kernels") {
   ml::Philox rng{.seed = 3};
-  with_every_kernel([&] {
+  with_every_bf16_kernel([&] {
     for (const auto& size : {std::array<Index, 3>{1, 1, 1}, {17, 33, 31}, {47, 70, 129}, {5, 64, 700}, {300, 32, 40}}) {
       const Index m = size[0], n = size[1], k = size[2];
       INFO(m, " x ", n, " x ", k);
@@ -97,7 +74,7 @@ TEST_CASE("bf16: prepared weights, any batch and any number of threads give the 
   const auto x = Matrix::randn({m, k}, rng), w = Matrix::randn({n, k}, rng), residual = Matrix::randn({m, n}, rng);
   const auto bias = ml::Tensor<B, 1>::randn({n}, rng);
   const int threads = ml::thread_count();
-  with_every_kernel([&] {
+  with_every_bf16_kernel([&] {
     auto run = [&](const ml::Dense<float>& rows, const ml::Dense<float>& weight, const ml::Dense<float>& r) {
       const auto y = B::linear(rows, weight, &bias.data(), ml::Activation::none, &r);
       return std::vector<float>(y.span().begin(), y.span().end());
@@ -130,7 +107,7 @@ TEST_CASE("bf16: bias, residual and nonlinearity stay in float; NaN and infinity
   const auto w = Matrix::randn({n, k}, rng), residual = Matrix::randn({m, n}, rng);
   const auto bias = ml::Tensor<B, 1>::randn({n}, rng);
   auto zero = ml::Dense<float>::full(ml::Shape{m, k}, 0);
-  with_every_kernel([&] {
+  with_every_bf16_kernel([&] {
     const auto y = B::linear(zero, w.data(), &bias.data(), ml::Activation::none, &residual.data());
     for (Index i = 0; i < m * n; ++i) {
       REQUIRE(y.data()[i] == bias.span()[static_cast<std::size_t>(i % n)] + residual.span()[static_cast<std::size_t>(i)]);
@@ -158,7 +135,7 @@ TEST_CASE("bf16: attention over sequences of many lengths and its gradients are 
     const ml::AttentionOptions options{.heads = heads, .causal = causal};
     const auto exact = B::attention(q.data(), k.data(), v.data(), offsets, offsets, options);
     const auto gradients = B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
-    with_every_kernel([&] {
+    with_every_bf16_kernel([&] {
       const auto rounded_gradients = B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
       for (std::size_t g = 0; g < 3; ++g) {
         double error = 0, size = 0;

@@ -1,18 +1,16 @@
 // Products whose result is larger than the caches, which is written past them: the same bits as a few rows at a time.
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/core/precision.hpp>
 #include <motionlang/tensor/fused.hpp>
 
 #include <doctest/doctest.h>
 #include <algorithm>
-#include <utility>
 
+#include "../support/kernel_sets.hpp"
 #include "../support/tensors.hpp"
 #include "../support/threads.hpp"
 
 namespace ml = motionlang;
 using ml::Index;
-using ml::detail::Isa;
 
 namespace {
 
@@ -42,29 +40,17 @@ void check_large(Index m, Index n) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("every instruction set", S, float, double) {
-  for (Isa isa : {Isa::portable, Isa::avx2, Isa::avx512}) {
-    const auto* wanted = ml::detail::kernels_for<S>(isa);
-    if (wanted == nullptr) continue;
-    INFO(wanted->name);
-    const auto* before = std::exchange(ml::detail::current_kernels<S>(), wanted);
+  kernel_sets::with_every_kernel<S>([] {
     check_large<S>(8203, 512);
     check_large<S>(8203, 520);   // the last panel is not whole
     check_large<S>(1030, 1024);  // rows a multiple of the page size apart
-    ml::detail::current_kernels<S>() = before;
-  }
+  });
 }
 
 TEST_CASE("in bfloat16") {
-  ml::set_product_precision(ml::Precision::bf16);
-  for (Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::avx512_bf16, Isa::amx}) {
-    const auto* wanted = ml::detail::bf16_kernels_for(isa);
-    if (wanted == nullptr) continue;
-    INFO(wanted->name);
-    const auto* before = std::exchange(ml::detail::current_bf16_kernels(), wanted);
+  kernel_sets::with_every_bf16_kernel([] {
     check_large<float>(8203, 512);
     check_large<float>(8203, 520);
     check_large<float>(1030, 1024);
-    ml::detail::current_bf16_kernels() = before;
-  }
-  ml::set_product_precision(ml::Precision::fp32);
+  });
 }

@@ -63,9 +63,7 @@ class Collage {
   /// Rows that go through the network in a step, without tokens for time and text.
   Index batch_rows() const {
     Index rows = 0;
-    for (const Batch& b : batches_) {
-      for (Index i = 0; i < b.uses.count(); ++i) rows += b.uses.length(i) * b.frames.length(i);
-    }
+    for (const Batch& b : batches_) rows += repeat_lengths(b.frames, b.uses).rows();
     return rows;
   }
 
@@ -185,19 +183,19 @@ class Collage {
     const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
     std::vector<Index> rows, lengths, uses, which;  // of the next batch
     Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
+    const Job* last = nullptr;                      // of the batch
     const auto end_batch = [&] {
       batches_.push_back({rows, Offsets(lengths), Offsets(uses), encoded_text<B>(*denoiser_, gather(texts_, which))});
       before += results;
-      results = 0;
+      results = 0, last = nullptr;
       rows.clear(), lengths.clear(), uses.clear(), which.clear();
     };
-    const Job* last = nullptr;
     for (const Job& job : jobs) {
-      if (results > 0 && results + job.length > most) end_batch();
+      if (last != nullptr && results + job.length > most) end_batch();
       begin[job] = before + results;
       results += job.length;
       which.push_back(job.text);
-      if (results > job.length && last->first == job.first && last->length == job.length) {
+      if (last != nullptr && last->first == job.first && last->length == job.length) {
         ++uses.back();
       } else {
         for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);

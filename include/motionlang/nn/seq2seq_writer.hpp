@@ -83,12 +83,7 @@ class Seq2SeqWriter {
   /// The rows of the parents, each with one more.
   static Sequences<B> grown(const Sequences<B>& before, std::span<const Index> parents, Index length,
                             const Sequences<B>& added) {
-    if (length == 1) return added;
-    PoolVector<Index> rows;
-    for (Index p : parents) {
-      for (Index r = before.offsets.begin(p); r < before.offsets.end(p); ++r) rows.push_back(r);
-    }
-    return concat_tokens(Sequences<B>(gather(before.rows, rows), Offsets::equal(added.count(), length - 1)), added);
+    return length == 1 ? added : concat_tokens(detail::some_sequences(before, parents), added);
   }
 
   const Seq2SeqTransformer<B>& m_;

@@ -14,28 +14,6 @@
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// The lengths of some sequences.
-inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
-  PoolVector<Index> lengths;
-  for (Index s : which) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
-/// Some sequences; without copying if they follow each other.
-template <Backend B>
-Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
-  const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
-  bool in_a_row = true;
-  for (Index i = 0; i < count; ++i) in_a_row = in_a_row && which[static_cast<std::size_t>(i)] == first + i;
-  if (in_a_row && count == x.count()) return x;
-  if (in_a_row)
-    return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(first + count)), some_sequences(x.offsets, which)};
-  PoolVector<Index> rows;
-  for (Index s : which) {
-    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) rows.push_back(r);
-  }
-  return {gather(x.rows, rows), some_sequences(x.offsets, which)};
-}
-
 /// How threads share sequences: the thread of each of the first ones.
 using SequenceShares = PoolVector<Index>;
 /// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
@@ -106,7 +84,8 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
   if constexpr (requires { B::rows_in_cache(); }) {
     const Index threads = parallel_width(), at_once = B::rows_in_cache();
     const PoolVector<Index> order = longest_first(offsets);
-    if (!context.dropout && (offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty())) {
+    const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
+    if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
       const auto put = [&, out = y.data()](std::span<const Index> which) {
         const auto rows = f(which);

@@ -158,24 +158,19 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
     if (k == std::ssize(distinct)) distinct.push_back(lengths.length(s));
     kind.push_back(k);
   }
-  const auto each = queries(Offsets(std::span<const Index>(distinct)));
-  Tensor<B, 2> attended;
+  auto each = queries(Offsets(std::span<const Index>(distinct)));
   {
     const ModuleScope scope("layers.", 0);
-    attended = layers.front().attend_self(each.rows, each.offsets);
+    each.rows = layers.front().attend_self(each.rows, each.offsets);
   }
   auto decode = [&](std::span<const Index> which) {
-    const auto offsets = detail::some_sequences(lengths, which);
-    const auto some = detail::some_sequences(memory, which);
-    PoolVector<Index> pick;
-    for (Index s : which) {
-      const Index k = kind[static_cast<std::size_t>(s)];
-      for (Index row = each.offsets.begin(k); row < each.offsets.end(k); ++row) pick.push_back(row);
-    }
-    auto rows = gather(attended, pick);
+    PoolVector<Index> kinds;
+    for (Index s : which) kinds.push_back(kind[static_cast<std::size_t>(s)]);
+    auto [rows, offsets] = detail::some_sequences(each, kinds);
+    const auto read = detail::some_sequences(memory, which);
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const ModuleScope scope("layers.", i);
-      rows = i == 0 ? layers[i].behind_self(rows, offsets, some) : run_layer(layers[i], rows, offsets, some, context);
+      rows = i == 0 ? layers[i].behind_self(rows, offsets, read) : run_layer(layers[i], rows, offsets, read, context);
     }
     return final_layer(rows);
   };

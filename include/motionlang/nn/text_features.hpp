@@ -20,15 +20,12 @@ struct TextFeatures {
 /// Texts picked by number, with repetition.
 template <Backend B>
 TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
-  PoolVector<Index> rows, lengths;
   TextFeatures<B> out;
   for (Index i : which) {
     if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
-    lengths.push_back(text.tokens.offsets.length(i));
-    for (Index r = text.tokens.offsets.begin(i); r < text.tokens.offsets.end(i); ++r) rows.push_back(r);
     if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
   }
-  out.tokens = {gather(text.tokens.rows, rows), Offsets(std::span<const Index>(lengths))};
+  out.tokens = detail::some_sequences(text.tokens, which);
   return out;
 }
 

@@ -57,23 +57,45 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
   return {gather(rows, pick), Offsets::equal(count, rows.size(0))};
 }
 
+namespace detail {
+
+/// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
+inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
+  PoolVector<Index> lengths;
+  for (Index s : which) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+/// The sequences `which`; without copying if these are all of them in order.
+template <Backend B>
+Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
+  const Index first = which.empty() ? 0 : which.front(), count = std::ssize(which);
+  bool in_a_row = true;
+  for (Index i = 0; i < count; ++i) in_a_row = in_a_row && which[static_cast<std::size_t>(i)] == first + i;
+  if (in_a_row && count == x.count()) return x;
+  const Offsets offsets = some_sequences(x.offsets, which);
+  if (in_a_row) return {slice(x.rows, 0, x.offsets.begin(first), x.offsets.begin(first + count)), offsets};
+  PoolVector<Index> rows;
+  for (Index s : which) {
+    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) rows.push_back(r);
+  }
+  return {gather(x.rows, rows), offsets};
+}
+/// Number i times.length(i) times. Throws shape_error 204 for another number of times.
+inline PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times) {
+  if (times.count() != sequences)
+    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", sequences, " sequences");
+  return sequence_of_row(times);
+}
+
+}  // namespace detail
+
 /// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
 inline Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
-  if (times.count() != offsets.count())
-    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", offsets.count(), " sequences");
-  PoolVector<Index> lengths;
-  for (Index s : sequence_of_row(times)) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
+  return detail::some_sequences(offsets, detail::repeated_numbers(offsets.count(), times));
 }
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
-  const Offsets repeated = repeat_lengths(x.offsets, times);
-  if (times == Offsets::equal(x.count(), 1)) return x;
-  PoolVector<Index> pick;
-  for (Index s : sequence_of_row(times)) {
-    for (Index r = x.offsets.begin(s); r < x.offsets.end(s); ++r) pick.push_back(r);
-  }
-  return {gather(x.rows, pick), repeated};
+  return detail::some_sequences(x, detail::repeated_numbers(x.count(), times));
 }
 
 /// Joins sequence by sequence: the rows of a's sequence i, then of b's, ... Throws shape_error 204 if the counts

@@ -19,12 +19,16 @@ using Lengths = std::vector<Index>;
 
 namespace {
 
+Lengths all_of(const Offsets& offsets) {
+  Lengths out(static_cast<std::size_t>(offsets.count()));
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
 /// The thread of each of the sequences that are shared, the longest first.
 std::vector<Index> shares(const Lengths& lengths, Index threads) {
   const Offsets offsets(lengths);
-  Lengths order(lengths.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto out = ml::detail::share_sequences(offsets, order, threads);
+  const auto out = ml::detail::share_sequences(offsets, all_of(offsets), threads);
   return {out.begin(), out.end()};
 }
 
@@ -35,11 +39,6 @@ ml::Tensor<C, 2> numbers(const Offsets& offsets, std::span<const Index> which) {
   for (Index s : which)
     out.insert(out.end(), static_cast<std::size_t>(2 * offsets.length(s)), static_cast<typename C::scalar>(s));
   return ml::Tensor<C, 2>::from(out, {std::ssize(out) / 2, 2});
-}
-Lengths all_of(const Offsets& offsets) {
-  Lengths out(static_cast<std::size_t>(offsets.count()));
-  std::iota(out.begin(), out.end(), 0);
-  return out;
 }
 
 }  // namespace

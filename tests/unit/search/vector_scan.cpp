@@ -10,6 +10,7 @@
 #include <motionlang/search/vector_scan.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/kernel_sets.hpp"
 #include "../../support/threads.hpp"
 
 namespace ml = motionlang;
@@ -53,18 +54,14 @@ void check_search(const ml::VectorSearch& search, std::span<const float> rows, s
 template <class F>
 void with_every_kernel(F f) {
   using ml::detail::Isa;
-  auto*& floats = ml::detail::current_kernels<float>();
-  auto*& halves = ml::detail::current_bf16_kernels();
-  const auto* floats_before = floats;
-  const auto* halves_before = halves;
   for (const auto isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::avx512_bf16, Isa::amx}) {
     const auto* kernels = ml::detail::kernels_for<float>(isa);
     const auto* of_halves = ml::detail::bf16_kernels_for(isa);
     if (kernels == nullptr || of_halves == nullptr) continue;
-    floats = kernels, halves = of_halves;
+    const kernel_sets::Instead floats(ml::detail::current_kernels<float>(), kernels);
+    const kernel_sets::Instead halves(ml::detail::current_bf16_kernels(), of_halves);
     f();
   }
-  floats = floats_before, halves = halves_before;
 }
 
 }  // namespace
