@@ -522,8 +522,9 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
-  const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
+  const Vec<S> c = vmin<S>(splat(high), x);
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
   const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
@@ -532,33 +533,48 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
-  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;
+  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
+/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+template <class S>
+MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
+  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
+  p = p * y + S(6.364869382952854e-06);
+  q = q * y + S(7.602274008301123e-05);
+  p = p * y + S(0.00017693884114677917);
+  q = q * y + S(0.0019305587808950675);
+  p = p * y + S(0.004725908484413717);
+  q = q * y + S(0.029119172061619288);
+  p = p * y + S(0.0346923636272431);
+  q = q * y + S(0.25362643899642984);
+  p = p * y + S(0.3989422129894181);
+  q = q * y + S(1);
+  return p / q;
+}
+/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
     const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    const Vec<S> y = c * c;
-    Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
-    p = p * y + S(0.0002880411073313664);
-    q = q * y + S(0.0012163638413281797);
-    p = p * y + S(0.00400366894176566);
-    q = q * y + S(0.01544447024716054);
-    p = p * y + S(0.053467550985535656);
-    q = q * y + S(0.11647668824647715);
-    p = p * y + S(0.19624964460970504);
-    q = q * y + S(0.5072528779928597);
-    p = p * y + S(1.128378976425542);
-    q = q * y + S(1);
-    return c * p / q;
+    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
+  }
+}
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
+  const Vec<S> h = x * S(0.5);
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
+  } else {
+    return h + h * verf<S>(x * S(0.70710678118654752));
   }
 }
 
@@ -579,16 +595,16 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
+//
+// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
 
-template <class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: {
-      const Vec<S> h = x * S(0.5);
-      return h * verf<S>(x * S(0.70710678118654752)) + h;
-    }
+    case Activation::gelu:
+      return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -602,8 +618,8 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
 
 /// Derivative at x.
 ///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
-template <class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return splat(S(1));
     case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
@@ -629,6 +645,56 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     }
   }
   return splat(S(1));
+}
+
+/// f.operator()<act>().
+template <class F>
+void with_activation(Activation act, const F& f) {
+  switch (act) {
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+  }
+}
+
+/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
+template <class S>
+void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    for (Index r = 0; r < rows; ++r) {
+      const S* from = x + r * ldx;
+      S* to = y + r * ldy;
+      Index i = 0;
+      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
+      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
+    }
+  });
+}
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  activate_rows(x, n, 1, n, act, y, n);
+}
+/// dx = dy act'(x) for n numbers.
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    Index i = 0;
+    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
+    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
+  });
 }
 //
 // Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
@@ -657,29 +723,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>;
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w < w ? n - j * w : w;
-    const S* in = b + j * w * stride_n;
-    if (stride_n == 1) {
-      for (Index i = 0; i < k; ++i, out += w) {
-        for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  if (stride_n == 1) {          // all panels row by row
+    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
+    for (Index i = 0; i < k; ++i) {
+      const S* in = b + i * stride_k + first * w;
+      S* out = panels + (first * k + i) * w;
+      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
+        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
+        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
       }
-    } else {  // a transposed B: read along its rows, a square of lanes at a time
-      constexpr Index l = lanes<S>;
-      for (Index i = 0; i < k; i += l) {
-        const Index rows = k - i < l ? k - i : l;
-        for (Index c = 0; c < w; c += l) {
-          Vec<S> square[lanes<S>];
+    }
+    return;
+  }
+  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w;
+    const S* in = b + j * w * stride_n;
+    for (Index i = 0; i < k; i += l) {
+      const Index rows = k - i < l ? k - i : l;
+      for (Index c = 0; c < w; c += l) {
+        Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
-          for (int q = 0; q < lanes<S>; ++q) {
-            const S* from = in + (c + q) * stride_n + i;
-            square[q] = load_first(from, c + q < columns ? rows : 0);
-          }
-          transpose_lanes<S>(square);
-          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
+        for (int q = 0; q < lanes<S>; ++q) {
+          const S* from = in + (c + q) * stride_n + i;
+          __builtin_prefetch(from + w * stride_n, 0, 2);
+          square[q] = load_first(from, c + q < columns ? rows : 0);
         }
+        transpose_lanes<S>(square);
+        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
       }
     }
   }
@@ -762,16 +834,7 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act == Activation::none) return;
-  for (int i = 0; i < R; ++i) {
-    S* out = c + i * ldc;
-    if (whole) {
-      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-    } else {
-      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-    }
-  }
+  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -1236,31 +1299,18 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
         for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
         x += bias;
         if (residual != nullptr) x += load(residual);
-        store(y, apply_activation<S>(x, t.act));
+        store(y, x);
       } else {
         for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
         x += bias;
         if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, apply_activation<S>(x, t.act), n);
+        store_some(y, x, n);
       }
     }
+    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
   }
 }
 
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, apply_activation<S>(load(x + i), act));
-  store_some(y + i, apply_activation<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
-  store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
@@ -1784,8 +1834,9 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
-  const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
+  const Vec<S> c = vmin<S>(splat(high), x);
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
   const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
@@ -1794,33 +1845,48 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
-  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;
+  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
+/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+template <class S>
+MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
+  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
+  p = p * y + S(6.364869382952854e-06);
+  q = q * y + S(7.602274008301123e-05);
+  p = p * y + S(0.00017693884114677917);
+  q = q * y + S(0.0019305587808950675);
+  p = p * y + S(0.004725908484413717);
+  q = q * y + S(0.029119172061619288);
+  p = p * y + S(0.0346923636272431);
+  q = q * y + S(0.25362643899642984);
+  p = p * y + S(0.3989422129894181);
+  q = q * y + S(1);
+  return p / q;
+}
+/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
     const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    const Vec<S> y = c * c;
-    Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
-    p = p * y + S(0.0002880411073313664);
-    q = q * y + S(0.0012163638413281797);
-    p = p * y + S(0.00400366894176566);
-    q = q * y + S(0.01544447024716054);
-    p = p * y + S(0.053467550985535656);
-    q = q * y + S(0.11647668824647715);
-    p = p * y + S(0.19624964460970504);
-    q = q * y + S(0.5072528779928597);
-    p = p * y + S(1.128378976425542);
-    q = q * y + S(1);
-    return c * p / q;
+    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
+  }
+}
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
+  const Vec<S> h = x * S(0.5);
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
+  } else {
+    return h + h * verf<S>(x * S(0.70710678118654752));
   }
 }
 
@@ -1841,16 +1907,16 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
+//
+// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
 
-template <class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: {
-      const Vec<S> h = x * S(0.5);
-      return h * verf<S>(x * S(0.70710678118654752)) + h;
-    }
+    case Activation::gelu:
+      return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -1864,8 +1930,8 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
 
 /// Derivative at x.
 ///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
-template <class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return splat(S(1));
     case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
@@ -1891,6 +1957,56 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     }
   }
   return splat(S(1));
+}
+
+/// f.operator()<act>().
+template <class F>
+void with_activation(Activation act, const F& f) {
+  switch (act) {
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+  }
+}
+
+/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
+template <class S>
+void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    for (Index r = 0; r < rows; ++r) {
+      const S* from = x + r * ldx;
+      S* to = y + r * ldy;
+      Index i = 0;
+      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
+      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
+    }
+  });
+}
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  activate_rows(x, n, 1, n, act, y, n);
+}
+/// dx = dy act'(x) for n numbers.
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    Index i = 0;
+    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
+    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
+  });
 }
 //
 // Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
@@ -1919,29 +2035,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>;
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w < w ? n - j * w : w;
-    const S* in = b + j * w * stride_n;
-    if (stride_n == 1) {
-      for (Index i = 0; i < k; ++i, out += w) {
-        for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  if (stride_n == 1) {          // all panels row by row
+    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
+    for (Index i = 0; i < k; ++i) {
+      const S* in = b + i * stride_k + first * w;
+      S* out = panels + (first * k + i) * w;
+      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
+        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
+        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
       }
-    } else {  // a transposed B: read along its rows, a square of lanes at a time
-      constexpr Index l = lanes<S>;
-      for (Index i = 0; i < k; i += l) {
-        const Index rows = k - i < l ? k - i : l;
-        for (Index c = 0; c < w; c += l) {
-          Vec<S> square[lanes<S>];
+    }
+    return;
+  }
+  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w;
+    const S* in = b + j * w * stride_n;
+    for (Index i = 0; i < k; i += l) {
+      const Index rows = k - i < l ? k - i : l;
+      for (Index c = 0; c < w; c += l) {
+        Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
-          for (int q = 0; q < lanes<S>; ++q) {
-            const S* from = in + (c + q) * stride_n + i;
-            square[q] = load_first(from, c + q < columns ? rows : 0);
-          }
-          transpose_lanes<S>(square);
-          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
+        for (int q = 0; q < lanes<S>; ++q) {
+          const S* from = in + (c + q) * stride_n + i;
+          __builtin_prefetch(from + w * stride_n, 0, 2);
+          square[q] = load_first(from, c + q < columns ? rows : 0);
         }
+        transpose_lanes<S>(square);
+        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
       }
     }
   }
@@ -2024,16 +2146,7 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act == Activation::none) return;
-  for (int i = 0; i < R; ++i) {
-    S* out = c + i * ldc;
-    if (whole) {
-      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-    } else {
-      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-    }
-  }
+  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -2498,31 +2611,18 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
         for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
         x += bias;
         if (residual != nullptr) x += load(residual);
-        store(y, apply_activation<S>(x, t.act));
+        store(y, x);
       } else {
         for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
         x += bias;
         if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, apply_activation<S>(x, t.act), n);
+        store_some(y, x, n);
       }
     }
+    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
   }
 }
 
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, apply_activation<S>(load(x + i), act));
-  store_some(y + i, apply_activation<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
-  store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
@@ -3044,8 +3144,9 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), vmax<S>(splat(low), x));
-  const S magic = single ? S(12582912) : S(6755399441055744);  // 1.5 * 2^23 (2^52): adding it rounds to an integer
+  const Vec<S> c = vmin<S>(splat(high), x);
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
   const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
@@ -3054,33 +3155,48 @@ MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
     for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Mask<S> biased = (Mask<S>)shifted - (Mask<S>)splat(magic) + (single ? 127 : 1023);
-  const Vec<S> power = (Vec<S>)(biased << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;
+  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// erf(x). Float: a rational function of x^2 on |x| < 4 (our own least-squares fit; absolute error below 1e-7). Double: libm.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
+/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+template <class S>
+MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
+  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
+  p = p * y + S(6.364869382952854e-06);
+  q = q * y + S(7.602274008301123e-05);
+  p = p * y + S(0.00017693884114677917);
+  q = q * y + S(0.0019305587808950675);
+  p = p * y + S(0.004725908484413717);
+  q = q * y + S(0.029119172061619288);
+  p = p * y + S(0.0346923636272431);
+  q = q * y + S(0.25362643899642984);
+  p = p * y + S(0.3989422129894181);
+  q = q * y + S(1);
+  return p / q;
+}
+/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
     const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    const Vec<S> y = c * c;
-    Vec<S> p = splat(S(1.974815059752421e-06)), q = splat(S(3.7480687789610185e-05));
-    p = p * y + S(0.0002880411073313664);
-    q = q * y + S(0.0012163638413281797);
-    p = p * y + S(0.00400366894176566);
-    q = q * y + S(0.01544447024716054);
-    p = p * y + S(0.053467550985535656);
-    q = q * y + S(0.11647668824647715);
-    p = p * y + S(0.19624964460970504);
-    q = q * y + S(0.5072528779928597);
-    p = p * y + S(1.128378976425542);
-    q = q * y + S(1);
-    return c * p / q;
+    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
     return r;
+  }
+}
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
+  const Vec<S> h = x * S(0.5);
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
+  } else {
+    return h + h * verf<S>(x * S(0.70710678118654752));
   }
 }
 
@@ -3101,16 +3217,16 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
   return r;
 }
+//
+// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
 
-template <class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: {
-      const Vec<S> h = x * S(0.5);
-      return h * verf<S>(x * S(0.70710678118654752)) + h;
-    }
+    case Activation::gelu:
+      return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -3124,8 +3240,8 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x, Activation act) {
 
 /// Derivative at x.
 ///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
-template <class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return splat(S(1));
     case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
@@ -3151,6 +3267,56 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x, Activation act) {
     }
   }
   return splat(S(1));
+}
+
+/// f.operator()<act>().
+template <class F>
+void with_activation(Activation act, const F& f) {
+  switch (act) {
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+  }
+}
+
+/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
+template <class S>
+void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    for (Index r = 0; r < rows; ++r) {
+      const S* from = x + r * ldx;
+      S* to = y + r * ldy;
+      Index i = 0;
+      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
+      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
+    }
+  });
+}
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  activate_rows(x, n, 1, n, act, y, n);
+}
+/// dx = dy act'(x) for n numbers.
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    Index i = 0;
+    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
+    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
+  });
 }
 //
 // Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
@@ -3179,29 +3345,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>;
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w < w ? n - j * w : w;
-    const S* in = b + j * w * stride_n;
-    if (stride_n == 1) {
-      for (Index i = 0; i < k; ++i, out += w) {
-        for (Index c = 0; c < w; ++c) out[c] = c < columns ? in[i * stride_k + c] : S(0);
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  if (stride_n == 1) {          // all panels row by row
+    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
+    for (Index i = 0; i < k; ++i) {
+      const S* in = b + i * stride_k + first * w;
+      S* out = panels + (first * k + i) * w;
+      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
+        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
+        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
       }
-    } else {  // a transposed B: read along its rows, a square of lanes at a time
-      constexpr Index l = lanes<S>;
-      for (Index i = 0; i < k; i += l) {
-        const Index rows = k - i < l ? k - i : l;
-        for (Index c = 0; c < w; c += l) {
-          Vec<S> square[lanes<S>];
+    }
+    return;
+  }
+  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w;
+    const S* in = b + j * w * stride_n;
+    for (Index i = 0; i < k; i += l) {
+      const Index rows = k - i < l ? k - i : l;
+      for (Index c = 0; c < w; c += l) {
+        Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
-          for (int q = 0; q < lanes<S>; ++q) {
-            const S* from = in + (c + q) * stride_n + i;
-            square[q] = load_first(from, c + q < columns ? rows : 0);
-          }
-          transpose_lanes<S>(square);
-          for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
+        for (int q = 0; q < lanes<S>; ++q) {
+          const S* from = in + (c + q) * stride_n + i;
+          __builtin_prefetch(from + w * stride_n, 0, 2);
+          square[q] = load_first(from, c + q < columns ? rows : 0);
         }
+        transpose_lanes<S>(square);
+        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
       }
     }
   }
@@ -3284,16 +3456,7 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       store_some(out, c0[i], n0), store_some(out + l, c1[i], n1);
     }
   }
-  if (e.act == Activation::none) return;
-  for (int i = 0; i < R; ++i) {
-    S* out = c + i * ldc;
-    if (whole) {
-      store(out, apply_activation<S>(load(out), e.act)), store(out + l, apply_activation<S>(load(out + l), e.act));
-    } else {
-      store_some(out, apply_activation<S>(load_some(out, n0), e.act), n0);
-      store_some(out + l, apply_activation<S>(load_some(out + l, n1), e.act), n1);
-    }
-  }
+  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
 /// c (R x columns) = a (R x k) panel. Element (i, k) of a is a[i * row_stride + k * depth_stride].
@@ -3758,31 +3921,18 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
         for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
         x += bias;
         if (residual != nullptr) x += load(residual);
-        store(y, apply_activation<S>(x, t.act));
+        store(y, x);
       } else {
         for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
         x += bias;
         if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, apply_activation<S>(x, t.act), n);
+        store_some(y, x, n);
       }
     }
+    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
   }
 }
 
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, apply_activation<S>(load(x + i), act));
-  store_some(y + i, apply_activation<S>(load_some(x + i, n - i), act), n - i);
-}
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<S>(load(x + i), act));
-  store_some(dx + i, load_some(dy + i, n - i) * activation_slope<S>(load_some(x + i, n - i), act), n - i);
-}
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
