@@ -29299,8 +29299,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
+    case Activation::gelu: return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -29347,20 +29346,13 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
+    case Activation::none: return f.template operator()<Activation::none>();
+    case Activation::relu: return f.template operator()<Activation::relu>();
+    case Activation::gelu: return f.template operator()<Activation::gelu>();
+    case Activation::silu: return f.template operator()<Activation::silu>();
+    case Activation::tanh: return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
   }
 }
 
@@ -29420,7 +29412,7 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {          // all panels row by row
+  if (stride_n == 1) {  // all panels row by row
     constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
     for (Index i = 0; i < k; ++i) {
       const S* in = b + i * stride_k + first * w;
@@ -30611,8 +30603,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
+    case Activation::gelu: return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -30659,20 +30650,13 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
+    case Activation::none: return f.template operator()<Activation::none>();
+    case Activation::relu: return f.template operator()<Activation::relu>();
+    case Activation::gelu: return f.template operator()<Activation::gelu>();
+    case Activation::silu: return f.template operator()<Activation::silu>();
+    case Activation::tanh: return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
   }
 }
 
@@ -30732,7 +30716,7 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {          // all panels row by row
+  if (stride_n == 1) {  // all panels row by row
     constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
     for (Index i = 0; i < k; ++i) {
       const S* in = b + i * stride_k + first * w;
@@ -31921,8 +31905,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
+    case Activation::gelu: return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -31969,20 +31952,13 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
+    case Activation::none: return f.template operator()<Activation::none>();
+    case Activation::relu: return f.template operator()<Activation::relu>();
+    case Activation::gelu: return f.template operator()<Activation::gelu>();
+    case Activation::silu: return f.template operator()<Activation::silu>();
+    case Activation::tanh: return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
   }
 }
 
@@ -32042,7 +32018,7 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {          // all panels row by row
+  if (stride_n == 1) {  // all panels row by row
     constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
     for (Index i = 0; i < k; ++i) {
       const S* in = b + i * stride_k + first * w;

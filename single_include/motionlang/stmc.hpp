@@ -2675,8 +2675,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
+    case Activation::gelu: return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -2723,20 +2722,13 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
+    case Activation::none: return f.template operator()<Activation::none>();
+    case Activation::relu: return f.template operator()<Activation::relu>();
+    case Activation::gelu: return f.template operator()<Activation::gelu>();
+    case Activation::silu: return f.template operator()<Activation::silu>();
+    case Activation::tanh: return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
   }
 }
 
@@ -2796,7 +2788,7 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {          // all panels row by row
+  if (stride_n == 1) {  // all panels row by row
     constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
     for (Index i = 0; i < k; ++i) {
       const S* in = b + i * stride_k + first * w;
@@ -3987,8 +3979,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
+    case Activation::gelu: return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -4035,20 +4026,13 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
+    case Activation::none: return f.template operator()<Activation::none>();
+    case Activation::relu: return f.template operator()<Activation::relu>();
+    case Activation::gelu: return f.template operator()<Activation::gelu>();
+    case Activation::silu: return f.template operator()<Activation::silu>();
+    case Activation::tanh: return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
   }
 }
 
@@ -4108,7 +4092,7 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {          // all panels row by row
+  if (stride_n == 1) {  // all panels row by row
     constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
     for (Index i = 0; i < k; ++i) {
       const S* in = b + i * stride_k + first * w;
@@ -5297,8 +5281,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
     case Activation::none: return x;
     case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
+    case Activation::gelu: return vgelu<S>(x);
     case Activation::silu: return x / (vexp<S>(-x) + S(1));
     case Activation::tanh: return vtanh<S>(x);
     case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
@@ -5345,20 +5328,13 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
+    case Activation::none: return f.template operator()<Activation::none>();
+    case Activation::relu: return f.template operator()<Activation::relu>();
+    case Activation::gelu: return f.template operator()<Activation::gelu>();
+    case Activation::silu: return f.template operator()<Activation::silu>();
+    case Activation::tanh: return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
   }
 }
 
@@ -5418,7 +5394,7 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
 template <class S>
 void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {          // all panels row by row
+  if (stride_n == 1) {  // all panels row by row
     constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
     for (Index i = 0; i < k; ++i) {
       const S* in = b + i * stride_k + first * w;
