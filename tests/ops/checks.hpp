@@ -1,4 +1,4 @@
-// The two checks that every backend runs over the table.
+// The checks that every backend runs over the table, and those of numbers that the table does not draw.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -67,6 +67,45 @@ void check_not_a_number() {
     values[static_cast<std::size_t>(width + at)] = std::nan("");
     CHECK(run(B{}, values) == run(ml::ReferenceBackend<double>{}, values));
   }
+}
+
+/// Far from 0, where fits end and exponentials leave the range of the scalar: nonlinearities and softmax are what the reference says, and
+/// the slope of gelu is 0 or 1.
+template <ml::Backend B>
+void check_far_numbers(double tolerance) {
+  const std::vector<double> x{5.5, 5.65, 5.66, 7, 10, 40, 86.9, 87.1, 88.1, 104, 709, 746, 1e4, 1e7, 1e20};
+  const auto run = [&](auto backend) {
+    using C = decltype(backend);
+    using S = typename C::scalar;
+    std::vector<S> both;
+    for (double sign : {1.0, -1.0}) {
+      for (double v : x)
+        both.push_back(static_cast<S>(sign * static_cast<float>(v)));  // the same number in all scalars
+    }
+    const auto t = ml::Tensor<C, 2>::from(both, {2, std::ssize(x)});
+    std::vector<double> out;
+    const auto append = [&](const auto& y) { out.insert(out.end(), y.span().begin(), y.span().end()); };
+    append(ml::Tensor<C, 2>(C::erf(t.data())));
+    for (ml::Activation act : {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh,
+                               ml::Activation::quick_gelu, ml::Activation::gelu_new})
+      append(ml::activate(t, act));
+    append(ml::softmax(t));
+    return out;
+  };
+  const auto ours = run(B{}), reference = run(ml::ReferenceBackend<double>{});
+  REQUIRE(ours.size() == reference.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    worst =
+        std::max(worst, std::isnan(ours[i]) ? 1e300 : std::abs(ours[i] - reference[i]) / (1 + std::abs(reference[i])));
+  CHECK(worst < tolerance);
+
+  using S = typename B::scalar;
+  const auto far = ml::Tensor<B, 1>::from(std::vector<S>{S(-1e20), S(-88), S(-10), S(10), S(88), S(1e20)}, {6});
+  const ml::Tensor<B, 1> slope(
+      B::activate_vjp(far.data(), ml::Tensor<B, 1>::full({6}, S(1)).data(), ml::Activation::gelu));
+  for (Index i = 0; i < 6; ++i)
+    CHECK(std::abs(static_cast<double>(slope.span()[static_cast<std::size_t>(i)]) - (i < 3 ? 0 : 1)) < tolerance);
 }
 
 /// Gradients of a random projection of every row against central differences, in double.

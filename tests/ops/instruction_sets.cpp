@@ -15,6 +15,7 @@ void check_every_kernel(double tolerance) {
   kernel_sets::with_every_kernel<S>([&] {
     table::check_parity<ml::EigenBackend<S>>(tolerance);
     table::check_not_a_number<ml::EigenBackend<S>>();
+    table::check_far_numbers<ml::EigenBackend<S>>(tolerance);
     laws::batch_laws<ml::EigenBackend<S>>();
   });
 }
