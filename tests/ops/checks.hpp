@@ -39,6 +39,19 @@ void check_parity(double tolerance) {
   }
 }
 
+/// erf, every nonlinearity and softmax of t, one behind the other.
+template <ml::Backend B>
+std::vector<double> nonlinear_results(const ml::Tensor<B, 2>& t) {
+  std::vector<double> out;
+  const auto append = [&](const auto& y) { out.insert(out.end(), y.span().begin(), y.span().end()); };
+  append(ml::Tensor<B, 2>(B::erf(t.data())));
+  for (ml::Activation act : {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh,
+                             ml::Activation::quick_gelu, ml::Activation::gelu_new})
+    append(ml::activate(t, act));
+  append(ml::softmax(t));
+  return out;
+}
+
 /// NaN stays NaN: nonlinearities keep it where it is, softmax spreads it over its row and attention over its sequence, as
 /// the reference does. At every place of a vector, and behind the last whole one.
 template <ml::Backend B>
@@ -48,17 +61,10 @@ void check_not_a_number() {
     using C = decltype(backend);
     using S = typename C::scalar;
     const auto t = ml::Tensor<C, 2>::from(std::vector<S>(x.begin(), x.end()), {3, width});
-    std::vector<double> out;
-    const auto append = [&](const auto& y) {
-      for (auto v : y.span()) out.push_back(std::isnan(v));
-    };
-    append(ml::Tensor<C, 2>(C::erf(t.data())));
-    for (ml::Activation act :
-         {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh,
-          ml::Activation::quick_gelu, ml::Activation::gelu_new})
-      append(ml::activate(t, act));
-    append(ml::softmax(t));
-    append(ml::attention(t, t, t, ml::Offsets{1, 2}, ml::Offsets{1, 2}, {}));
+    auto out = nonlinear_results(t);
+    const auto mixed = ml::attention(t, t, t, ml::Offsets{1, 2}, ml::Offsets{1, 2}, {});
+    out.insert(out.end(), mixed.span().begin(), mixed.span().end());
+    for (double& v : out) v = std::isnan(v);
     return out;
   };
   const std::vector<double> x(3 * width, 0.5);
@@ -82,15 +88,7 @@ void check_far_numbers(double tolerance) {
       for (double v : x)
         both.push_back(static_cast<S>(sign * static_cast<float>(v)));  // the same number in all scalars
     }
-    const auto t = ml::Tensor<C, 2>::from(both, {2, std::ssize(x)});
-    std::vector<double> out;
-    const auto append = [&](const auto& y) { out.insert(out.end(), y.span().begin(), y.span().end()); };
-    append(ml::Tensor<C, 2>(C::erf(t.data())));
-    for (ml::Activation act : {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh,
-                               ml::Activation::quick_gelu, ml::Activation::gelu_new})
-      append(ml::activate(t, act));
-    append(ml::softmax(t));
-    return out;
+    return nonlinear_results(ml::Tensor<C, 2>::from(both, {2, std::ssize(x)}));
   };
   const auto ours = run(B{}), reference = run(ml::ReferenceBackend<double>{});
   REQUIRE(ours.size() == reference.size());
