@@ -30083,8 +30083,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
-//            the sums, as in gemm.inc.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
+//            has pieces); what to do with the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -30109,6 +30109,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE Words widened(const std::uint16_t* h) { return __builtin_convertvector(*reinterpret_cast<const LooseHalves*>(h), Words); }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
 /// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
@@ -30138,35 +30139,36 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
-inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes;
+template <class Tile>
+void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of columns of B that are rounded before they are transposed
   const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
     const Index columns = std::min(n - j * bf16_columns, bf16_columns);
     if (stride_n == 1) {
+      std::uint16_t *even = lines, *odd = lines + bf16_columns;
       for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
-          store_words(out + 2 * c, pairs(even, odd));
-        }
+        Tile::round_row(in, i < k ? columns : 0, bf16_columns, even);
+        Tile::round_row(in + stride_k, i + 1 < k ? columns : 0, bf16_columns, odd);
+        for (Index c = 0; c < bf16_columns; c += l) store_words(out + 2 * c, widened(even + c) | widened(odd + c) << 16);
       }
     } else {
-      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
+      for (Index i0 = 0; i0 < depth; i0 += block) {
+        const Index length = std::min(block, depth - i0);
+        for (Index c = 0; c < bf16_columns; ++c) {
+          Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        }
+        for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+          for (Index c = 0; c < bf16_columns; c += l) {
+            Vec<float> square[lanes<float>];  // column, pair
 #pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) {
-            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
-            const float* from = in + (c + q) * stride_n + i;
-            const Index there = c + q < columns ? k - i : 0;
-            store_rounded(column, rounded(from, there));
-            store_rounded(column + l, rounded(from + l, there - l));
-            std::memcpy(&square[q], column, sizeof column);
+            for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+            transpose_lanes<float>(square);
+            for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
           }
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
         }
       }
     }
@@ -30176,33 +30178,54 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times `columns` columns of a panel, over `depth` of k.
+template <class Element>
+struct TileProduct {
+  const Element* a;
+  Index pitch, height;
+  const std::uint16_t* panel;
+  Index depth;
+  float* c;
+  Index ldc, columns;
+  Epilogue<float> e{};
+  Ahead ahead{};
+  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
+  bool stream = false;             // c is written past the caches
+  Index number = 0;                // of the tile among those of this panel
+  bool first = true, last = true;  // piece of k
+};
+
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, Ahead ahead) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{&Tile::template rows_of<R + 1>...};
-  }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
-}
+struct RegisterTile {
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index pieces(Index) { return 1; }                 // of k
+  static void begin() {}
+  static void end() {}
+
+  template <class Element>
+  void multiply(const TileProduct<Element>& t) {
+    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+      return std::array{&Tile::template rows_of<R + 1>...};
+    }(std::make_integer_sequence<int, Tile::rows>{});
+    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
+    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
+    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
+    stream_rows(result, t.height, bf16_columns, t.c, t.ldc);
+  }
+  void finish() {}
+};
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile {
+struct WideningTile : RegisterTile<WideningTile> {
   using Element = float;
   static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
   static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  static constexpr bool even = true;  // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static void begin() {}
-  static void end() {}
-  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
-  static void round_row(const float* x, Index n, Index padded, Element* y) {
+  template <class Number>
+  static void round_row(const float* x, Index n, Index padded, Number* y) {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, Ahead ahead) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
@@ -30267,8 +30290,9 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const Index pieces = Tile::pieces(depth);
   const bool stream = streams(g, bf16_columns);
-  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+  Tile tile;
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -30279,22 +30303,36 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
-                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
-                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
-      for (Index t = 0; t < tiles; ++t) {
+      const auto* following = static_cast<const std::byte*>(
+          j + 1 < j1        ? panel + depth * bf16_columns
+          : top + rows < r1 ? panels + j0 * depth * bf16_columns
+                            : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel));
+      for (Index step = 0; step < pieces * tiles; ++step) {
+        const Index piece = step / tiles, t = step % tiles;
+        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        Epilogue<float> e{.act = g.act};
-        if (g.bias != nullptr) e.bias = g.bias + column;
-        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        float* c = g.c + row * g.ldc + column;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
-                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
-        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
+        TileProduct<Element> product{.a = a + first * pitch + k0,
+                                     .pitch = pitch,
+                                     .height = height,
+                                     .panel = panel + k0 * bf16_columns,
+                                     .depth = k1 - k0,
+                                     .c = g.c + row * g.ldc + column,
+                                     .ldc = g.ldc,
+                                     .columns = g.n - column,
+                                     .e = {.act = g.act},
+                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .stream = stream,
+                                     .number = t,
+                                     .first = piece == 0,
+                                     .last = piece + 1 == pieces};
+        if (g.bias != nullptr) product.e.bias = g.bias + column;
+        if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
+        tile.multiply(product);
       }
     }
+    tile.finish();
   }
   if (stream) end_of_streams();
   Tile::end();
@@ -30313,21 +30351,30 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
                        Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    const Epilogue<float> plain;
+    Tile tile;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
-                       Ahead{reinterpret_cast<const std::byte*>(panel)});
+        tile.multiply(TileProduct<Element>{.a = rounded_rows,
+                                           .pitch = pitch,
+                                           .height = height,
+                                           .panel = panel,
+                                           .depth = Tile::depth(k),
+                                           .c = c + first * ldc + j,
+                                           .ldc = ldc,
+                                           .columns = whole_panels ? bf16_columns : n - j,
+                                           .ahead = {reinterpret_cast<const std::byte*>(panel)},
+                                           .panel_stays = false});
       }
+      tile.finish();
     }
   }
 };
@@ -30337,7 +30384,7 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack,
+                                 .pack = &bf16_pack<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -31387,8 +31434,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
-//            the sums, as in gemm.inc.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
+//            has pieces); what to do with the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -31413,6 +31460,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE Words widened(const std::uint16_t* h) { return __builtin_convertvector(*reinterpret_cast<const LooseHalves*>(h), Words); }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
 /// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
@@ -31442,35 +31490,36 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
-inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes;
+template <class Tile>
+void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of columns of B that are rounded before they are transposed
   const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
     const Index columns = std::min(n - j * bf16_columns, bf16_columns);
     if (stride_n == 1) {
+      std::uint16_t *even = lines, *odd = lines + bf16_columns;
       for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
-          store_words(out + 2 * c, pairs(even, odd));
-        }
+        Tile::round_row(in, i < k ? columns : 0, bf16_columns, even);
+        Tile::round_row(in + stride_k, i + 1 < k ? columns : 0, bf16_columns, odd);
+        for (Index c = 0; c < bf16_columns; c += l) store_words(out + 2 * c, widened(even + c) | widened(odd + c) << 16);
       }
     } else {
-      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
+      for (Index i0 = 0; i0 < depth; i0 += block) {
+        const Index length = std::min(block, depth - i0);
+        for (Index c = 0; c < bf16_columns; ++c) {
+          Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        }
+        for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+          for (Index c = 0; c < bf16_columns; c += l) {
+            Vec<float> square[lanes<float>];  // column, pair
 #pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) {
-            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
-            const float* from = in + (c + q) * stride_n + i;
-            const Index there = c + q < columns ? k - i : 0;
-            store_rounded(column, rounded(from, there));
-            store_rounded(column + l, rounded(from + l, there - l));
-            std::memcpy(&square[q], column, sizeof column);
+            for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+            transpose_lanes<float>(square);
+            for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
           }
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
         }
       }
     }
@@ -31480,33 +31529,54 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times `columns` columns of a panel, over `depth` of k.
+template <class Element>
+struct TileProduct {
+  const Element* a;
+  Index pitch, height;
+  const std::uint16_t* panel;
+  Index depth;
+  float* c;
+  Index ldc, columns;
+  Epilogue<float> e{};
+  Ahead ahead{};
+  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
+  bool stream = false;             // c is written past the caches
+  Index number = 0;                // of the tile among those of this panel
+  bool first = true, last = true;  // piece of k
+};
+
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, Ahead ahead) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{&Tile::template rows_of<R + 1>...};
-  }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
-}
+struct RegisterTile {
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index pieces(Index) { return 1; }                 // of k
+  static void begin() {}
+  static void end() {}
+
+  template <class Element>
+  void multiply(const TileProduct<Element>& t) {
+    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+      return std::array{&Tile::template rows_of<R + 1>...};
+    }(std::make_integer_sequence<int, Tile::rows>{});
+    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
+    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
+    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
+    stream_rows(result, t.height, bf16_columns, t.c, t.ldc);
+  }
+  void finish() {}
+};
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile {
+struct WideningTile : RegisterTile<WideningTile> {
   using Element = float;
   static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
   static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  static constexpr bool even = true;  // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static void begin() {}
-  static void end() {}
-  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
-  static void round_row(const float* x, Index n, Index padded, Element* y) {
+  template <class Number>
+  static void round_row(const float* x, Index n, Index padded, Number* y) {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, Ahead ahead) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
@@ -31571,8 +31641,9 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const Index pieces = Tile::pieces(depth);
   const bool stream = streams(g, bf16_columns);
-  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+  Tile tile;
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -31583,22 +31654,36 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
-                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
-                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
-      for (Index t = 0; t < tiles; ++t) {
+      const auto* following = static_cast<const std::byte*>(
+          j + 1 < j1        ? panel + depth * bf16_columns
+          : top + rows < r1 ? panels + j0 * depth * bf16_columns
+                            : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel));
+      for (Index step = 0; step < pieces * tiles; ++step) {
+        const Index piece = step / tiles, t = step % tiles;
+        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        Epilogue<float> e{.act = g.act};
-        if (g.bias != nullptr) e.bias = g.bias + column;
-        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        float* c = g.c + row * g.ldc + column;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
-                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
-        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
+        TileProduct<Element> product{.a = a + first * pitch + k0,
+                                     .pitch = pitch,
+                                     .height = height,
+                                     .panel = panel + k0 * bf16_columns,
+                                     .depth = k1 - k0,
+                                     .c = g.c + row * g.ldc + column,
+                                     .ldc = g.ldc,
+                                     .columns = g.n - column,
+                                     .e = {.act = g.act},
+                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .stream = stream,
+                                     .number = t,
+                                     .first = piece == 0,
+                                     .last = piece + 1 == pieces};
+        if (g.bias != nullptr) product.e.bias = g.bias + column;
+        if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
+        tile.multiply(product);
       }
     }
+    tile.finish();
   }
   if (stream) end_of_streams();
   Tile::end();
@@ -31617,21 +31702,30 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
                        Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    const Epilogue<float> plain;
+    Tile tile;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
-                       Ahead{reinterpret_cast<const std::byte*>(panel)});
+        tile.multiply(TileProduct<Element>{.a = rounded_rows,
+                                           .pitch = pitch,
+                                           .height = height,
+                                           .panel = panel,
+                                           .depth = Tile::depth(k),
+                                           .c = c + first * ldc + j,
+                                           .ldc = ldc,
+                                           .columns = whole_panels ? bf16_columns : n - j,
+                                           .ahead = {reinterpret_cast<const std::byte*>(panel)},
+                                           .panel_stays = false});
       }
+      tile.finish();
     }
   }
 };
@@ -31641,7 +31735,7 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack,
+                                 .pack = &bf16_pack<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -32689,8 +32783,8 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
 //            to a multiple of 32 in k. The same for all tiles.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over the whole of k, filled up to as many as its instructions take at a time; what to do with
-//            the sums, as in gemm.inc.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
+//            has pieces); what to do with the sums, as in gemm.inc.
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -32715,6 +32809,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE Words widened(const std::uint16_t* h) { return __builtin_convertvector(*reinterpret_cast<const LooseHalves*>(h), Words); }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
 /// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
@@ -32744,35 +32839,36 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
-inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes;
+template <class Tile>
+void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of columns of B that are rounded before they are transposed
   const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
     const Index columns = std::min(n - j * bf16_columns, bf16_columns);
     if (stride_n == 1) {
+      std::uint16_t *even = lines, *odd = lines + bf16_columns;
       for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          const Words even = rounded(in + c, i < k ? columns - c : 0), odd = rounded(in + stride_k + c, i + 1 < k ? columns - c : 0);
-          store_words(out + 2 * c, pairs(even, odd));
-        }
+        Tile::round_row(in, i < k ? columns : 0, bf16_columns, even);
+        Tile::round_row(in + stride_k, i + 1 < k ? columns : 0, bf16_columns, odd);
+        for (Index c = 0; c < bf16_columns; c += l) store_words(out + 2 * c, widened(even + c) | widened(odd + c) << 16);
       }
     } else {
-      for (Index i = 0; i < depth; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
+      for (Index i0 = 0; i0 < depth; i0 += block) {
+        const Index length = std::min(block, depth - i0);
+        for (Index c = 0; c < bf16_columns; ++c) {
+          Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        }
+        for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+          for (Index c = 0; c < bf16_columns; c += l) {
+            Vec<float> square[lanes<float>];  // column, pair
 #pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) {
-            alignas(MOTIONLANG_VECTOR_BYTES) std::uint16_t column[2 * l];
-            const float* from = in + (c + q) * stride_n + i;
-            const Index there = c + q < columns ? k - i : 0;
-            store_rounded(column, rounded(from, there));
-            store_rounded(column + l, rounded(from + l, there - l));
-            std::memcpy(&square[q], column, sizeof column);
+            for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+            transpose_lanes<float>(square);
+            for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
           }
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
         }
       }
     }
@@ -32782,33 +32878,54 @@ inline void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index st
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// Tile::rows_of<height>, for tiles that keep their sums in registers.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times `columns` columns of a panel, over `depth` of k.
+template <class Element>
+struct TileProduct {
+  const Element* a;
+  Index pitch, height;
+  const std::uint16_t* panel;
+  Index depth;
+  float* c;
+  Index ldc, columns;
+  Epilogue<float> e{};
+  Ahead ahead{};
+  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
+  bool stream = false;             // c is written past the caches
+  Index number = 0;                // of the tile among those of this panel
+  bool first = true, last = true;  // piece of k
+};
+
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all.
 template <class Tile>
-void multiply_by_height(const typename Tile::Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                        Index columns, const Epilogue<float>& e, Ahead ahead) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{&Tile::template rows_of<R + 1>...};
-  }(std::make_integer_sequence<int, Tile::rows>{});
-  table[static_cast<std::size_t>(height - 1)](a, pitch, panel, depth, c, ldc, columns, e, ahead);
-}
+struct RegisterTile {
+  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index pieces(Index) { return 1; }                 // of k
+  static void begin() {}
+  static void end() {}
+
+  template <class Element>
+  void multiply(const TileProduct<Element>& t) {
+    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+      return std::array{&Tile::template rows_of<R + 1>...};
+    }(std::make_integer_sequence<int, Tile::rows>{});
+    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
+    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
+    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
+    stream_rows(result, t.height, bf16_columns, t.c, t.ldc);
+  }
+  void finish() {}
+};
 
 /// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile {
+struct WideningTile : RegisterTile<WideningTile> {
   using Element = float;
   static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
   static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  static constexpr bool even = true;  // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static void begin() {}
-  static void end() {}
-  /// n numbers, rounded, then zeros up to `padded` (a multiple of 32).
-  static void round_row(const float* x, Index n, Index padded, Element* y) {
+  template <class Number>
+  static void round_row(const float* x, Index n, Index padded, Number* y) {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, Ahead ahead) {
-    multiply_by_height<WideningTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
   }
 
   template <int R>
@@ -32873,8 +32990,9 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
+  const Index pieces = Tile::pieces(depth);
   const bool stream = streams(g, bf16_columns);
-  alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+  Tile tile;
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
@@ -32885,22 +33003,36 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const void* following = j + 1 < j1           ? panel + depth * bf16_columns
-                              : top + rows < r1    ? panels + j0 * depth * bf16_columns
-                                                   : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel);
-      for (Index t = 0; t < tiles; ++t) {
+      const auto* following = static_cast<const std::byte*>(
+          j + 1 < j1        ? panel + depth * bf16_columns
+          : top + rows < r1 ? panels + j0 * depth * bf16_columns
+                            : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel));
+      for (Index step = 0; step < pieces * tiles; ++step) {
+        const Index piece = step / tiles, t = step % tiles;
+        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        Epilogue<float> e{.act = g.act};
-        if (g.bias != nullptr) e.bias = g.bias + column;
-        if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-        float* c = g.c + row * g.ldc + column;
-        Tile::multiply(a + first * pitch, pitch, height, panel, Tile::depth(g.k), stream ? result : c, stream ? bf16_columns : g.ldc,
-                       g.n - column, e, Ahead::share(following, pair_bytes, depth / 2, t, tiles));
-        if (stream) stream_rows(result, height, bf16_columns, c, g.ldc);
+        TileProduct<Element> product{.a = a + first * pitch + k0,
+                                     .pitch = pitch,
+                                     .height = height,
+                                     .panel = panel + k0 * bf16_columns,
+                                     .depth = k1 - k0,
+                                     .c = g.c + row * g.ldc + column,
+                                     .ldc = g.ldc,
+                                     .columns = g.n - column,
+                                     .e = {.act = g.act},
+                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .stream = stream,
+                                     .number = t,
+                                     .first = piece == 0,
+                                     .last = piece + 1 == pieces};
+        if (g.bias != nullptr) product.e.bias = g.bias + column;
+        if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
+        tile.multiply(product);
       }
     }
+    tile.finish();
   }
   if (stream) end_of_streams();
   Tile::end();
@@ -32919,21 +33051,30 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
   }
   static void multiply(const float* a, Index row_stride, Index depth_stride, Index count, Index k, const float* panels, Index n, float* c,
                        Index ldc, float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    const Epilogue<float> plain;
+    Tile tile;
     for (Index first = 0; first < count; first += Tile::rows) {
       const Index height = std::min<Index>(Tile::rows, count - first);
       round_rows<Tile>(a + first * row_stride, row_stride, depth_stride, height, k, depth, rounded_rows, pitch);
       for (Index j = 0; j < n; j += bf16_columns) {
         const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        Tile::multiply(rounded_rows, pitch, height, panel, Tile::depth(k), c + first * ldc + j, ldc, whole_panels ? bf16_columns : n - j, plain,
-                       Ahead{reinterpret_cast<const std::byte*>(panel)});
+        tile.multiply(TileProduct<Element>{.a = rounded_rows,
+                                           .pitch = pitch,
+                                           .height = height,
+                                           .panel = panel,
+                                           .depth = Tile::depth(k),
+                                           .c = c + first * ldc + j,
+                                           .ldc = ldc,
+                                           .columns = whole_panels ? bf16_columns : n - j,
+                                           .ahead = {reinterpret_cast<const std::byte*>(panel)},
+                                           .panel_stays = false});
       }
+      tile.finish();
     }
   }
 };
@@ -32943,7 +33084,7 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack,
+                                 .pack = &bf16_pack<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -33000,32 +33141,23 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 // Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
 // header, and their types differ between compilers.
 
-/// n numbers as the nearest bfloat16 (below 2^-126: 0), then zeros up to `padded`.
-inline void convert_row(const float* x, Index n, Index padded, std::uint16_t* y) {
-  typedef float HalfVector __attribute__((vector_size(32), aligned(2), may_alias));
-  for (Index i = 0; i < padded; i += lanes<float>) {
-    const Vec<float> from = load_first(x + i, n - i);
-    HalfVector h;
-    asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
-    *reinterpret_cast<HalfVector*>(y + i) = h;
+/// Rounds in one instruction: numbers below 2^-126 to 0.
+struct ConvertingTile {
+  using Element = std::uint16_t;
+  static void round_row(const float* x, Index n, Index padded, Element* y) {
+    for (Index i = 0; i < padded; i += lanes<float>) {
+      const Vec<float> from = load_first(x + i, n - i);
+      Halves h;
+      asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
+      *reinterpret_cast<LooseHalves*>(y + i) = h;
+    }
   }
-}
+};
 
 /// AVX512-BF16: one instruction adds 16 sums of two products. AMD since Zen 4, Intel since Cooper Lake.
-struct DotTile {
-  using Element = std::uint16_t;
+struct DotTile : RegisterTile<DotTile>, ConvertingTile {
   static constexpr const char* name = "avx512_bf16";
   static constexpr int rows = MOTIONLANG_TILE_ROWS;
-  static constexpr bool even = true;
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }
-  static void begin() {}
-  static void end() {}
-  static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
-
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, Ahead ahead) {
-    multiply_by_height<DotTile>(a, pitch, height, panel, depth, c, ldc, columns, e, ahead);
-  }
 
   MOTIONLANG_INLINE static Vec<float> add_products(Vec<float> c, const Words& x, const Words& b) {
     asm("vdpbf16ps %2, %1, %0" : "+v"(c) : "v"(x), "v"(b));
@@ -33056,67 +33188,129 @@ struct DotTile {
 
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
-struct AmxTile {
-  using Element = std::uint16_t;
+///
+/// A product is 16 times as fast as in float, so that everything else counts. The sums begin with the bias. A piece of a panel stays in the
+/// first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the products of the next
+/// one, some rows with every step of k: the vector units are idle then.
+class AmxTile : public ConvertingTile {
+ public:
   static constexpr const char* name = "amx";
   static constexpr int rows = 32;
   static constexpr bool even = false;  // 32 rows cost as much as 17
   static constexpr Index depth(Index k) { return bf16_depth(k); }
+  static constexpr Index pieces(Index depth) { return (depth + 511) / 512; }
 
-  struct alignas(64) Shapes {
-    std::uint8_t palette = 1, start_row = 0, reserved[14] = {};
-    std::uint16_t row_bytes[16] = {64, 64, 64, 64, 64, 64, 64, 64};
-    std::uint8_t rows[16] = {16, 16, 16, 16, 16, 16, 16, 16};
-  };
   static void begin() {
     static constexpr Shapes shapes;
     asm volatile("ldtilecfg %0" : : "m"(shapes));
   }
   static void end() { asm volatile("tilerelease"); }
-  static void round_row(const float* x, Index n, Index padded, Element* y) { convert_row(x, n, padded, y); }
 
-  static void multiply(const Element* a, Index pitch, Index height, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                       const Epilogue<float>& e, Ahead ahead) {
-    alignas(64) float own[rows * bf16_columns];
-    const bool direct = e.plain() && height == rows && columns >= bf16_columns;
-    float* sums = direct ? c : own;
-    const Index sums_pitch = direct ? ldc : bf16_columns;
-    const Index a_stride = 2 * pitch, b_stride = 4 * bf16_columns, c_stride = 4 * sums_pitch;  // bytes
-    const bool lower = height > 16;
-    for (Index r = 0; r < height; ++r) fetch_result<float, 1>(c + r * ldc, ldc, e.from_row(r));
-    asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
-    for (Index k = 0; k < depth; k += 32, a += 32, panel += 32 * bf16_columns) {
-      for (Index pair = 0; pair < 16; ++pair) ahead.fetch();
-      asm volatile(
-          "tileloadd (%0,%3,1), %%tmm6\n\t"
-          "tileloadd (%1,%2,1), %%tmm4\n\t"
-          "tileloadd 64(%0,%3,1), %%tmm7\n\t"
-          "tdpbf16ps %%tmm6, %%tmm4, %%tmm0\n\t"
-          "tdpbf16ps %%tmm7, %%tmm4, %%tmm1"
-          :
-          : "r"(panel), "r"(a), "r"(a_stride), "r"(b_stride));
-      if (lower) {
-        asm volatile(
-            "tileloadd (%0,%1,1), %%tmm5\n\t"
-            "tdpbf16ps %%tmm6, %%tmm5, %%tmm2\n\t"
-            "tdpbf16ps %%tmm7, %%tmm5, %%tmm3"
-            :
-            : "r"(a + 16 * pitch), "r"(a_stride));
+  void multiply(const TileProduct<Element>& t) {
+    const bool lower = t.height > 16, whole = t.columns >= bf16_columns;
+    const bool direct = t.first && t.last && t.e.residual == nullptr && t.e.act == Activation::none && t.height == rows && whole && !t.stream;
+    float* own = sums_[t.first && t.last ? turn_ ^= 1 : t.number];
+    if (t.first) begin_with(t.e.bias, whole ? bf16_columns : t.columns);
+    else load_sums(own, lower);
+    const Element* a = t.a;
+    const std::uint16_t* panel = t.panel;
+    const Index a_stride = 2 * t.pitch, steps = t.depth / 32;
+    const Index put_each = (waiting_.height - put_ + steps - 1) / steps;
+    const std::byte* ahead = t.ahead.at;
+    const auto products = [&]<bool panel_stays>() {
+      for (Index step = 0; step < steps; ++step, a += 32, panel += 32 * bf16_columns) {
+        add_products<panel_stays>(a, a_stride, a + 16 * t.pitch, panel, lower);
+        for (const std::byte* end = ahead + 16 * t.ahead.step; ahead < end; ahead += 64) __builtin_prefetch(ahead, 0, 2);
+        put(put_each);
       }
+    };
+    t.panel_stays ? products.template operator()<true>() : products.template operator()<false>();
+    store_sums(direct ? t.c : own, direct ? t.ldc : bf16_columns, lower);
+    if (t.last && !direct) waiting_ = t, waiting_sums_ = own, put_ = 0;
+  }
+  void finish() { put(waiting_.height - put_); }
+
+ private:
+  struct alignas(64) Shapes {
+    std::uint8_t palette = 1, start_row = 0, reserved[14] = {};
+    std::uint16_t row_bytes[16] = {64, 64, 64, 64, 64, 64, 64, 64};
+    std::uint8_t rows[16] = {16, 16, 16, 16, 16, 16, 16, 16};
+  };
+
+  static void begin_with(const float* bias, Index columns) {
+    if (bias == nullptr) {
+      asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
+      return;
     }
-    asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(sums), "r"(c_stride) : "memory");
+    alignas(64) float some[bf16_columns];
+    if (columns < bf16_columns) {
+      for (Index c = 0; c < bf16_columns; ++c) some[c] = c < columns ? bias[c] : 0;
+      bias = some;
+    }
+    asm volatile(  // the same row, 16 times
+        "tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1\n\t"
+        "tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3"
+        :
+        : "r"(bias), "r"(Index{0})
+        : "memory");
+  }
+  /// 32 rows (16 unless `lower`) of 32 numbers times 32 columns. What does not stay is loaded past the first-level cache.
+  template <bool panel_stays>
+  MOTIONLANG_INLINE static void add_products(const Element* upper_rows, Index stride, const Element* lower_rows, const std::uint16_t* panel,
+                                             bool lower) {
+#define MOTIONLANG_LOAD(load_rows, load_columns)                                                     \
+  asm volatile(load_columns " (%0,%3,1), %%tmm6\n\t" load_rows " (%1,%2,1), %%tmm4\n\t"             \
+               load_columns " 64(%0,%3,1), %%tmm7\n\ttdpbf16ps %%tmm6, %%tmm4, %%tmm0\n\t"          \
+               "tdpbf16ps %%tmm7, %%tmm4, %%tmm1"                                                    \
+               :                                                                                     \
+               : "r"(panel), "r"(upper_rows), "r"(stride), "r"(Index{pair_bytes}));                  \
+  if (lower)                                                                                         \
+    asm volatile(load_rows " (%0,%1,1), %%tmm5\n\ttdpbf16ps %%tmm6, %%tmm5, %%tmm2\n\t"             \
+                 "tdpbf16ps %%tmm7, %%tmm5, %%tmm3"                                                  \
+                 :                                                                                   \
+                 : "r"(lower_rows), "r"(stride))
+    if constexpr (panel_stays) {
+      MOTIONLANG_LOAD("tileloaddt1", "tileloadd");
+    } else {
+      MOTIONLANG_LOAD("tileloadd", "tileloaddt1");
+    }
+#undef MOTIONLANG_LOAD
+  }
+  static void load_sums(const float* own, bool lower) {
+    asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(own), "r"(Index{pair_bytes}) : "memory");
     if (lower) {
-      asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)"
-                   :
-                   : "r"(sums + 16 * sums_pitch), "r"(c_stride)
-                   : "memory");
-    }
-    if (direct) return;
-    for (Index r = 0; r < height; ++r) {
-      Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
-      put_result<float, 1>(&c0, &c1, c + r * ldc, ldc, columns, e.from_row(r));
+      own += 16 * bf16_columns;
+      asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3" : : "r"(own), "r"(Index{pair_bytes}) : "memory");
     }
   }
+  static void store_sums(float* c, Index ldc, bool lower) {
+    asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(c), "r"(4 * ldc) : "memory");
+    if (lower) asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+  }
+
+  /// Puts the next rows of the tile that waits.
+  MOTIONLANG_INLINE void put(Index count) {
+    const TileProduct<Element>& w = waiting_;
+    const Index first = put_, n = std::min(count, w.height - first);
+    if (n <= 0) return;
+    put_ += n;
+    float *own = waiting_sums_ + first * bf16_columns, *c = w.c + first * w.ldc;
+    const Index columns = std::min(w.columns, bf16_columns);
+    const bool act = w.e.act != Activation::none;
+    for (Index r = 0; r < n && (w.e.residual != nullptr || !act); ++r) {
+      Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
+      Epilogue<float> e = w.e.from_row(first + r);
+      e.bias = nullptr, e.act = Activation::none;
+      put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
+    }
+    if (act) activate_rows<float>(own, bf16_columns, n, columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
+    if (w.stream) stream_rows(own, n, bf16_columns, c, w.ldc);
+  }
+
+  alignas(64) float sums_[16][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
+  TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
+  float* waiting_sums_ = nullptr;
+  Index put_ = 0, turn_ = 0;  // rows that are put already
 };
 }
 MOTIONLANG_TARGET_POP

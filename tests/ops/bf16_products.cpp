@@ -48,7 +48,8 @@ std::pair<double, double> errors(const ml::Dense<float>& c, Index m, Index n, In
 TEST_CASE("bf16: every form of the product keeps the promised bound, for all kernels") {
   ml::Philox rng{.seed = 3};
   with_every_bf16_kernel([&] {
-    for (const auto& size : {std::array<Index, 3>{1, 1, 1}, {17, 33, 31}, {47, 70, 129}, {5, 64, 700}, {300, 32, 40}}) {
+    for (const auto& size :
+         {std::array<Index, 3>{1, 1, 1}, {17, 33, 31}, {47, 70, 129}, {5, 64, 700}, {300, 32, 40}, {70, 40, 1300}}) {
       const Index m = size[0], n = size[1], k = size[2];
       INFO(m, " x ", n, " x ", k);
       for (bool ta : {false, true}) {
@@ -70,35 +71,37 @@ TEST_CASE("bf16: every form of the product keeps the promised bound, for all ker
 
 TEST_CASE("bf16: prepared weights, any batch and any number of threads give the same bits") {
   ml::Philox rng{.seed = 4};
-  const Index m = 150, n = 90, k = 205;
-  const auto x = Matrix::randn({m, k}, rng), w = Matrix::randn({n, k}, rng), residual = Matrix::randn({m, n}, rng);
-  const auto bias = ml::Tensor<B, 1>::randn({n}, rng);
   const int threads = ml::thread_count();
-  with_every_bf16_kernel([&] {
-    auto run = [&](const ml::Dense<float>& rows, const ml::Dense<float>& weight, const ml::Dense<float>& r) {
-      const auto y = B::linear(rows, weight, &bias.data(), ml::Activation::none, &r);
-      return std::vector<float>(y.span().begin(), y.span().end());
-    };
-    const auto expected = run(x.data(), w.data(), residual.data());
-    const auto prepared = ml::Dense<float>::from_span(w.span(), ml::Shape{n, k});
-    B::prepare(prepared);
-    CHECK(run(x.data(), prepared, residual.data()) == expected);
-    for (int t : {1, 3}) {
-      ml::set_thread_count(t);
+  for (const Index k : {205, 1300}) {
+    const Index m = 150, n = 90;
+    const auto x = Matrix::randn({m, k}, rng), w = Matrix::randn({n, k}, rng), residual = Matrix::randn({m, n}, rng);
+    const auto bias = ml::Tensor<B, 1>::randn({n}, rng);
+    with_every_bf16_kernel([&] {
+      auto run = [&](const ml::Dense<float>& rows, const ml::Dense<float>& weight, const ml::Dense<float>& r) {
+        const auto y = B::linear(rows, weight, &bias.data(), ml::Activation::none, &r);
+        return std::vector<float>(y.span().begin(), y.span().end());
+      };
+      const auto expected = run(x.data(), w.data(), residual.data());
+      const auto prepared = ml::Dense<float>::from_span(w.span(), ml::Shape{n, k});
+      B::prepare(prepared);
       CHECK(run(x.data(), prepared, residual.data()) == expected);
-    }
-    ml::set_thread_count(threads);
-    for (Index row : {0, 77, 149}) {
-      const auto one = run(x.data().rows(row, row + 1), prepared, residual.data().rows(row, row + 1));
-      CHECK(std::equal(one.begin(), one.end(), expected.begin() + row * n));
-    }
-    // A weight that was prepared in another precision is not used by mistake.
-    ml::set_product_precision(ml::Precision::fp32);
-    const auto exact = run(x.data(), w.data(), residual.data());
-    CHECK(run(x.data(), prepared, residual.data()) == exact);
-    CHECK(exact != expected);
-    ml::set_product_precision(ml::Precision::bf16);
-  });
+      for (int t : {1, 3}) {
+        ml::set_thread_count(t);
+        CHECK(run(x.data(), prepared, residual.data()) == expected);
+      }
+      ml::set_thread_count(threads);
+      for (Index row : {0, 77, 149}) {
+        const auto one = run(x.data().rows(row, row + 1), prepared, residual.data().rows(row, row + 1));
+        CHECK(std::equal(one.begin(), one.end(), expected.begin() + row * n));
+      }
+      // A weight that was prepared in another precision is not used by mistake.
+      ml::set_product_precision(ml::Precision::fp32);
+      const auto exact = run(x.data(), w.data(), residual.data());
+      CHECK(run(x.data(), prepared, residual.data()) == exact);
+      CHECK(exact != expected);
+      ml::set_product_precision(ml::Precision::bf16);
+    });
+  }
 }
 
 TEST_CASE("bf16: bias, residual and nonlinearity stay in float; NaN and infinity stay what they are") {
