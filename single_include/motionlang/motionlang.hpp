@@ -2110,7 +2110,8 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// bf16  both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
 ///       prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///       product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
-///       the sum. All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
+///       the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
+///       All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16 };
 
 namespace detail {
@@ -29048,7 +29049,7 @@ struct Kernels {
 };
 
 /// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
-/// are the same for all instruction sets.
+/// are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index (*gemm_rows)(Index k);     // of A in a block
@@ -29467,7 +29468,6 @@ struct Epilogue {
   Index residual_stride = 0;
   Activation act = Activation::none;
 
-  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
   Epilogue from_column(Index column) const {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
@@ -30081,10 +30081,11 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles.
+//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc.
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
+//            bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -30109,10 +30110,9 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE Words widened(const std::uint16_t* h) { return __builtin_convertvector(*reinterpret_cast<const LooseHalves*>(h), Words); }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -30141,19 +30141,16 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of columns of B that are rounded before they are transposed
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
   const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
     const Index columns = std::min(n - j * bf16_columns, bf16_columns);
     if (stride_n == 1) {
-      std::uint16_t *even = lines, *odd = lines + bf16_columns;
       for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        Tile::round_row(in, i < k ? columns : 0, bf16_columns, even);
-        Tile::round_row(in + stride_k, i + 1 < k ? columns : 0, bf16_columns, odd);
-        for (Index c = 0; c < bf16_columns; c += l) store_words(out + 2 * c, widened(even + c) | widened(odd + c) << 16);
+        Tile::round_pairs(in, i < k ? columns : 0, in + stride_k, i + 1 < k ? columns : 0, out);
       }
     } else {
       for (Index i0 = 0; i0 < depth; i0 += block) {
@@ -30178,7 +30175,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -30195,12 +30192,14 @@ struct TileProduct {
   bool first = true, last = true;  // piece of k
 };
 
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all.
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
+///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
   static constexpr bool even = true;  // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index) { return 1; }                 // of k
+  static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
   static void end() {}
 
@@ -30227,12 +30226,17 @@ struct WideningTile : RegisterTile<WideningTile> {
   static void round_row(const float* x, Index n, Index padded, Number* y) {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
+  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
+    for (Index c = 0; c < bf16_columns; c += word_lanes) {
+      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
+    }
+  }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
                       const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+    for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
       if (column > 0) ahead.step = 0;  // once is enough
@@ -30290,7 +30294,6 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
-  const Index pieces = Tile::pieces(depth);
   const bool stream = streams(g, bf16_columns);
   Tile tile;
   Tile::begin();
@@ -30299,6 +30302,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
     const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index pieces = Tile::pieces(depth, tiles);
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -30320,9 +30324,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .depth = k1 - k0,
                                      .c = g.c + row * g.ldc + column,
                                      .ldc = g.ldc,
-                                     .columns = g.n - column,
+                                     .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
                                      .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
                                      .first = piece == 0,
@@ -30332,8 +30337,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         tile.multiply(product);
       }
     }
-    tile.finish();
   }
+  tile.finish();
   if (stream) end_of_streams();
   Tile::end();
 }
@@ -30370,12 +30375,12 @@ struct Bf16Products {
                                            .depth = Tile::depth(k),
                                            .c = c + first * ldc + j,
                                            .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : n - j,
+                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
                                            .ahead = {reinterpret_cast<const std::byte*>(panel)},
                                            .panel_stays = false});
       }
-      tile.finish();
     }
+    tile.finish();
   }
 };
 
@@ -30818,7 +30823,6 @@ struct Epilogue {
   Index residual_stride = 0;
   Activation act = Activation::none;
 
-  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
   Epilogue from_column(Index column) const {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
@@ -31432,10 +31436,11 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles.
+//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc.
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
+//            bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -31460,10 +31465,9 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE Words widened(const std::uint16_t* h) { return __builtin_convertvector(*reinterpret_cast<const LooseHalves*>(h), Words); }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -31492,19 +31496,16 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of columns of B that are rounded before they are transposed
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
   const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
     const Index columns = std::min(n - j * bf16_columns, bf16_columns);
     if (stride_n == 1) {
-      std::uint16_t *even = lines, *odd = lines + bf16_columns;
       for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        Tile::round_row(in, i < k ? columns : 0, bf16_columns, even);
-        Tile::round_row(in + stride_k, i + 1 < k ? columns : 0, bf16_columns, odd);
-        for (Index c = 0; c < bf16_columns; c += l) store_words(out + 2 * c, widened(even + c) | widened(odd + c) << 16);
+        Tile::round_pairs(in, i < k ? columns : 0, in + stride_k, i + 1 < k ? columns : 0, out);
       }
     } else {
       for (Index i0 = 0; i0 < depth; i0 += block) {
@@ -31529,7 +31530,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -31546,12 +31547,14 @@ struct TileProduct {
   bool first = true, last = true;  // piece of k
 };
 
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all.
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
+///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
   static constexpr bool even = true;  // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index) { return 1; }                 // of k
+  static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
   static void end() {}
 
@@ -31578,12 +31581,17 @@ struct WideningTile : RegisterTile<WideningTile> {
   static void round_row(const float* x, Index n, Index padded, Number* y) {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
+  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
+    for (Index c = 0; c < bf16_columns; c += word_lanes) {
+      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
+    }
+  }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
                       const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+    for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
       if (column > 0) ahead.step = 0;  // once is enough
@@ -31641,7 +31649,6 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
-  const Index pieces = Tile::pieces(depth);
   const bool stream = streams(g, bf16_columns);
   Tile tile;
   Tile::begin();
@@ -31650,6 +31657,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
     const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index pieces = Tile::pieces(depth, tiles);
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -31671,9 +31679,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .depth = k1 - k0,
                                      .c = g.c + row * g.ldc + column,
                                      .ldc = g.ldc,
-                                     .columns = g.n - column,
+                                     .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
                                      .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
                                      .first = piece == 0,
@@ -31683,8 +31692,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         tile.multiply(product);
       }
     }
-    tile.finish();
   }
+  tile.finish();
   if (stream) end_of_streams();
   Tile::end();
 }
@@ -31721,12 +31730,12 @@ struct Bf16Products {
                                            .depth = Tile::depth(k),
                                            .c = c + first * ldc + j,
                                            .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : n - j,
+                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
                                            .ahead = {reinterpret_cast<const std::byte*>(panel)},
                                            .panel_stays = false});
       }
-      tile.finish();
     }
+    tile.finish();
   }
 };
 
@@ -32167,7 +32176,6 @@ struct Epilogue {
   Index residual_stride = 0;
   Activation act = Activation::none;
 
-  bool plain() const { return !accumulate && bias == nullptr && residual == nullptr && act == Activation::none; }
   Epilogue from_column(Index column) const {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
@@ -32781,10 +32789,11 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles.
+//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc.
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
+//            bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -32809,10 +32818,9 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
 }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE Words widened(const std::uint16_t* h) { return __builtin_convertvector(*reinterpret_cast<const LooseHalves*>(h), Words); }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -32841,19 +32849,16 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of columns of B that are rounded before they are transposed
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
   const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
     const Index columns = std::min(n - j * bf16_columns, bf16_columns);
     if (stride_n == 1) {
-      std::uint16_t *even = lines, *odd = lines + bf16_columns;
       for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        Tile::round_row(in, i < k ? columns : 0, bf16_columns, even);
-        Tile::round_row(in + stride_k, i + 1 < k ? columns : 0, bf16_columns, odd);
-        for (Index c = 0; c < bf16_columns; c += l) store_words(out + 2 * c, widened(even + c) | widened(odd + c) << 16);
+        Tile::round_pairs(in, i < k ? columns : 0, in + stride_k, i + 1 < k ? columns : 0, out);
       }
     } else {
       for (Index i0 = 0; i0 < depth; i0 += block) {
@@ -32878,7 +32883,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -32895,12 +32900,14 @@ struct TileProduct {
   bool first = true, last = true;  // piece of k
 };
 
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all.
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
+///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
   static constexpr bool even = true;  // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index) { return 1; }                 // of k
+  static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
   static void end() {}
 
@@ -32927,12 +32934,17 @@ struct WideningTile : RegisterTile<WideningTile> {
   static void round_row(const float* x, Index n, Index padded, Number* y) {
     for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
   }
+  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
+    for (Index c = 0; c < bf16_columns; c += word_lanes) {
+      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
+    }
+  }
 
   template <int R>
   static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
                       const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
-    for (Index column = 0; column < std::min(bf16_columns, columns); column += 2 * l) {
+    for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
       fetch_result<float, R>(c + column, ldc, piece);
       if (column > 0) ahead.step = 0;  // once is enough
@@ -32990,7 +33002,6 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
-  const Index pieces = Tile::pieces(depth);
   const bool stream = streams(g, bf16_columns);
   Tile tile;
   Tile::begin();
@@ -32999,6 +33010,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
     const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index pieces = Tile::pieces(depth, tiles);
     const Index row_stride = g.a_transposed ? 1 : g.lda, depth_stride = g.a_transposed ? g.lda : 1;
     round_rows<Tile>(g.a + top * row_stride, row_stride, depth_stride, rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -33020,9 +33032,10 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .depth = k1 - k0,
                                      .c = g.c + row * g.ldc + column,
                                      .ldc = g.ldc,
-                                     .columns = g.n - column,
+                                     .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
                                      .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
                                      .first = piece == 0,
@@ -33032,8 +33045,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         tile.multiply(product);
       }
     }
-    tile.finish();
   }
+  tile.finish();
   if (stream) end_of_streams();
   Tile::end();
 }
@@ -33070,12 +33083,12 @@ struct Bf16Products {
                                            .depth = Tile::depth(k),
                                            .c = c + first * ldc + j,
                                            .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : n - j,
+                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
                                            .ahead = {reinterpret_cast<const std::byte*>(panel)},
                                            .panel_stays = false});
       }
-      tile.finish();
     }
+    tile.finish();
   }
 };
 
@@ -33142,15 +33155,27 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 // header, and their types differ between compilers.
 
 /// Rounds in one instruction: numbers below 2^-126 to 0.
-struct ConvertingTile {
+class ConvertingTile {
+ public:
   using Element = std::uint16_t;
   static void round_row(const float* x, Index n, Index padded, Element* y) {
     for (Index i = 0; i < padded; i += lanes<float>) {
-      const Vec<float> from = load_first(x + i, n - i);
-      Halves h;
-      asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
-      *reinterpret_cast<LooseHalves*>(y + i) = h;
+      *reinterpret_cast<LooseHalves*>(y + i) = rounded(x + i, n - i);
     }
+  }
+  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
+    for (Index c = 0; c < bf16_columns; c += lanes<float>) {
+      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words), second = __builtin_convertvector(rounded(y + c, ny - c), Words);
+      store_words(out + 2 * c, first | second << 16);
+    }
+  }
+
+ private:
+  MOTIONLANG_INLINE static Halves rounded(const float* x, Index n) {
+    const Vec<float> from = load_first(x, n);
+    Halves h;
+    asm("vcvtneps2bf16 %1, %0" : "=v"(h) : "v"(from));
+    return h;
   }
 };
 
@@ -33189,16 +33214,16 @@ struct DotTile : RegisterTile<DotTile>, ConvertingTile {
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// A product is 16 times as fast as in float, so that everything else counts. The sums begin with the bias. A piece of a panel stays in the
-/// first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the products of the next
-/// one, some rows with every step of k: the vector units are idle then.
+/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the bias. A piece of a
+/// panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the
+/// products of the next one, some rows with every step of k: the vector units are idle then.
 class AmxTile : public ConvertingTile {
  public:
   static constexpr const char* name = "amx";
   static constexpr int rows = 32;
   static constexpr bool even = false;  // 32 rows cost as much as 17
   static constexpr Index depth(Index k) { return bf16_depth(k); }
-  static constexpr Index pieces(Index depth) { return (depth + 511) / 512; }
+  static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
 
   static void begin() {
     static constexpr Shapes shapes;
@@ -33207,20 +33232,22 @@ class AmxTile : public ConvertingTile {
   static void end() { asm volatile("tilerelease"); }
 
   void multiply(const TileProduct<Element>& t) {
-    const bool lower = t.height > 16, whole = t.columns >= bf16_columns;
-    const bool direct = t.first && t.last && t.e.residual == nullptr && t.e.act == Activation::none && t.height == rows && whole && !t.stream;
-    float* own = sums_[t.first && t.last ? turn_ ^= 1 : t.number];
-    if (t.first) begin_with(t.e.bias, whole ? bf16_columns : t.columns);
-    else load_sums(own, lower);
+    const bool lower = t.height > 16, once = t.first && t.last;
+    const bool direct = once && t.e.residual == nullptr && t.e.act == Activation::none && t.height == rows && t.columns == bf16_columns && !t.stream;
+    if (once) turn_ = 1 - turn_;
+    float* own = sums_[once ? turn_ : t.number];
+    if (t.first) begin_with(t.e.bias, t.columns, lower);
+    else load_sums(own, bf16_columns, lower);
     const Element* a = t.a;
     const std::uint16_t* panel = t.panel;
     const Index a_stride = 2 * t.pitch, steps = t.depth / 32;
     const Index put_each = (waiting_.height - put_ + steps - 1) / steps;
-    const std::byte* ahead = t.ahead.at;
+    Ahead ahead = t.ahead;
     const auto products = [&]<bool panel_stays>() {
       for (Index step = 0; step < steps; ++step, a += 32, panel += 32 * bf16_columns) {
         add_products<panel_stays>(a, a_stride, a + 16 * t.pitch, panel, lower);
-        for (const std::byte* end = ahead + 16 * t.ahead.step; ahead < end; ahead += 64) __builtin_prefetch(ahead, 0, 2);
+#pragma GCC unroll 16
+        for (int pair = 0; pair < 16; ++pair) ahead.fetch();
         put(put_each);
       }
     };
@@ -33237,24 +33264,20 @@ class AmxTile : public ConvertingTile {
     std::uint8_t rows[16] = {16, 16, 16, 16, 16, 16, 16, 16};
   };
 
-  static void begin_with(const float* bias, Index columns) {
+  static void begin_with(const float* bias, Index columns, bool lower) {
     if (bias == nullptr) {
       asm volatile("tilezero %%tmm0\n\ttilezero %%tmm1\n\ttilezero %%tmm2\n\ttilezero %%tmm3" : : : "memory");
       return;
     }
-    alignas(64) float some[bf16_columns];
+    float some[bf16_columns] = {};
     if (columns < bf16_columns) {
-      for (Index c = 0; c < bf16_columns; ++c) some[c] = c < columns ? bias[c] : 0;
+      std::copy(bias, bias + columns, some);
       bias = some;
     }
-    asm volatile(  // the same row, 16 times
-        "tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1\n\t"
-        "tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3"
-        :
-        : "r"(bias), "r"(Index{0})
-        : "memory");
+    load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// 32 rows (16 unless `lower`) of 32 numbers times 32 columns. What does not stay is loaded past the first-level cache.
+  /// 32 rows (16 unless `lower`) of 32 numbers times 32 columns. What does not stay is loaded past the first-level cache. Memory is read, which
+  /// the compiler is not told: it knows of those instructions that begin and store the sums.
   template <bool panel_stays>
   MOTIONLANG_INLINE static void add_products(const Element* upper_rows, Index stride, const Element* lower_rows, const std::uint16_t* panel,
                                              bool lower) {
@@ -33276,12 +33299,9 @@ class AmxTile : public ConvertingTile {
     }
 #undef MOTIONLANG_LOAD
   }
-  static void load_sums(const float* own, bool lower) {
-    asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(own), "r"(Index{pair_bytes}) : "memory");
-    if (lower) {
-      own += 16 * bf16_columns;
-      asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3" : : "r"(own), "r"(Index{pair_bytes}) : "memory");
-    }
+  static void load_sums(const float* c, Index ldc, bool lower) {
+    asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(c), "r"(4 * ldc) : "memory");
+    if (lower) asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
   }
   static void store_sums(float* c, Index ldc, bool lower) {
     asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(c), "r"(4 * ldc) : "memory");
@@ -33295,7 +33315,6 @@ class AmxTile : public ConvertingTile {
     if (n <= 0) return;
     put_ += n;
     float *own = waiting_sums_ + first * bf16_columns, *c = w.c + first * w.ldc;
-    const Index columns = std::min(w.columns, bf16_columns);
     const bool act = w.e.act != Activation::none;
     for (Index r = 0; r < n && (w.e.residual != nullptr || !act); ++r) {
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
@@ -33303,14 +33322,15 @@ class AmxTile : public ConvertingTile {
       e.bias = nullptr, e.act = Activation::none;
       put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
     }
-    if (act) activate_rows<float>(own, bf16_columns, n, columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
+    if (act) activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
     if (w.stream) stream_rows(own, n, bf16_columns, c, w.ldc);
   }
 
   alignas(64) float sums_[16][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
   TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
-  Index put_ = 0, turn_ = 0;  // rows that are put already
+  Index put_ = 0;   // rows that are put already
+  Index turn_ = 0;  // which of two sums
 };
 }
 MOTIONLANG_TARGET_POP

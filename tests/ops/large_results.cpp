@@ -16,9 +16,9 @@ namespace {
 
 /// m rows of n columns; `few` at a time are smaller than any cache.
 template <class S>
-void check_large(Index m, Index n) {
+void check_large(Index m, Index n, Index k = 5) {
   using B = ml::EigenBackend<S>;
-  const Index k = 5, few = 200;
+  const Index few = 200;
   const auto x = tensors::normal<B, 2>({m, k}, 1), weight = tensors::normal<B, 2>({n, k}, 2),
              residual = tensors::normal<B, 2>({m, n}, 3);
   const auto bias = tensors::normal<B, 1>({n}, 4);
@@ -52,5 +52,6 @@ TEST_CASE("in bfloat16") {
     check_large<float>(8203, 512);
     check_large<float>(8203, 520);
     check_large<float>(1030, 1024);
+    check_large<float>(1030, 1024, 600);  // k in pieces
   });
 }

@@ -12,7 +12,8 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// bf16  both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
 ///       prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///       product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
-///       the sum. All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
+///       the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
+///       All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16 };
 
 namespace detail {

@@ -132,7 +132,7 @@ struct Kernels {
 };
 
 /// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
-/// are the same for all instruction sets.
+/// are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index (*gemm_rows)(Index k);     // of A in a block
