@@ -30138,34 +30138,47 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
+/// Asks for a row of a panel's width.
+MOTIONLANG_INLINE void fetch_row(const float* x) {
+  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
+}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  for (Index j = first; j < last; ++j) {
+  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
+    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
+    for (Index left = first; left < last; left += panel_block) {
+      for (Index i = 0; i < depth; i += 2) {
+        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
+        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          const Index columns = n - j * bf16_columns;
+          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
+        }
+      }
+    }
+    return;
+  }
+  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
-    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
-    if (stride_n == 1) {
-      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        Tile::round_pairs(in, i < k ? columns : 0, in + stride_k, i + 1 < k ? columns : 0, out);
+    const Index columns = n - j * bf16_columns;
+    for (Index i0 = 0; i0 < depth; i0 += block) {
+      const Index length = std::min(block, depth - i0);
+      for (Index c = 0; c < bf16_columns; ++c) {
+        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
-    } else {
-      for (Index i0 = 0; i0 < depth; i0 += block) {
-        const Index length = std::min(block, depth - i0);
-        for (Index c = 0; c < bf16_columns; ++c) {
-          Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
-        }
-        for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-          for (Index c = 0; c < bf16_columns; c += l) {
-            Vec<float> square[lanes<float>];  // column, pair
+      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
 #pragma GCC unroll 16
-            for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-            transpose_lanes<float>(square);
-            for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-          }
+          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
         }
       }
     }
@@ -31493,34 +31506,47 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
+/// Asks for a row of a panel's width.
+MOTIONLANG_INLINE void fetch_row(const float* x) {
+  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
+}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  for (Index j = first; j < last; ++j) {
+  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
+    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
+    for (Index left = first; left < last; left += panel_block) {
+      for (Index i = 0; i < depth; i += 2) {
+        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
+        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          const Index columns = n - j * bf16_columns;
+          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
+        }
+      }
+    }
+    return;
+  }
+  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
-    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
-    if (stride_n == 1) {
-      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        Tile::round_pairs(in, i < k ? columns : 0, in + stride_k, i + 1 < k ? columns : 0, out);
+    const Index columns = n - j * bf16_columns;
+    for (Index i0 = 0; i0 < depth; i0 += block) {
+      const Index length = std::min(block, depth - i0);
+      for (Index c = 0; c < bf16_columns; ++c) {
+        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
-    } else {
-      for (Index i0 = 0; i0 < depth; i0 += block) {
-        const Index length = std::min(block, depth - i0);
-        for (Index c = 0; c < bf16_columns; ++c) {
-          Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
-        }
-        for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-          for (Index c = 0; c < bf16_columns; c += l) {
-            Vec<float> square[lanes<float>];  // column, pair
+      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
 #pragma GCC unroll 16
-            for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-            transpose_lanes<float>(square);
-            for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-          }
+          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
         }
       }
     }
@@ -32846,34 +32872,47 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
+/// Asks for a row of a panel's width.
+MOTIONLANG_INLINE void fetch_row(const float* x) {
+  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
+}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  for (Index j = first; j < last; ++j) {
+  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
+    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
+    for (Index left = first; left < last; left += panel_block) {
+      for (Index i = 0; i < depth; i += 2) {
+        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
+        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          const Index columns = n - j * bf16_columns;
+          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
+        }
+      }
+    }
+    return;
+  }
+  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride_n;
-    const Index columns = std::min(n - j * bf16_columns, bf16_columns);
-    if (stride_n == 1) {
-      for (Index i = 0; i < depth; i += 2, out += 2 * bf16_columns, in += 2 * stride_k) {
-        Tile::round_pairs(in, i < k ? columns : 0, in + stride_k, i + 1 < k ? columns : 0, out);
+    const Index columns = n - j * bf16_columns;
+    for (Index i0 = 0; i0 < depth; i0 += block) {
+      const Index length = std::min(block, depth - i0);
+      for (Index c = 0; c < bf16_columns; ++c) {
+        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
-    } else {
-      for (Index i0 = 0; i0 < depth; i0 += block) {
-        const Index length = std::min(block, depth - i0);
-        for (Index c = 0; c < bf16_columns; ++c) {
-          Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
-        }
-        for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-          for (Index c = 0; c < bf16_columns; c += l) {
-            Vec<float> square[lanes<float>];  // column, pair
+      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
 #pragma GCC unroll 16
-            for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-            transpose_lanes<float>(square);
-            for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-          }
+          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
         }
       }
     }
