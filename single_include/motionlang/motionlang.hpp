@@ -29139,6 +29139,11 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
 MOTIONLANG_INLINE void end_of_streams() {
 #if defined(__x86_64__)
   __builtin_ia32_sfence();
@@ -29402,11 +29407,12 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;  // of rows in a block
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
   constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
@@ -29633,7 +29639,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index k = 0; k < depth; ++k) {
           const S* from = g.a + (k0 + k) * g.lda + top;
           if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+            fetch(from + 16 * g.lda, rows);
           }
           std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
         }
@@ -30084,8 +30090,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
-//            bias is the first number of a sum.)
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -30138,10 +30143,6 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Asks for a row of a panel's width.
-MOTIONLANG_INLINE void fetch_row(const float* x) {
-  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
-}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
@@ -30155,7 +30156,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
         const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
         std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
         for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
           const Index columns = n - j * bf16_columns;
           Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
         }
@@ -30507,6 +30508,11 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
 MOTIONLANG_INLINE void end_of_streams() {
 #if defined(__x86_64__)
   __builtin_ia32_sfence();
@@ -30770,11 +30776,12 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;  // of rows in a block
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
   constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
@@ -31001,7 +31008,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index k = 0; k < depth; ++k) {
           const S* from = g.a + (k0 + k) * g.lda + top;
           if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+            fetch(from + 16 * g.lda, rows);
           }
           std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
         }
@@ -31452,8 +31459,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
-//            bias is the first number of a sum.)
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -31506,10 +31512,6 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Asks for a row of a panel's width.
-MOTIONLANG_INLINE void fetch_row(const float* x) {
-  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
-}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
@@ -31523,7 +31525,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
         const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
         std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
         for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
           const Index columns = n - j * bf16_columns;
           Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
         }
@@ -31873,6 +31875,11 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
 MOTIONLANG_INLINE void end_of_streams() {
 #if defined(__x86_64__)
   __builtin_ia32_sfence();
@@ -32136,11 +32143,12 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;  // of rows in a block
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
   constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
@@ -32367,7 +32375,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index k = 0; k < depth; ++k) {
           const S* from = g.a + (k0 + k) * g.lda + top;
           if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+            fetch(from + 16 * g.lda, rows);
           }
           std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
         }
@@ -32818,8 +32826,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
-//            bias is the first number of a sum.)
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -32872,10 +32879,6 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Asks for a row of a panel's width.
-MOTIONLANG_INLINE void fetch_row(const float* x) {
-  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
-}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
@@ -32889,7 +32892,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
         const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
         std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
         for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
           const Index columns = n - j * bf16_columns;
           Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
         }
@@ -33365,7 +33368,7 @@ class AmxTile : public ConvertingTile {
     if (w.stream) stream_rows(own, n, bf16_columns, c, w.ldc);
   }
 
-  alignas(64) float sums_[16][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
+  alignas(64) float sums_[most_tiles][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
   TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
   Index put_ = 0;   // rows that are put already
@@ -33950,13 +33953,9 @@ struct ScanKernels {
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
 
-/// Bytes that scans ask for ahead of what they read: further than some processors do by themselves (Intel: 12 % more a second).
-inline constexpr Index scan_ahead = 1024;
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 % more a second).
 template <class Number>
-MOTIONLANG_INLINE void fetch_ahead(const Number* x, Index n) {
-  constexpr Index line = 64 / static_cast<Index>(sizeof(Number));
-  for (Index i = 0; i < n; i += line) __builtin_prefetch(x + i + scan_ahead / static_cast<Index>(sizeof(Number)));
-}
+inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
 /// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
 template <class S>
@@ -33967,7 +33966,7 @@ void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
     Vec<S> s0{}, s1{}, s2{}, s3{};
     Index i = 0;
     for (; i + 4 * l <= width; i += 4 * l) {
-      fetch_ahead(x + i, 4 * l);
+      fetch(x + i + scan_ahead<S>, 4 * l);
       s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
       s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
     }
@@ -33997,7 +33996,7 @@ void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S*
     const std::uint16_t* x = rows + r * width;
     Vec<S> s0{}, s1{};
     for (Index i = 0; i < whole; i += 2 * l) {
-      fetch_ahead(x + i, 2 * l);
+      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
       Vec<S> even, odd;
       widen_pairs<S>(x + i, even, odd);
       s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);
@@ -34075,13 +34074,9 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
 
-/// Bytes that scans ask for ahead of what they read: further than some processors do by themselves (Intel: 12 % more a second).
-inline constexpr Index scan_ahead = 1024;
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 % more a second).
 template <class Number>
-MOTIONLANG_INLINE void fetch_ahead(const Number* x, Index n) {
-  constexpr Index line = 64 / static_cast<Index>(sizeof(Number));
-  for (Index i = 0; i < n; i += line) __builtin_prefetch(x + i + scan_ahead / static_cast<Index>(sizeof(Number)));
-}
+inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
 /// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
 template <class S>
@@ -34092,7 +34087,7 @@ void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
     Vec<S> s0{}, s1{}, s2{}, s3{};
     Index i = 0;
     for (; i + 4 * l <= width; i += 4 * l) {
-      fetch_ahead(x + i, 4 * l);
+      fetch(x + i + scan_ahead<S>, 4 * l);
       s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
       s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
     }
@@ -34122,7 +34117,7 @@ void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S*
     const std::uint16_t* x = rows + r * width;
     Vec<S> s0{}, s1{};
     for (Index i = 0; i < whole; i += 2 * l) {
-      fetch_ahead(x + i, 2 * l);
+      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
       Vec<S> even, odd;
       widen_pairs<S>(x + i, even, odd);
       s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);
@@ -34200,13 +34195,9 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
 
-/// Bytes that scans ask for ahead of what they read: further than some processors do by themselves (Intel: 12 % more a second).
-inline constexpr Index scan_ahead = 1024;
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 % more a second).
 template <class Number>
-MOTIONLANG_INLINE void fetch_ahead(const Number* x, Index n) {
-  constexpr Index line = 64 / static_cast<Index>(sizeof(Number));
-  for (Index i = 0; i < n; i += line) __builtin_prefetch(x + i + scan_ahead / static_cast<Index>(sizeof(Number)));
-}
+inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
 /// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
 template <class S>
@@ -34217,7 +34208,7 @@ void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
     Vec<S> s0{}, s1{}, s2{}, s3{};
     Index i = 0;
     for (; i + 4 * l <= width; i += 4 * l) {
-      fetch_ahead(x + i, 4 * l);
+      fetch(x + i + scan_ahead<S>, 4 * l);
       s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
       s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
     }
@@ -34247,7 +34238,7 @@ void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S*
     const std::uint16_t* x = rows + r * width;
     Vec<S> s0{}, s1{};
     for (Index i = 0; i < whole; i += 2 * l) {
-      fetch_ahead(x + i, 2 * l);
+      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
       Vec<S> even, odd;
       widen_pairs<S>(x + i, even, odd);
       s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);

@@ -2514,6 +2514,11 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
 MOTIONLANG_INLINE void end_of_streams() {
 #if defined(__x86_64__)
   __builtin_ia32_sfence();
@@ -2777,11 +2782,12 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;  // of rows in a block
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
   constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
@@ -3008,7 +3014,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index k = 0; k < depth; ++k) {
           const S* from = g.a + (k0 + k) * g.lda + top;
           if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+            fetch(from + 16 * g.lda, rows);
           }
           std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
         }
@@ -3459,8 +3465,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
-//            bias is the first number of a sum.)
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -3513,10 +3518,6 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Asks for a row of a panel's width.
-MOTIONLANG_INLINE void fetch_row(const float* x) {
-  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
-}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
@@ -3530,7 +3531,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
         const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
         std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
         for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
           const Index columns = n - j * bf16_columns;
           Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
         }
@@ -3882,6 +3883,11 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
 MOTIONLANG_INLINE void end_of_streams() {
 #if defined(__x86_64__)
   __builtin_ia32_sfence();
@@ -4145,11 +4151,12 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;  // of rows in a block
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
   constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
@@ -4376,7 +4383,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index k = 0; k < depth; ++k) {
           const S* from = g.a + (k0 + k) * g.lda + top;
           if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+            fetch(from + 16 * g.lda, rows);
           }
           std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
         }
@@ -4827,8 +4834,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
-//            bias is the first number of a sum.)
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -4881,10 +4887,6 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Asks for a row of a panel's width.
-MOTIONLANG_INLINE void fetch_row(const float* x) {
-  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
-}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
@@ -4898,7 +4900,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
         const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
         std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
         for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
           const Index columns = n - j * bf16_columns;
           Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
         }
@@ -5248,6 +5250,11 @@ MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
   store(p, v);
 #endif
 }
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
 MOTIONLANG_INLINE void end_of_streams() {
 #if defined(__x86_64__)
   __builtin_ia32_sfence();
@@ -5511,11 +5518,12 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;  // of rows in a block
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most 16 tiles.
+/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
   constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, 16) * tile;
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
@@ -5742,7 +5750,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
         for (Index k = 0; k < depth; ++k) {
           const S* from = g.a + (k0 + k) * g.lda + top;
           if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            for (Index r = 0; r < rows; r += 64 / static_cast<Index>(sizeof(S))) __builtin_prefetch(from + 16 * g.lda + r);
+            fetch(from + 16 * g.lda, rows);
           }
           std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
         }
@@ -6193,8 +6201,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 //            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the
-//            bias is the first number of a sum.)
+//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
 //   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
@@ -6247,10 +6254,6 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Asks for a row of a panel's width.
-MOTIONLANG_INLINE void fetch_row(const float* x) {
-  for (Index c = 0; c < bf16_columns; c += 16) __builtin_prefetch(x + c);
-}
 /// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
 template <class Tile>
 void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
@@ -6264,7 +6267,7 @@ void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n,
         const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
         std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
         for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch_row(even + ahead * stride_k), fetch_row(odd + ahead * stride_k);
+          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
           const Index columns = n - j * bf16_columns;
           Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
         }
@@ -6740,7 +6743,7 @@ class AmxTile : public ConvertingTile {
     if (w.stream) stream_rows(own, n, bf16_columns, c, w.ldc);
   }
 
-  alignas(64) float sums_[16][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
+  alignas(64) float sums_[most_tiles][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
   TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
   Index put_ = 0;   // rows that are put already
