@@ -85,7 +85,7 @@ class Failed(Exception):
 @dataclasses.dataclass
 class Measured:
     value: float       # milliseconds, or what else the work is about; the median
-    gflops: float = 0  # of the fastest run
+    gflops: float = 0  # and the peak beside them, of the turn whose share is the median
     peak: float = 0
 
 
@@ -99,8 +99,7 @@ def run(command, environment=None):
     found = collections.defaultdict(list)
     for r in csv.reader(io.StringIO(out.stdout)):
         if len(r) > 5:
-            best, median, gflop, peak = (float(r[i]) if len(r) > i else 0 for i in (4, 5, 7, 9))
-            found[r[1], r[2]].append(Measured(median, gflop / best * 1e3, peak))
+            found[r[1], r[2]].append(Measured(*(float(r[i]) if len(r) > i else 0 for i in (5, 8, 9))))
     return {key: sorted(all_of_it, key=lambda m: m.value)[len(all_of_it) // 2] for key, all_of_it in found.items()}
 
 
