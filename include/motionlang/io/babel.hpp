@@ -15,13 +15,15 @@
 #include <algorithm>      // stable_sort
 #include <cmath>          // isfinite
 #include <unordered_map>  // spelling
+#include <utility>        // exchange
 
 #include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/timeline.hpp>
-#include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/annotations.hpp>
 #include <motionlang/io/detail/annotated_times.hpp>
 #include <motionlang/io/json_members.hpp>
+#include <motionlang/text/unicode.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -132,16 +134,35 @@ class BabelFile {
 /// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-/// The label word by word through the table, joined by single blanks. The published table is the user's to supply.
+namespace detail {
+
+/// What str.split() of Python splits at.
+constexpr bool splits_label(char32_t c) {
+  return c != invalid_code_point && ((char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F));
+}
+
+}  // namespace detail
+
+/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by nothing. The
+/// published table is the user's to supply.
 inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
-  std::string out;
-  for (label = detail::trim(label); !label.empty(); label = detail::trim(label)) {
-    std::string word(label.substr(0, std::min(label.find_first_of(" \t\r\n\v\f"), label.size())));
-    label.remove_prefix(word.size());
-    if (const auto found = spelling.find(word); found != spelling.end()) word = found->second;
-    if (!out.empty()) out += ' ';
-    out += word;
+  std::string out, word;
+  bool first = true;
+  const auto end_of_word = [&] {
+    if (word.empty()) return;
+    if (!std::exchange(first, false)) out += ' ';
+    const auto found = spelling.find(word);
+    out += found == spelling.end() ? word : found->second;
+    word.clear();
+  };
+  for (std::size_t at = 0; at < label.size();) {
+    const std::size_t start = at;
+    if (detail::splits_label(decode_utf8(label, at)))
+      end_of_word();
+    else
+      word += label.substr(start, at - start);
   }
+  end_of_word();
   return out;
 }
 

@@ -120,6 +120,11 @@ TEST_CASE("BABEL: cleaning of labels") {
   CHECK(ml::clean_babel_label("turn round and round", spelling) == "turn around and around");
   CHECK(ml::clean_babel_label("plain") == "plain");
   CHECK(ml::clean_babel_label(" \t ").empty());
+  CHECK(ml::clean_babel_label("walk uh on", spelling) == "walk  on");
+  CHECK(ml::clean_babel_label("uh uh run", spelling) == "  run");
+  CHECK(ml::clean_babel_label("uh", spelling).empty());
+  CHECK(ml::clean_babel_label("run\u00A0\u3000fast\x1C", spelling) == "run fast");
+  CHECK(ml::clean_babel_label("\xFF onn", spelling) == "\xFF on");
 }
 
 TEST_CASE("BABEL: refused with the place") {
