@@ -1103,9 +1103,14 @@ template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
   constexpr Bits exponent = std::bit_cast<Bits>(std::numeric_limits<S>::infinity());
-  Bits wrong = 0;
-  for (const S x : numbers) wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
-  return wrong == 0;
+  std::atomic<bool> finite{true};
+  parallel_ranges(std::ssize(numbers), 1, [&](Index first, Index last) {
+    Bits wrong = 0;
+    for (const S x : numbers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)))
+      wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
+    if (wrong != 0) finite.store(false, std::memory_order_relaxed);
+  });
+  return finite;
 }
 }  // namespace detail
 
@@ -1304,9 +1309,15 @@ void copy_small(Tensor<B, R>& t) {
   }
 }
 
+/// Tensors share * count / shares and on, up to those of the next share, are made ready; without shares they are counted only.
 struct PrepareLoaded {
+  Index share, shares, count;
+  Index& at;
+
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
+    const Index i = at++;
+    if (i * shares < share * count || i * shares >= (share + 1) * count) return;
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -1328,10 +1339,17 @@ struct PrepareLoadedOnce {
 
 /// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
 /// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers.
+/// Weights that had to be converted are packed beside their numbers. Every thread takes some tensors: new memory is slow to come, and
+/// a thread gets it for itself.
 template <Module M>
 void prepare_loaded(M& model) {
-  visit_tensors(model, detail::PrepareLoaded{});
+  Index count = 0;
+  visit_tensors(model, detail::PrepareLoaded{0, 0, 0, count});
+  const Index shares = parallel_width();
+  parallel_for(shares, [&](Index share) {
+    Index at = 0;
+    visit_tensors(model, detail::PrepareLoaded{share, shares, count, at});
+  });
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -7239,16 +7257,35 @@ class BabelFile {
 /// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-/// The label word by word through the table, joined by single blanks. The published table is the user's to supply.
+namespace detail {
+
+/// What str.split() of Python splits at.
+constexpr bool splits_label(char32_t c) {
+  return c != invalid_code_point && ((char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F));
+}
+
+}  // namespace detail
+
+/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by nothing. The
+/// published table is the user's to supply.
 inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
-  std::string out;
-  for (label = detail::trim(label); !label.empty(); label = detail::trim(label)) {
-    std::string word(label.substr(0, std::min(label.find_first_of(" \t\r\n\v\f"), label.size())));
-    label.remove_prefix(word.size());
-    if (const auto found = spelling.find(word); found != spelling.end()) word = found->second;
-    if (!out.empty()) out += ' ';
-    out += word;
+  std::string out, word;
+  bool first = true;
+  const auto end_of_word = [&] {
+    if (word.empty()) return;
+    if (!std::exchange(first, false)) out += ' ';
+    const auto found = spelling.find(word);
+    out += found == spelling.end() ? word : found->second;
+    word.clear();
+  };
+  for (std::size_t at = 0; at < label.size();) {
+    const std::size_t start = at;
+    if (detail::splits_label(decode_utf8(label, at)))
+      end_of_word();
+    else
+      word += label.substr(start, at - start);
   }
+  end_of_word();
   return out;
 }
 

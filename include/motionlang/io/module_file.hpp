@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>  // find_if
+#include <atomic>     // a finding of several threads
 #include <bit>        // bit_cast
 #include <cmath>      // isfinite
 #include <cstdint>    // bit patterns
@@ -11,6 +12,7 @@
 #include <set>        // names
 
 #include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/parallel.hpp>
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
@@ -33,9 +35,14 @@ template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
   constexpr Bits exponent = std::bit_cast<Bits>(std::numeric_limits<S>::infinity());
-  Bits wrong = 0;
-  for (const S x : numbers) wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
-  return wrong == 0;
+  std::atomic<bool> finite{true};
+  parallel_ranges(std::ssize(numbers), 1, [&](Index first, Index last) {
+    Bits wrong = 0;
+    for (const S x : numbers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)))
+      wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
+    if (wrong != 0) finite.store(false, std::memory_order_relaxed);
+  });
+  return finite;
 }
 }  // namespace detail
 
@@ -234,9 +241,15 @@ void copy_small(Tensor<B, R>& t) {
   }
 }
 
+/// Tensors share * count / shares and on, up to those of the next share, are made ready; without shares they are counted only.
 struct PrepareLoaded {
+  Index share, shares, count;
+  Index& at;
+
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
+    const Index i = at++;
+    if (i * shares < share * count || i * shares >= (share + 1) * count) return;
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -258,10 +271,17 @@ struct PrepareLoadedOnce {
 
 /// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
 /// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers.
+/// Weights that had to be converted are packed beside their numbers. Every thread takes some tensors: new memory is slow to come, and
+/// a thread gets it for itself.
 template <Module M>
 void prepare_loaded(M& model) {
-  visit_tensors(model, detail::PrepareLoaded{});
+  Index count = 0;
+  visit_tensors(model, detail::PrepareLoaded{0, 0, 0, count});
+  const Index shares = parallel_width();
+  parallel_for(shares, [&](Index share) {
+    Index at = 0;
+    visit_tensors(model, detail::PrepareLoaded{share, shares, count, at});
+  });
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

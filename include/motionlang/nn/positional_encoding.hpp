@@ -5,6 +5,7 @@
 #include <cmath>  // exp, sin, cos
 
 #include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/parallel.hpp>
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
@@ -17,16 +18,19 @@ template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
   std::vector<typename B::scalar> table(static_cast<std::size_t>(rows * width));
+  std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
-  for (Index i = 0; i < width / 2; ++i) {
-    const float w = std::exp(static_cast<float>(2 * i) * c);
-    for (Index p = 0; p < rows; ++p) {
-      const float angle = static_cast<float>(p) * w;
-      auto* at = &table[static_cast<std::size_t>(p * width + 2 * i)];
-      at[0] = static_cast<typename B::scalar>(std::sin(angle));
-      at[1] = static_cast<typename B::scalar>(std::cos(angle));
+  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
+  parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
+    for (Index p = first; p < last; ++p) {
+      auto* at = &table[static_cast<std::size_t>(p * width)];
+      for (const float w : frequencies) {
+        const float angle = static_cast<float>(p) * w;
+        *at++ = static_cast<typename B::scalar>(std::sin(angle));
+        *at++ = static_cast<typename B::scalar>(std::cos(angle));
+      }
     }
-  }
+  });
   return Tensor<B, 2>::from(table, {rows, width});
 }
 
