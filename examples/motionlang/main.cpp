@@ -1,6 +1,7 @@
 // motionlang: timelines of texts to 3D human motion, and what belongs to it. See README.md.
 #include <csignal>
 #include <cstdio>
+#include <new>
 
 #include <motionlang/core/error.hpp>
 #include <motionlang/version.hpp>
@@ -76,6 +77,9 @@ int main(int argc, char** argv) {
   } catch (const motionlang::cancelled&) {
     std::fprintf(stderr, "\nstopped\n");
     return program::stopped;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "there is not enough memory for this\n");
+    return program::failed;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return program::failed;

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <string>
 
+#include <motionlang/core/utf8.hpp>
+
 #include "formatted.hpp"
 
 namespace program {
@@ -49,6 +51,15 @@ inline CLI::Validator seed_number() {
         const auto [last, status] = std::from_chars(text.data(), end, x);
         const bool good = status == std::errc{} && last == end;
         return good ? std::string() : "'" + text + "' is not a whole number from 0 to 18446744073709551615";
+      },
+      "");
+}
+
+/// Of a text for a model.
+inline CLI::Validator readable() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return std::string(text.empty() ? "is empty" : motionlang::is_utf8(text) ? "" : "is not UTF-8");
       },
       "");
 }

@@ -2144,8 +2144,9 @@ class Progress {
   template <class F>
   requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
       Progress(F& f)
-      : object_(const_cast<void*>(static_cast<const void*>(&f))),
-        call_([](void* object, Index done, Index total) -> bool { return (*static_cast<F*>(object))(done, total); }) {}
+      : object_(address(f)), call_([](void* object, Index done, Index total) -> bool {
+          return (*reinterpret_cast<F*>(object))(done, total);
+        }) {}
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
@@ -2153,6 +2154,14 @@ class Progress {
   }
 
  private:
+  template <class F>
+  static void* address(F& f) {
+    if constexpr (std::is_function_v<F>)
+      return reinterpret_cast<void*>(&f);
+    else
+      return const_cast<void*>(static_cast<const void*>(std::addressof(f)));
+  }
+
   void* object_ = nullptr;
   bool (*call_)(void*, Index, Index) = nullptr;
 };
@@ -2636,6 +2645,16 @@ class Tensor {
   typename B::tensor data_{};
 };
 
+namespace detail {
+
+/// For operations whose result would not show it. Throws shape_error 206 for a tensor that is none yet.
+template <Backend B, int R>
+void require_tensor(std::string_view op, const Tensor<B, R>& t) {
+  if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
+}
+
+}  // namespace detail
+
 template <class T>
 inline constexpr bool is_tensor = false;
 template <class B, int R>
@@ -2810,10 +2829,12 @@ Tensor<B, R> where_less(const Tensor<B, R>& a, const Tensor<B, R>& b, const Tens
 /// Sum along one axis, which disappears. Negative axes count from the end.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> sum(const Tensor<B, R>& a, int axis) {
+  detail::require_tensor("sum", a);
   return Tensor<B, R - 1>(B::sum(a.data(), normalize_axis(axis, R, "sum")));
 }
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> max(const Tensor<B, R>& a, int axis) {
+  detail::require_tensor("max", a);
   return Tensor<B, R - 1>(B::max(a.data(), normalize_axis(axis, R, "max")));
 }
 template <Backend B, int R>
@@ -2823,6 +2844,7 @@ requires(R > 0) Tensor<B, R - 1> mean(const Tensor<B, R>& a, int axis) {
 /// Sum and mean of everything.
 template <Backend B, int R>
 Tensor<B, 0> sum(const Tensor<B, R>& a) {
+  detail::require_tensor("sum", a);
   return Tensor<B, 0>(B::sum(B::reshape(a.data(), Shape{a.count()}), 0));
 }
 template <Backend B, int R>
@@ -2836,6 +2858,8 @@ struct MatmulOptions {
 /// Product of the last two axes; leading axes are equal. Throws shape_error 201 or 204.
 template <Backend B, int R>
 requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& b, MatmulOptions options = {}) {
+  detail::require_tensor("matmul", a);
+  detail::require_tensor("matmul", b);
   const Shape sa = a.shape(), sb = b.shape();
   for (int i = 0; i < R - 2; ++i) {
     if (sa[i] != sb[i]) raise<shape_error>(204, "matmul: leading sizes differ: lhs ", sa, ", rhs ", sb);
@@ -2867,6 +2891,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
 Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& sizes) {
+  detail::require_tensor("reshape", a);
   Index known = 1;
   int unknown = -1;
   for (int i = 0; i < New; ++i) {
@@ -2886,6 +2911,7 @@ Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& size
 /// out[i_axes[0], i_axes[1], ...] = a[i_0, i_1, ...]
 template <Backend B, int R>
 Tensor<B, R> permute(const Tensor<B, R>& a, const std::array<int, static_cast<std::size_t>(R)>& axes) {
+  detail::require_tensor("permute", a);
   std::array<int, static_cast<std::size_t>(R)> from{};
   unsigned seen = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -2911,6 +2937,7 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
 /// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
+  detail::require_tensor("slice", a);
   axis = normalize_axis(axis, R, "slice");
   if (first < 0 || last < first || last > a.size(axis)) {
     raise<shape_error>(203, "slice: ", first, " ... ", last, " of axis ", axis, " of ", a.shape());
@@ -3276,6 +3303,7 @@ Tensor<B, 2> add_layer_norm(const Tensor<B, 2>& x, const Tensor<B, 2>& residual,
 /// softmax over the last axis: exp(x - max) / sum.
 template <Backend B>
 Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
+  detail::require_tensor("softmax", x);
   if constexpr (requires { B::softmax(x.data()); }) {
     return Tensor<B, 2>(B::softmax(x.data()));
   } else {
@@ -5513,8 +5541,8 @@ struct Skeleton {
   int operator[](std::string_view name) const {
     const int j = find(name);
     if (j < 0)
-      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '", names.front(),
-                          "')");
+      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '",
+                          names.empty() ? "" : names.front(), "')");
     return j;
   }
 
@@ -15898,6 +15926,7 @@ struct TmrLossOptions {
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
 /// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
 /// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
+/// Throws config_error 101 for contrastive where there is no motion encoder.
 /// Source     TMR, section 3.2; spec tmr.md 6.1
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
@@ -15906,11 +15935,12 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
   const auto parts = temos_losses(
       branches, motion, TemosLossOptions{.cross_modal_kl = options.cross_modal_kl, .gaussian_kl = options.gaussian_kl});
   LossTerms<B> out;
-  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
   if (branches.text.frames.count() > 0) out.add("recons", options.recons, parts.sum_of("recons_"));
   if (!branches.text.distribution.deterministic()) out.add("kl", options.kl, parts.sum_of("kl_"));
   out.add("latent", options.latent, parts.sum_of("latent_"));
   if (options.contrastive_loss == ContrastiveLoss::none) return out;
+  if (!branches.motion) raise<config_error>(101, "tmr_losses: contrastive without the latents of a motion encoder");
+  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
   const auto filtered =
       sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
   out.add("contrastive", options.contrastive,
@@ -19266,7 +19296,11 @@ constexpr unsigned searched_class(char32_t c) {
 }
 inline constexpr auto first_classes = [] {
   std::array<std::uint8_t, 256> classes{};
-  for (char32_t c = 0; c < 256; ++c) classes[c] = static_cast<std::uint8_t>(searched_class(c));
+  const std::span<const std::uint32_t> runs(class_runs);
+  for (std::size_t i = 0, c = 0; c < classes.size(); ++c) {
+    while (i + 1 < runs.size() && runs[i + 1] >> 8 <= c) ++i;
+    classes[c] = static_cast<std::uint8_t>(runs[i]);
+  }
   return classes;
 }();
 
@@ -25522,7 +25556,8 @@ class MotionInspector {
     const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
     auto human = [&](double h) { return h >= limits_.shortest && h <= limits_.tallest; };
-    if (human(height) || !(height > 0)) return;
+    if (human(height)) return;
+    if (!(height > 0)) return add(Fault::scale, 0, "the legs, trunk and head of the figure have no length");
     constexpr double usual_height = 1.7;
     UnitFactor best{usual_height / height, "no usual unit"};
     double farthest = std::log(limits_.tallest / limits_.shortest);

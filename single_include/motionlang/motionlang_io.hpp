@@ -6123,13 +6123,18 @@ inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvi
   return clip;
 }
 
-/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads.
-/// Throws io_error 401.
+/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in the order of the
+/// skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position that float32 cannot hold.
 inline void write_joints_npy(const FilePath& path, const Motion& motion) {
   motion.validate();
   std::vector<float> values;
   for (const Vec3<double>& p : motion.positions()) {
     const Vec3<float> v = vec_cast<float>(y_up_to_z_up(p));
+    if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z))) {
+      const Index at = std::ssize(values) / 3, joints = motion.skeleton.size();
+      raise<numeric_error>(301, "write_joints_npy: joint ", at % joints, " of frame ", at / joints, " is at (", p.x,
+                           ", ", p.y, ", ", p.z, "), too far for float32");
+    }
     values.insert(values.end(), {v.x, v.y, v.z});
   }
   write_npy(path, NpyArray::of(std::span<const float>(values), {motion.frames(), motion.skeleton.size(), 3}));
@@ -12320,14 +12325,16 @@ inline std::string film_strip_svg(const Motion& motion, std::span<const Track> t
   return surface.finish();
 }
 
-/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture wider
-/// than 20,000 pixels.
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture of more than 20,000
+/// pixels a side.
 inline Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
   if (!(options.resolution > 0 && options.resolution * options.width <= 20000)) {
     raise<config_error>(101, "film strip: width ", options.width, " at ", options.resolution, " pixels each");
   }
+  if (!(options.resolution * strip.height() <= 20000))
+    raise<config_error>(101, "film strip: height ", strip.height(), " at ", options.resolution, " pixels each");
   detail::PixelSurface surface(options.width, strip.height(), options.resolution);
   strip.draw(surface);
   return surface.finish();
@@ -15652,7 +15659,8 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
   if (const std::string model = detail::weights_checksum(stmc); word("model") != model)
-    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model);
+    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
+                        " (so have the same ones in another scalar, that of another backend)");
   if (word("precision") != detail::precision_name())
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", detail::precision_name());
   StmcRecord<B> out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};

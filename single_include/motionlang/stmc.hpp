@@ -1298,6 +1298,16 @@ class Tensor {
   typename B::tensor data_{};
 };
 
+namespace detail {
+
+/// For operations whose result would not show it. Throws shape_error 206 for a tensor that is none yet.
+template <Backend B, int R>
+void require_tensor(std::string_view op, const Tensor<B, R>& t) {
+  if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
+}
+
+}  // namespace detail
+
 template <class T>
 inline constexpr bool is_tensor = false;
 template <class B, int R>
@@ -1438,10 +1448,12 @@ Tensor<B, R> where_less(const Tensor<B, R>& a, const Tensor<B, R>& b, const Tens
 /// Sum along one axis, which disappears. Negative axes count from the end.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> sum(const Tensor<B, R>& a, int axis) {
+  detail::require_tensor("sum", a);
   return Tensor<B, R - 1>(B::sum(a.data(), normalize_axis(axis, R, "sum")));
 }
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> max(const Tensor<B, R>& a, int axis) {
+  detail::require_tensor("max", a);
   return Tensor<B, R - 1>(B::max(a.data(), normalize_axis(axis, R, "max")));
 }
 template <Backend B, int R>
@@ -1451,6 +1463,7 @@ requires(R > 0) Tensor<B, R - 1> mean(const Tensor<B, R>& a, int axis) {
 /// Sum and mean of everything.
 template <Backend B, int R>
 Tensor<B, 0> sum(const Tensor<B, R>& a) {
+  detail::require_tensor("sum", a);
   return Tensor<B, 0>(B::sum(B::reshape(a.data(), Shape{a.count()}), 0));
 }
 template <Backend B, int R>
@@ -1464,6 +1477,8 @@ struct MatmulOptions {
 /// Product of the last two axes; leading axes are equal. Throws shape_error 201 or 204.
 template <Backend B, int R>
 requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& b, MatmulOptions options = {}) {
+  detail::require_tensor("matmul", a);
+  detail::require_tensor("matmul", b);
   const Shape sa = a.shape(), sb = b.shape();
   for (int i = 0; i < R - 2; ++i) {
     if (sa[i] != sb[i]) raise<shape_error>(204, "matmul: leading sizes differ: lhs ", sa, ", rhs ", sb);
@@ -1549,6 +1564,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
 Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& sizes) {
+  detail::require_tensor("reshape", a);
   Index known = 1;
   int unknown = -1;
   for (int i = 0; i < New; ++i) {
@@ -1568,6 +1584,7 @@ Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& size
 /// out[i_axes[0], i_axes[1], ...] = a[i_0, i_1, ...]
 template <Backend B, int R>
 Tensor<B, R> permute(const Tensor<B, R>& a, const std::array<int, static_cast<std::size_t>(R)>& axes) {
+  detail::require_tensor("permute", a);
   std::array<int, static_cast<std::size_t>(R)> from{};
   unsigned seen = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -1593,6 +1610,7 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
 /// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
+  detail::require_tensor("slice", a);
   axis = normalize_axis(axis, R, "slice");
   if (first < 0 || last < first || last > a.size(axis)) {
     raise<shape_error>(203, "slice: ", first, " ... ", last, " of axis ", axis, " of ", a.shape());
@@ -1958,6 +1976,7 @@ Tensor<B, 2> add_layer_norm(const Tensor<B, 2>& x, const Tensor<B, 2>& residual,
 /// softmax over the last axis: exp(x - max) / sum.
 template <Backend B>
 Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
+  detail::require_tensor("softmax", x);
   if constexpr (requires { B::softmax(x.data()); }) {
     return Tensor<B, 2>(B::softmax(x.data()));
   } else {
@@ -7809,8 +7828,8 @@ struct Skeleton {
   int operator[](std::string_view name) const {
     const int j = find(name);
     if (j < 0)
-      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '", names.front(),
-                          "')");
+      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '",
+                          names.empty() ? "" : names.front(), "')");
     return j;
   }
 
@@ -10283,8 +10302,9 @@ class Progress {
   template <class F>
   requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
       Progress(F& f)
-      : object_(const_cast<void*>(static_cast<const void*>(&f))),
-        call_([](void* object, Index done, Index total) -> bool { return (*static_cast<F*>(object))(done, total); }) {}
+      : object_(address(f)), call_([](void* object, Index done, Index total) -> bool {
+          return (*reinterpret_cast<F*>(object))(done, total);
+        }) {}
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
@@ -10292,6 +10312,14 @@ class Progress {
   }
 
  private:
+  template <class F>
+  static void* address(F& f) {
+    if constexpr (std::is_function_v<F>)
+      return reinterpret_cast<void*>(&f);
+    else
+      return const_cast<void*>(static_cast<const void*>(std::addressof(f)));
+  }
+
   void* object_ = nullptr;
   bool (*call_)(void*, Index, Index) = nullptr;
 };

@@ -219,6 +219,42 @@ TEST_CASE("a text that others hide at all times is named with its line") {
   }
 }
 
+TEST_CASE("what a model of ours does not take is refused") {
+  const Workplace w;
+  const auto bytes = w.run({"generate", "--model", "model.safetensors", "--text", "walk \xFF", "--seconds", "1"});
+  CHECK(bytes.code == 2);
+  CHECK_MESSAGE(contains(bytes.text, "is not UTF-8"), bytes.text);
+  const auto sources =
+      w.run({"generate", "--model", "model.safetensors", "--text", "walk", "--seconds", "1", "--statistics", "."});
+  CHECK(sources.code == 1);
+  CHECK_MESSAGE(
+      contains(
+          sources.text,
+          "[motionlang.config.102] model.safetensors: --text-encoder, --statistics and --tokenizer are for published"),
+      sources.text);
+  CHECK(w.run({"generate", "--model", "model.safetensors", "--text", "walk", "--drop-animations"}).code == 2);
+}
+
+TEST_CASE("a text of the same parts that begins before another ends takes over") {
+  const Workplace w;
+  ml::write_file(w / "overlap.txt", "walk # 0 # 0.6\nrun # 0.4 # 1\n");
+  for (const auto& out : {w.run({"check", "overlap.txt"}), w.run({"check", "overlap.txt", "--no-cut-texts"}),
+                          w.generate("out", {}, "overlap.txt")})
+    CHECK_MESSAGE(out.code == 0, out.text);
+  const auto check = w.run({"check", "overlap.txt"});
+  CHECK_MESSAGE(contains(check.text, "legs       [0.00-0.40 walk] [0.40-1.00 run]\n"), check.text);
+}
+
+TEST_CASE("an array of positions is written on SMPL's joints, in whatever order the motion has them") {
+  const Workplace w;
+  const ml::Motion walk = synthetic::walk({.frames = 10});
+  ml::write_bvh(w / "deep.bvh", walk);  // depth first
+  REQUIRE(w.run({"convert", "deep.bvh", "deep.npy"}).code == 0);
+  const auto found = ml::read_joints_npy(w / "deep.npy").positions, wanted = walk.positions();
+  REQUIRE(found.size() == wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) CHECK(ml::norm(found[i] - wanted[i]) < 1e-5);
+}
+
 TEST_CASE("info --features: ranges, meanings, units and body parts") {
   const TemporaryFolder folder;
   const auto info = [&](const std::string& name) { return run({"info", "--features", name}, folder.path); };
@@ -293,6 +329,12 @@ TEST_CASE("words that the model never learned are named, if its weights list tho
   CHECK(contains(told({"--text", "Walk forwad", "--seconds", "1"}),
                  "'Walk forwad': the model never learned the word 'forwad' (did you mean 'forward'?)\n"));
   CHECK(contains(told({"--text", "\xD0\xB8\xD0\xB4\xD0\xB8", "--seconds", "1"}), "the model reads no word of it"));
+  const std::string mixed = told({"--text", "walk \xC3\xA9t\xC3\xA9 \xE2\x80\x94 forward", "--seconds", "1"});
+  CHECK_MESSAGE(contains(mixed, "forward': the model reads a-z and 0-9, not all of '\xC3\xA9t\xC3\xA9'\n"), mixed);
+  std::string longer = "walk";
+  for (int i = 0; i < 70; ++i) longer += " walk";
+  const std::string cut = told({"--text", longer, "--seconds", "1"});
+  CHECK_MESSAGE(contains(cut, "walk': the model reads the first "), cut);
   ml::write_file(w / "three.txt", "walk # 0 # 1 # legs\nwave # 0 # 1 # left arm\n\nwave, wave a flag # 0 # 1\n");
   const std::string lines = told({"--timeline", "three.txt"});
   CHECK_MESSAGE(contains(lines, "'wave': the model never learned the word 'wave'\n"), lines);

@@ -63,13 +63,14 @@ struct Loaded {
   Denoiser denoised;
 };
 
-/// Features that are not on the clip's own joints and AMASS are on SMPL's joints, feet are fixed there, and the user's
-/// body has these or its own.
+/// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed there, and the
+/// user's body has these or its own.
 bool wants_smpl(const ConvertOptions& o, const Loaded& loaded, const ml::Motion& m) {
   if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
   if (loaded.body != nullptr && o.body.file != "free") return false;
   const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
-  return o.smpl || o.fix_feet || others || kind_of(o.out) == ".npz";
+  const bool unknown_order = o.features.empty() && kind_of(o.out) == ".npy" && !on_joints_of_arrays(m);
+  return o.smpl || o.fix_feet || others || unknown_order || kind_of(o.out) == ".npz";
 }
 
 /// `report` is set if the joints were others than SMPL's and had to become these.
@@ -399,11 +400,12 @@ void add_convert(CLI::App& app) {
                                    "any kind as .safetensors; or texts of motions");
   add_input(*c, *o,
             "; or weights, or a body (--hands); or texts: .json of BABEL, or annotations as TMR and STMC have them");
-  c->add_option("output", o->out,
-                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (joints, Z up as STMC saves them), .html "
-                "(page), .svg or .png (film strip), with --body .obj (one for each frame); of weights .safetensors, of "
-                "a body (--hands) .npz; of a folder a folder (--as); of texts .json (annotations as TMR and STMC have "
-                "them), or a folder for texts/ as HumanML3D has it")
+  c->add_option(
+       "output", o->out,
+       "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (SMPL's joints, Z up as STMC saves them), .html "
+       "(page), .svg or .png (film strip), with --body .obj (one for each frame); of weights .safetensors, of "
+       "a body (--hands) .npz; of a folder a folder (--as); of texts .json (annotations as TMR and STMC have "
+       "them), or a folder for texts/ as HumanML3D has it")
       ->check(not_empty())
       ->required();
   c->add_option("--as", o->as,

@@ -217,7 +217,7 @@ std::string write_motion(const std::filesystem::path& path, const ml::Motion& mo
   else if (kind == ".npz")
     ml::write_amass(path, on_smpl(motion));
   else if (kind == ".npy")
-    ml::write_joints_npy(path, motion);
+    ml::write_joints_npy(path, on_joints_of_arrays(motion) ? motion : on_smpl(motion));
   else if (kind == ".html")
     ml::write_viewer(path, motion);
   else if (kind == ".svg")
@@ -371,6 +371,11 @@ ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report) {
 bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion) {
   const ml::Skeleton &own = motion.skeleton, &wanted = features.skeleton();
   return own.names == wanted.names && own.parents == wanted.parents;
+}
+
+bool on_joints_of_arrays(const ml::Motion& motion) {
+  return std::any_of(std::begin(ml::all_motion_features), std::end(ml::all_motion_features),
+                     [&](const ml::MotionFeatures& f) { return on_joints_of(f, motion); });
 }
 
 ml::Motion on_joints_for(const ml::MotionFeatures& features, const ml::Motion& motion) {

@@ -145,6 +145,8 @@ std::unique_ptr<const ShownBody> shown_body(const BodyOptions& options);
 ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report = nullptr);
 /// Whether a motion has the joints of these features, which are then made of it as it is; SMPL's or MMM's.
 bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion);
+/// Whether joints stand as a reader of a .npy without names expects them: SMPL's 22 or 24, or MMM's.
+bool on_joints_of_arrays(const ml::Motion& motion);
 /// The motion as it is if it has the joints of these features, else on SMPL's.
 ml::Motion on_joints_for(const ml::MotionFeatures& features, const ml::Motion& motion);
 /// The features of a motion on any joints, at `fps` frames per second: those of on_joints_for.

@@ -25,7 +25,9 @@ void run(const std::string& path, double fps, double overlap, const std::string&
   auto timelines = written;
   if (cut) cut_texts(timelines, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {
-    const auto plan = ml::plan_timeline(timelines[m], {.overlap = ml::frame_at(overlap, fps), .longest_crop = longest});
+    const auto plan = ml::plan_timeline(
+        timelines[m],
+        {.overlap = ml::frame_at(overlap, fps), .hidden = ml::HiddenTexts::ignore, .longest_crop = longest});
     const auto texts = written[m].intervals.size(), pieces = timelines[m].intervals.size();
     std::printf("timeline %zu: %td frames, %.2f s, %zu %s", m, plan.frames, static_cast<double>(plan.frames) / fps, texts,
                 texts == 1 ? "text" : "texts");

@@ -144,14 +144,18 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
 }
 
-/// A line for each text with words that the model never learned.
-void warn_of_unknown_words(const GenerateOptions& o, const std::vector<ml::Timeline>& timelines,
-                           const std::vector<std::string>& known) {
+/// A line for each text with words that the model never learned, or too long for it.
+void warn_of_texts(const GenerateOptions& o, const std::vector<ml::Timeline>& timelines, const Generator& generator) {
   std::set<std::string> texts{o.text, o.towards};
   for (const ml::Timeline& t : timelines) {
     for (const ml::Interval& i : t.intervals) texts.insert(i.text);
   }
-  for (const std::string& text : texts) std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
+  const std::vector<std::string> known = generator.words();
+  for (const std::string& text : texts) {
+    std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
+    if (const auto [pieces, read] = generator.length_of(text); pieces > read)
+      std::fprintf(stderr, "'%s': the model reads the first %td of its %td word pieces\n", text.c_str(), read, pieces);
+  }
 }
 
 /// From "0-1.5". Throws config_error 101.
@@ -203,7 +207,7 @@ void run(const GenerateOptions& o) {
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
 
   const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
-  warn_of_unknown_words(o, timelines, generator->words());
+  warn_of_texts(o, timelines, *generator);
   if (generator->system() == diffusion_model)
     std::fprintf(stderr, "%s", told_hidden_texts(timelines, timeline_source(o.timeline)).c_str());
   const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
@@ -231,7 +235,7 @@ void add_generate(CLI::App& app) {
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), one timeline up to a blank line; or of lines 'text # duration', each a "
       "motion of its own; - for standard input")
                             ->check(not_empty());
-  what->add_option("--text", o->text, "One text for the whole body")->check(not_empty());
+  what->add_option("--text", o->text, "One text for the whole body")->check(readable());
   const CLI::Option* action =
       what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")->check(not_empty());
   what->require_option(1);
@@ -243,9 +247,11 @@ void add_generate(CLI::App& app) {
                 "Different motions of each timeline, text or action, NAME_1 to NAME_N: 1 unless given, with --towards 5")
       ->check(in_range(1, 1000));
   c->add_option("--towards", o->towards,
-                "Another text or action: the samples are on the straight line from the one's latent to the other's, the first is the one's "
+                "Another text or action: the samples are on the straight line from the one's latent to the other's, "
+                "the first is the one's "
                 "own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
-      ->excludes(timeline);
+      ->excludes(timeline)
+      ->check(readable());
   c->add_option("--model", o->model,
                 "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-sinc, train-teach, train-tmr; or a folder of STMC, MDM, "
                 "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")
@@ -262,9 +268,11 @@ void add_generate(CLI::App& app) {
                 "TM2T: folder of its motion tokenizer; looked for beside the model unless given")
       ->check(CLI::ExistingDirectory);
   c->add_option("--out", o->out, "Folder for the results")->check(not_empty())->capture_default_str();
-  c->add_option("--rig", o->rig.file, "Character (.glb with a skin): the GLB result is this file with the motion added")
-      ->check(CLI::ExistingFile);
-  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already");
+  const auto rig = c->add_option("--rig", o->rig.file,
+                                 "Character (.glb with a skin): the GLB result is this file with the motion added")
+                       ->check(CLI::ExistingFile);
+  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
+      ->needs(rig);
   const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")
                         ->check(seed_number())
                         ->capture_default_str();

@@ -40,15 +40,22 @@ std::unique_ptr<Generator> load_other(const std::string& system, const std::file
 
 }  // namespace
 
-std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
+std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& path,
                                           const ModelSources& sources) {
-  const std::string system = std::filesystem::is_directory(model) ? system_of(ml::find_run(model)) : "";
+  const bool folder = std::filesystem::is_directory(path);
+  const bool training = folder && ml::find_run(path).system.empty() && std::filesystem::is_directory(path / "model");
+  const std::filesystem::path model = training ? path / "model" : path;  // train-tmr and its like put it there
+  const std::string system = folder ? system_of(ml::find_run(model)) : "";
   if (auto other = load_other(system, model, sources)) {
     if (backend != "eigen")
       ml::raise<ml::config_error>(103, model.string(), " (", system, ") is generated with backend 'eigen', not '", backend, "'");
     return other;
   }
   const bool published = !system.empty();
+  if (!published && !(sources.text_encoder.empty() && sources.statistics.empty() && sources.tokenizer.empty()))
+    ml::raise<ml::config_error>(
+        102, model.string(),
+        ": --text-encoder, --statistics and --tokenizer are for published models; this one has its own");
   if (backend == "eigen") return published ? load_published_eigen(model, sources) : load_eigen(model_file(model));
   if (backend == "xtensor") return published ? load_published_xtensor(model, sources) : load_xtensor(model_file(model));
   if (backend == "reference")

@@ -73,6 +73,11 @@ class Generator {
   virtual bool draws_latents() const { return false; }
   /// The words of the texts that it learned from; none where its weights do not list them.
   virtual std::vector<std::string> words() const { return {}; }
+  /// The word pieces of a text, and how many of them the model reads; none where it has others.
+  struct TextLength {
+    ml::Index pieces = 0, read = 0;
+  };
+  virtual TextLength length_of(const std::string&) const { return {}; }
 };
 
 /// What published models need from elsewhere; "": it is looked for beside them.

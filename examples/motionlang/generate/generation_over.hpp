@@ -25,6 +25,7 @@ class GeneratorOver final : public Generator {
                               ml::Progress progress) const override {
     ml::StmcOptions options;
     options.overlap = ml::frame_at(s.overlap, model_.fps);
+    options.hidden = ml::HiddenTexts::ignore;  // the program names them (told_hidden_texts)
     options.guidance = s.guidance;
     options.steps = s.steps;
     options.sampling = model_.sampling;
@@ -51,6 +52,16 @@ class GeneratorOver final : public Generator {
   double fps() const override { return model_.fps; }
   std::string system() const override { return diffusion_model; }
   std::vector<std::string> words() const override { return words_; }
+  TextLength length_of(const std::string& text) const override {
+    if constexpr (std::same_as<
+                      E, ml::CaptionEncoder<B>>) {  // which reads as far as it has positions; two are of the frame
+      const auto& encoder = model_.text_encoder;
+      const auto pieces = encoder.tokenizer.encode(text, static_cast<ml::Index>(text.size()) + 2);
+      return {std::ssize(pieces) - 2, encoder.positions.rows().size(0) - 2};
+    } else {
+      return {};
+    }
+  }
 
  private:
   using Features = std::vector<ml::Tensor<B, 2>>;

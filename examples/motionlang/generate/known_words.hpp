@@ -6,10 +6,14 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
+#include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
 
 namespace program {
@@ -43,12 +47,32 @@ inline std::string near_word(const std::string& word, const std::vector<std::str
   return 3 * ml::edit_distance(word, like, word.size()) <= word.size() ? like : "";
 }
 
+/// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer passes over.
+inline std::vector<std::string> unreadable_words(std::string_view text) {
+  std::vector<std::string> out;
+  for (text = ml::detail::trim(text); !text.empty(); text = ml::detail::trim(text)) {
+    const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n\v\f"));
+    text.remove_prefix(word.size());
+    bool unreadable = false;
+    for (std::size_t at = 0; at < word.size();) {
+      const char32_t c = ml::decode_utf8(word, at);
+      unreadable |= c >= 0x80 && c != ml::invalid_code_point &&
+                    (ml::char_class(c) & (ml::CharClass::letter | ml::CharClass::number)) != 0;
+    }
+    if (unreadable) out.emplace_back(word);
+  }
+  return out;
+}
+
 /// A line about the words of a text that are none of the model's; "" if all are, or the model does not list any.
 /// Their pieces make a motion as well, which looks as good as others but is of something else.
 inline std::string told_unknown_words(const std::string& text, const std::vector<std::string>& known) {
   if (known.empty() || text.empty()) return "";
   const auto words = ml::WordPiece::words(text);
   if (words.empty()) return "'" + text + "': the model reads no word of it; it knows those of a-z and 0-9\n";
+  std::string unreadable;
+  for (const std::string& word : unreadable_words(text)) unreadable += (unreadable.empty() ? "'" : ", '") + word + "'";
+  if (!unreadable.empty()) unreadable = "'" + text + "': the model reads a-z and 0-9, not all of " + unreadable + "\n";
   std::set<std::string> unknown;
   std::string list;
   for (const std::string& word : words) {
@@ -56,8 +80,9 @@ inline std::string told_unknown_words(const std::string& text, const std::vector
     const std::string like = near_word(word, known);
     list += (list.empty() ? "'" : ", '") + word + "'" + (like.empty() ? "" : " (did you mean '" + like + "'?)");
   }
-  if (list.empty()) return "";
-  return "'" + text + "': the model never learned the word" + (unknown.size() == 1 ? " " : "s ") + list + "\n";
+  if (list.empty()) return unreadable;
+  return unreadable + "'" + text + "': the model never learned the word" + (unknown.size() == 1 ? " " : "s ") + list +
+         "\n";
 }
 
 }  // namespace program

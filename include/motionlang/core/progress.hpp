@@ -2,6 +2,7 @@
 /// How long work tells its caller where it is, and how the caller stops it.
 #pragma once
 
+#include <memory>       // addressof
 #include <type_traits>  // callables
 
 #include <motionlang/core/shape.hpp>
@@ -16,8 +17,9 @@ class Progress {
   template <class F>
   requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
       Progress(F& f)
-      : object_(const_cast<void*>(static_cast<const void*>(&f))),
-        call_([](void* object, Index done, Index total) -> bool { return (*static_cast<F*>(object))(done, total); }) {}
+      : object_(address(f)), call_([](void* object, Index done, Index total) -> bool {
+          return (*reinterpret_cast<F*>(object))(done, total);
+        }) {}
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
@@ -25,6 +27,14 @@ class Progress {
   }
 
  private:
+  template <class F>
+  static void* address(F& f) {
+    if constexpr (std::is_function_v<F>)
+      return reinterpret_cast<void*>(&f);
+    else
+      return const_cast<void*>(static_cast<const void*>(std::addressof(f)));
+  }
+
   void* object_ = nullptr;
   bool (*call_)(void*, Index, Index) = nullptr;
 };

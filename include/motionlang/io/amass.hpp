@@ -7,6 +7,7 @@
 /// `trans` is then the pelvis itself, and a viewer with a real body shows the same motion shifted by J_0.
 #pragma once
 
+#include <cmath>    // isfinite
 #include <numbers>  // pi
 
 #include <motionlang/io/amass_sequence.hpp>
@@ -126,13 +127,18 @@ inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvi
   return clip;
 }
 
-/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads.
-/// Throws io_error 401.
+/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in the order of the
+/// skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position that float32 cannot hold.
 inline void write_joints_npy(const FilePath& path, const Motion& motion) {
   motion.validate();
   std::vector<float> values;
   for (const Vec3<double>& p : motion.positions()) {
     const Vec3<float> v = vec_cast<float>(y_up_to_z_up(p));
+    if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z))) {
+      const Index at = std::ssize(values) / 3, joints = motion.skeleton.size();
+      raise<numeric_error>(301, "write_joints_npy: joint ", at % joints, " of frame ", at / joints, " is at (", p.x,
+                           ", ", p.y, ", ", p.z, "), too far for float32");
+    }
     values.insert(values.end(), {v.x, v.y, v.z});
   }
   write_npy(path, NpyArray::of(std::span<const float>(values), {motion.frames(), motion.skeleton.size(), 3}));

@@ -295,14 +295,16 @@ inline std::string film_strip_svg(const Motion& motion, std::span<const Track> t
   return surface.finish();
 }
 
-/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture wider
-/// than 20,000 pixels.
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture of more than 20,000
+/// pixels a side.
 inline Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
   if (!(options.resolution > 0 && options.resolution * options.width <= 20000)) {
     raise<config_error>(101, "film strip: width ", options.width, " at ", options.resolution, " pixels each");
   }
+  if (!(options.resolution * strip.height() <= 20000))
+    raise<config_error>(101, "film strip: height ", strip.height(), " at ", options.resolution, " pixels each");
   detail::PixelSurface surface(options.width, strip.height(), options.resolution);
   strip.draw(surface);
   return surface.finish();

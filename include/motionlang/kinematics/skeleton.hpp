@@ -70,8 +70,8 @@ struct Skeleton {
   int operator[](std::string_view name) const {
     const int j = find(name);
     if (j < 0)
-      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '", names.front(),
-                          "')");
+      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '",
+                          names.empty() ? "" : names.front(), "')");
     return j;
   }
 

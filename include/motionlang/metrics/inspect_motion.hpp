@@ -278,7 +278,8 @@ class MotionInspector {
     const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
     auto human = [&](double h) { return h >= limits_.shortest && h <= limits_.tallest; };
-    if (human(height) || !(height > 0)) return;
+    if (human(height)) return;
+    if (!(height > 0)) return add(Fault::scale, 0, "the legs, trunk and head of the figure have no length");
     constexpr double usual_height = 1.7;
     UnitFactor best{usual_height / height, "no usual unit"};
     double farthest = std::log(limits_.tallest / limits_.shortest);

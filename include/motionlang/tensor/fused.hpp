@@ -114,6 +114,7 @@ Tensor<B, 2> add_layer_norm(const Tensor<B, 2>& x, const Tensor<B, 2>& residual,
 /// softmax over the last axis: exp(x - max) / sum.
 template <Backend B>
 Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
+  detail::require_tensor("softmax", x);
   if constexpr (requires { B::softmax(x.data()); }) {
     return Tensor<B, 2>(B::softmax(x.data()));
   } else {

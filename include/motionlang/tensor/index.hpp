@@ -12,6 +12,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
 Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& sizes) {
+  detail::require_tensor("reshape", a);
   Index known = 1;
   int unknown = -1;
   for (int i = 0; i < New; ++i) {
@@ -31,6 +32,7 @@ Tensor<B, New> reshape(const Tensor<B, R>& a, const std::array<Index, New>& size
 /// out[i_axes[0], i_axes[1], ...] = a[i_0, i_1, ...]
 template <Backend B, int R>
 Tensor<B, R> permute(const Tensor<B, R>& a, const std::array<int, static_cast<std::size_t>(R)>& axes) {
+  detail::require_tensor("permute", a);
   std::array<int, static_cast<std::size_t>(R)> from{};
   unsigned seen = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -56,6 +58,7 @@ requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shap
 /// Indices first ... last-1 along an axis; all of them are the tensor itself, without a copy. Throws shape_error 203.
 template <Backend B, int R>
 Tensor<B, R> slice(const Tensor<B, R>& a, int axis, Index first, Index last) {
+  detail::require_tensor("slice", a);
   axis = normalize_axis(axis, R, "slice");
   if (first < 0 || last < first || last > a.size(axis)) {
     raise<shape_error>(203, "slice: ", first, " ... ", last, " of axis ", axis, " of ", a.shape());

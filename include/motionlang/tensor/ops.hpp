@@ -139,10 +139,12 @@ Tensor<B, R> where_less(const Tensor<B, R>& a, const Tensor<B, R>& b, const Tens
 /// Sum along one axis, which disappears. Negative axes count from the end.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> sum(const Tensor<B, R>& a, int axis) {
+  detail::require_tensor("sum", a);
   return Tensor<B, R - 1>(B::sum(a.data(), normalize_axis(axis, R, "sum")));
 }
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R - 1> max(const Tensor<B, R>& a, int axis) {
+  detail::require_tensor("max", a);
   return Tensor<B, R - 1>(B::max(a.data(), normalize_axis(axis, R, "max")));
 }
 template <Backend B, int R>
@@ -152,6 +154,7 @@ requires(R > 0) Tensor<B, R - 1> mean(const Tensor<B, R>& a, int axis) {
 /// Sum and mean of everything.
 template <Backend B, int R>
 Tensor<B, 0> sum(const Tensor<B, R>& a) {
+  detail::require_tensor("sum", a);
   return Tensor<B, 0>(B::sum(B::reshape(a.data(), Shape{a.count()}), 0));
 }
 template <Backend B, int R>
@@ -165,6 +168,8 @@ struct MatmulOptions {
 /// Product of the last two axes; leading axes are equal. Throws shape_error 201 or 204.
 template <Backend B, int R>
 requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& b, MatmulOptions options = {}) {
+  detail::require_tensor("matmul", a);
+  detail::require_tensor("matmul", b);
   const Shape sa = a.shape(), sb = b.shape();
   for (int i = 0; i < R - 2; ++i) {
     if (sa[i] != sb[i]) raise<shape_error>(204, "matmul: leading sizes differ: lhs ", sa, ", rhs ", sb);

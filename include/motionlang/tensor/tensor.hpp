@@ -88,6 +88,16 @@ class Tensor {
   typename B::tensor data_{};
 };
 
+namespace detail {
+
+/// For operations whose result would not show it. Throws shape_error 206 for a tensor that is none yet.
+template <Backend B, int R>
+void require_tensor(std::string_view op, const Tensor<B, R>& t) {
+  if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
+}
+
+}  // namespace detail
+
 template <class T>
 inline constexpr bool is_tensor = false;
 template <class B, int R>

@@ -43,7 +43,11 @@ constexpr unsigned searched_class(char32_t c) {
 }
 inline constexpr auto first_classes = [] {
   std::array<std::uint8_t, 256> classes{};
-  for (char32_t c = 0; c < 256; ++c) classes[c] = static_cast<std::uint8_t>(searched_class(c));
+  const std::span<const std::uint32_t> runs(class_runs);
+  for (std::size_t i = 0, c = 0; c < classes.size(); ++c) {
+    while (i + 1 < runs.size() && runs[i + 1] >> 8 <= c) ++i;
+    classes[c] = static_cast<std::uint8_t>(runs[i]);
+  }
   return classes;
 }();
 

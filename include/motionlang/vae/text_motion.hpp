@@ -130,6 +130,7 @@ struct TmrLossOptions {
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
 /// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
 /// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
+/// Throws config_error 101 for contrastive where there is no motion encoder.
 /// Source     TMR, section 3.2; spec tmr.md 6.1
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
@@ -138,11 +139,12 @@ LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B
   const auto parts = temos_losses(
       branches, motion, TemosLossOptions{.cross_modal_kl = options.cross_modal_kl, .gaussian_kl = options.gaussian_kl});
   LossTerms<B> out;
-  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
   if (branches.text.frames.count() > 0) out.add("recons", options.recons, parts.sum_of("recons_"));
   if (!branches.text.distribution.deterministic()) out.add("kl", options.kl, parts.sum_of("kl_"));
   out.add("latent", options.latent, parts.sum_of("latent_"));
   if (options.contrastive_loss == ContrastiveLoss::none) return out;
+  if (!branches.motion) raise<config_error>(101, "tmr_losses: contrastive without the latents of a motion encoder");
+  const Tensor<B, 2>&x = branches.text.z, &y = branches.motion->z;
   const auto filtered =
       sentences == nullptr ? std::vector<unsigned char>() : false_negatives(*sentences, options.threshold);
   out.add("contrastive", options.contrastive,

@@ -8,6 +8,16 @@
 
 namespace ml = motionlang;
 
+namespace {
+bool half_way(ml::Index done, ml::Index total) { return 2 * done < total; }
+}  // namespace
+
+TEST_CASE("a function is a callback as well") {
+  const ml::Progress progress(half_way);
+  progress(1, 4);
+  CHECK_THROWS_AS(progress(2, 4), ml::cancelled);
+}
+
 TEST_CASE("an empty progress does nothing; a callback that answers false cancels") {
   ml::Progress{}(1, 2);
   ml::Index last = 0;

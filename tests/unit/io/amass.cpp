@@ -106,6 +106,12 @@ TEST_CASE("joint positions") {
   const auto expected = motion.positions();
   REQUIRE(back.positions.size() == expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(ml::norm(back.positions[i] - expected[i]) < 1e-6);
+  ml::Motion far_away = motion;
+  far_away.root[3].x = 1e300;
+  CHECK_THROWS_WITH_AS(ml::write_joints_npy(folder / "far.npy", far_away),
+                       doctest::Contains("[motionlang.numeric.301] write_joints_npy: joint 0 of frame 3 is at (1e+300"),
+                       ml::numeric_error);
+  CHECK_FALSE(std::filesystem::exists(folder / "far.npy"));
   ml::write_npy(folder / "flat.npy", matrix(3, 3));
   CHECK_THROWS_WITH_AS(ml::read_joints_npy(folder / "flat.npy"), doctest::Contains("407"), ml::io_error);
 }

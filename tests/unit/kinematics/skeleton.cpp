@@ -82,6 +82,12 @@ TEST_CASE("forward kinematics is differentiable: dual numbers against difference
   CHECK(hand(ml::Dual<double>(0.4, 1.0)).derivative == doctest::Approx(numeric).epsilon(1e-7));
 }
 
+TEST_CASE("a joint that is not there, also of a skeleton without joints") {
+  CHECK_THROWS_WITH_AS(leg()["elbow"], Contains("[motionlang.config.103] Skeleton: no joint 'elbow' among 3 joints"),
+                       ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::Skeleton{}["hips"], Contains("[motionlang.config.103]"), ml::config_error);
+}
+
 TEST_CASE("motions are checked") {
   ml::Motion m{
       .skeleton = leg(), .fps = 20, .root = {{0, 1, 0}}, .local = std::vector(3, ml::Quaternion<double>::identity())};

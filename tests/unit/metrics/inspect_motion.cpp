@@ -76,6 +76,9 @@ TEST_CASE("a scale that is not human: the factor that fits, and its unit") {
     CHECK_MESSAGE(seen.findings[0].text.find(text) != std::string::npos, seen.findings[0].text);
     CHECK(difference_when_mended(broken, walk()) < 1e-9);
   }
+  const auto point = ml::inspect_motion(scaled(walk(), 0));
+  REQUIRE(point.has(ml::Fault::scale));
+  CHECK_MESSAGE(point.findings[0].text.find("have no length") != std::string::npos, point.findings[0].text);
   CHECK(ml::inspect_motion(scaled(walk(), 3.9)).cure.scale == Approx(1.7 / (1.728 * 3.9)).epsilon(0.001));
 }
 

@@ -116,6 +116,9 @@ TEST_CASE("the terms of TMR's loss are TEMOS' in groups, and a contrastive one")
   CHECK(names(margin) == std::vector<std::string>{"latent", "contrastive"});
   CHECK(margin.terms[1].value.item() == ml::margin_loss(retrieval.text.z, retrieval.motion->z).item());
   CHECK(names(ml::tmr_losses<B>(both, motion, nullptr, {.contrastive_loss = ml::ContrastiveLoss::none})).size() == 3);
+  auto alone = both;
+  alone.motion.reset();
+  CHECK_THROWS_WITH_AS(ml::tmr_losses<B>(alone, motion), doctest::Contains("101"), ml::config_error);
 }
 
 TEST_CASE("a learned temperature takes the place of the other, and has a gradient") {

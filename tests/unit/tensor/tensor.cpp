@@ -1,5 +1,7 @@
 // Tensor handles: making, reading, sharing, and what is refused.
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/tensor/fused.hpp>
+#include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
 
 #include "../../support/check_error.hpp"
@@ -54,6 +56,15 @@ TEST_CASE("a tensor that has not been made has no numbers, and nothing can be co
   CHECK_ERROR(Tensor<0>().item(), "[motionlang.shape.205] Tensor::item: shape (0) has 0 elements");
   CHECK_ERROR(none + Tensor<2>::zeros({2, 3}), "[motionlang.shape.202]");
   CHECK_ERROR(ml::exp(none), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::matmul(none, none), "[motionlang.shape.206] matmul: no tensor yet, rank 2 expected");
+  CHECK_ERROR(ml::matmul(Tensor<2>::zeros({3, 0}), none), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::sum(none), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::mean(none, 1), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::max(none, 1), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::transpose(none), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::slice(none, 0, 0, 0), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::reshape<1>(none, {0}), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::softmax(none), "[motionlang.shape.206]");
 }
 
 TEST_CASE("what does not fit is refused") {
