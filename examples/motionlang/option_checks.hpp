@@ -55,13 +55,9 @@ inline CLI::Validator seed_number() {
       "");
 }
 
-/// Of a text for a model.
-inline CLI::Validator readable() {
+inline CLI::Validator utf8() {
   return CLI::Validator(
-      [](const std::string& text) {
-        return std::string(text.empty() ? "is empty" : motionlang::is_utf8(text) ? "" : "is not UTF-8");
-      },
-      "");
+      [](const std::string& text) { return std::string(motionlang::is_utf8(text) ? "" : "is not UTF-8"); }, "");
 }
 
 /// A text that is not there, "$TEXT" of a shell for instance, is not a text without words.

@@ -10506,16 +10506,14 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
   for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
-  parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
-    for (Index p = first; p < last; ++p) {
-      auto* at = &table[static_cast<std::size_t>(p * width)];
-      for (const float w : frequencies) {
-        const float angle = static_cast<float>(p) * w;
-        *at++ = static_cast<typename B::scalar>(std::sin(angle));
-        *at++ = static_cast<typename B::scalar>(std::cos(angle));
-      }
+  auto* at = table.data();
+  for (Index p = 0; p < rows; ++p) {
+    for (const float w : frequencies) {
+      const float angle = static_cast<float>(p) * w;
+      *at++ = static_cast<typename B::scalar>(std::sin(angle));
+      *at++ = static_cast<typename B::scalar>(std::cos(angle));
     }
-  });
+  }
   return Tensor<B, 2>::from(table, {rows, width});
 }
 
@@ -18482,7 +18480,7 @@ using Mpnet = BertNetwork<B, MpnetKeys>;
 
 #ifndef MOTIONLANG_HAS_TEXT_UNICODE_HPP  // <motionlang/text/unicode.hpp>
 #define MOTIONLANG_HAS_TEXT_UNICODE_HPP
-/// What tokenizers need of Unicode: classes of characters, lower case, canonical decomposition and composition (NFD, NFC).
+/// What tokenizers need of Unicode: classes of characters, words, lower case, canonical decomposition and composition (NFD, NFC).
 /// No locale, no collation, no other normal forms.
 ///
 /// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are generated
@@ -19309,6 +19307,22 @@ inline constexpr auto first_classes = [] {
 /// The classes that a code point belongs to, bits of CharClass.
 constexpr unsigned char_class(char32_t c) {
   return c < 256 ? detail::first_classes[c] : c <= 0x10FFFF ? detail::searched_class(c) : 0u;
+}
+
+/// Calls on_word(word) for what stands between white space, as str.split() of Python finds it.
+template <class F>
+void for_each_word(std::string_view text, F on_word) {
+  const auto blank = [](char32_t c) {
+    return (char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F);
+  };
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t here = at;
+    if (!blank(decode_utf8(text, at))) continue;
+    if (here > begin) on_word(text.substr(begin, here - begin));
+    begin = at;
+  }
+  if (begin < text.size()) on_word(text.substr(begin));
 }
 
 /// Simple lower case; U+0130 gives i (its full lower case is i, U+0307).

@@ -1309,15 +1309,14 @@ void copy_small(Tensor<B, R>& t) {
   }
 }
 
-/// Tensors share * count / shares and on, up to those of the next share, are made ready; without shares they are counted only.
+/// Of `count` tensors in `shares` parts, those of one part are made ready.
 struct PrepareLoaded {
   Index share, shares, count;
   Index& at;
 
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
-    const Index i = at++;
-    if (i * shares < share * count || i * shares >= (share + 1) * count) return;
+    if (at++ * shares / count != share) return;
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -1344,7 +1343,7 @@ struct PrepareLoadedOnce {
 template <Module M>
 void prepare_loaded(M& model) {
   Index count = 0;
-  visit_tensors(model, detail::PrepareLoaded{0, 0, 0, count});
+  visit_tensors(model, [&](const std::string&, const auto&) { ++count; });
   const Index shares = parallel_width();
   parallel_for(shares, [&](Index share) {
     Index at = 0;
@@ -7262,35 +7261,16 @@ class BabelFile {
 /// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-namespace detail {
-
-/// What str.split() of Python splits at.
-constexpr bool splits_label(char32_t c) {
-  return c != invalid_code_point && ((char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F));
-}
-
-}  // namespace detail
-
 /// The label word by word through the table, joined by single blanks, which also surround words that are replaced by nothing. The
 /// published table is the user's to supply.
 inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
-  std::string out, word;
-  bool first = true;
-  const auto end_of_word = [&] {
-    if (word.empty()) return;
-    if (!std::exchange(first, false)) out += ' ';
-    const auto found = spelling.find(word);
+  std::string out;
+  const char* blank = "";
+  for_each_word(label, [&](std::string_view word) {
+    const auto found = spelling.find(std::string(word));
+    out += std::exchange(blank, " ");
     out += found == spelling.end() ? word : found->second;
-    word.clear();
-  };
-  for (std::size_t at = 0; at < label.size();) {
-    const std::size_t start = at;
-    if (detail::splits_label(decode_utf8(label, at)))
-      end_of_word();
-    else
-      word += label.substr(start, at - start);
-  }
-  end_of_word();
+  });
   return out;
 }
 
@@ -15659,8 +15639,9 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
   if (const std::string model = detail::weights_checksum(stmc); word("model") != model)
-    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
-                        " (so have the same ones in another scalar, that of another backend)");
+    raise<config_error>(
+        102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
+        "; the checksum of the same weights is another in another scalar, which other backends may use");
   if (word("precision") != detail::precision_name())
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", detail::precision_name());
   StmcRecord<B> out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};

@@ -9033,204 +9033,6 @@ auto encoded_text(const D& denoiser, TextFeatures<B> text) {
 #define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
 /// Sinusoidal positions.
 
-#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
-#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`.
-///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
-
-#include <condition_variable>  // sleeping workers
-#include <exception>           // exception_ptr: errors in tasks reach the caller
-#include <mutex>               // sleeping workers
-#include <system_error>        // no more threads
-#include <thread>              // workers
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-class ThreadPool {
- public:
-  static ThreadPool& instance() {
-    static ThreadPool pool;
-    return pool;
-  }
-
-  int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
-  int width() const { return inside_ ? 1 : size(); }
-  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
-  static int number() { return number_; }
-
-  void resize(int threads) {
-    stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
-    stopping_ = false;
-    for (int i = 1; i < threads; ++i) {
-      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
-        number_ = i;
-        work(seen);
-      });
-      ++workers_;
-    }
-  }
-
-  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
-  void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_ == 0 || inside_) {
-      for (Index i = 0; i < count; ++i) task(context, i);
-      return;
-    }
-    std::scoped_lock only_one_caller(caller_);
-    task_ = task;
-    context_ = context;
-    for (int t = 0; t < size(); ++t) {
-      share(t).next.store(count * t / size(), std::memory_order_relaxed);
-      share(t).end = count * (t + 1) / size();
-    }
-    pending_.store(workers_, std::memory_order_relaxed);
-    {
-      std::scoped_lock lock(sleep_);
-      round_.fetch_add(1, std::memory_order_release);
-    }
-    if (asleep_.load() > 0) wake_.notify_all();
-    take_tasks();
-    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-
-  ThreadPool(const ThreadPool&) = delete;
-  ThreadPool& operator=(const ThreadPool&) = delete;
-
- private:
-  static constexpr int spins_before_sleep = 20000;
-
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
-  struct alignas(64) Share {
-    std::atomic<Index> next{0};
-    Index end = 0;
-  };
-
-  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
-
-  ThreadPool() {
-    try {
-      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
-    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
-    }
-  }
-  ~ThreadPool() { stop(); }
-
-  static void pause(int spins) {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
-  }
-
-  void stop() {
-    {
-      std::scoped_lock lock(sleep_);
-      stopping_ = true;
-      round_.fetch_add(1);
-    }
-    wake_.notify_all();
-    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
-  }
-
-  void work(unsigned seen) {
-    inside_ = true;
-    for (;;) {
-      int spins = 0;
-      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
-      if (round_.load(std::memory_order_acquire) == seen) {
-        std::unique_lock lock(sleep_);
-        ++asleep_;
-        wake_.wait(lock, [&] { return round_.load() != seen; });
-        --asleep_;
-      }
-      ++seen;
-      if (stopping_) return;
-      take_tasks();
-      pending_.fetch_sub(1, std::memory_order_release);
-    }
-  }
-
-  void take_tasks() {
-    const bool outer = std::exchange(inside_, true);
-    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
-    inside_ = outer;
-  }
-  void take_tasks(Share& from) {
-    while (from.next.load(std::memory_order_relaxed) < from.end) {
-      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
-      if (i >= from.end) return;
-      try {
-        task_(context_, i);
-      } catch (...) {
-        std::scoped_lock lock(sleep_);
-        if (!failure_) failure_ = std::current_exception();
-        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      }
-    }
-  }
-
-  inline static thread_local int number_ = 0;
-  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
-  std::unique_ptr<std::thread[]> threads_;
-  int workers_ = 0;  // threads that run
-  std::mutex caller_, sleep_;
-  std::condition_variable wake_;
-  std::atomic<unsigned> round_{0};
-  std::atomic<int> pending_{0}, asleep_{0};
-  std::atomic<bool> stopping_{false};
-  void (*task_)(const void*, Index) = nullptr;
-  const void* context_ = nullptr;
-  std::exception_ptr failure_;
-};
-
-}  // namespace detail
-
-/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
-inline int thread_count() { return detail::ThreadPool::instance().size(); }
-
-/// Threads that `parallel_for` uses here: one inside a task.
-inline int parallel_width() { return detail::ThreadPool::instance().width(); }
-
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
-inline int thread_number() { return detail::ThreadPool::number(); }
-
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
-inline void set_thread_count(int threads) {
-  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
-  detail::ThreadPool::instance().resize(threads);
-}
-
-/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
-/// caller (the first one). Inside a task it runs serially.
-template <class F>
-void parallel_for(Index count, const F& f) {
-  if (count <= 0) return;
-  detail::ThreadPool::instance().run(
-      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
-}
-
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
-template <class F>
-void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
@@ -9243,16 +9045,14 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
   for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
-  parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
-    for (Index p = first; p < last; ++p) {
-      auto* at = &table[static_cast<std::size_t>(p * width)];
-      for (const float w : frequencies) {
-        const float angle = static_cast<float>(p) * w;
-        *at++ = static_cast<typename B::scalar>(std::sin(angle));
-        *at++ = static_cast<typename B::scalar>(std::cos(angle));
-      }
+  auto* at = table.data();
+  for (Index p = 0; p < rows; ++p) {
+    for (const float w : frequencies) {
+      const float angle = static_cast<float>(p) * w;
+      *at++ = static_cast<typename B::scalar>(std::sin(angle));
+      *at++ = static_cast<typename B::scalar>(std::cos(angle));
     }
-  });
+  }
   return Tensor<B, 2>::from(table, {rows, width});
 }
 
@@ -9857,6 +9657,204 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
 #define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
 /// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
+
+#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
+#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
+/// A small pool of threads and `parallel_for`.
+///
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
+
+#include <condition_variable>  // sleeping workers
+#include <exception>           // exception_ptr: errors in tasks reach the caller
+#include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
+#include <thread>              // workers
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+class ThreadPool {
+ public:
+  static ThreadPool& instance() {
+    static ThreadPool pool;
+    return pool;
+  }
+
+  int size() const { return workers_ + 1; }
+  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  int width() const { return inside_ ? 1 : size(); }
+  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
+  static int number() { return number_; }
+
+  void resize(int threads) {
+    stop();
+    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    stopping_ = false;
+    for (int i = 1; i < threads; ++i) {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
+        number_ = i;
+        work(seen);
+      });
+      ++workers_;
+    }
+  }
+
+  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+  void run(Index count, void (*task)(const void*, Index), const void* context) {
+    if (count == 1 || workers_ == 0 || inside_) {
+      for (Index i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::scoped_lock only_one_caller(caller_);
+    task_ = task;
+    context_ = context;
+    for (int t = 0; t < size(); ++t) {
+      share(t).next.store(count * t / size(), std::memory_order_relaxed);
+      share(t).end = count * (t + 1) / size();
+    }
+    pending_.store(workers_, std::memory_order_relaxed);
+    {
+      std::scoped_lock lock(sleep_);
+      round_.fetch_add(1, std::memory_order_release);
+    }
+    if (asleep_.load() > 0) wake_.notify_all();
+    take_tasks();
+    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+ private:
+  static constexpr int spins_before_sleep = 20000;
+
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
+  struct alignas(64) Share {
+    std::atomic<Index> next{0};
+    Index end = 0;
+  };
+
+  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
+
+  ThreadPool() {
+    try {
+      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
+    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
+    }
+  }
+  ~ThreadPool() { stop(); }
+
+  static void pause(int spins) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
+  }
+
+  void stop() {
+    {
+      std::scoped_lock lock(sleep_);
+      stopping_ = true;
+      round_.fetch_add(1);
+    }
+    wake_.notify_all();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
+  }
+
+  void work(unsigned seen) {
+    inside_ = true;
+    for (;;) {
+      int spins = 0;
+      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
+      if (round_.load(std::memory_order_acquire) == seen) {
+        std::unique_lock lock(sleep_);
+        ++asleep_;
+        wake_.wait(lock, [&] { return round_.load() != seen; });
+        --asleep_;
+      }
+      ++seen;
+      if (stopping_) return;
+      take_tasks();
+      pending_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  void take_tasks() {
+    const bool outer = std::exchange(inside_, true);
+    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
+    inside_ = outer;
+  }
+  void take_tasks(Share& from) {
+    while (from.next.load(std::memory_order_relaxed) < from.end) {
+      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
+      if (i >= from.end) return;
+      try {
+        task_(context_, i);
+      } catch (...) {
+        std::scoped_lock lock(sleep_);
+        if (!failure_) failure_ = std::current_exception();
+        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      }
+    }
+  }
+
+  inline static thread_local int number_ = 0;
+  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
+  std::mutex caller_, sleep_;
+  std::condition_variable wake_;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0}, asleep_{0};
+  std::atomic<bool> stopping_{false};
+  void (*task_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  std::exception_ptr failure_;
+};
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Threads that `parallel_for` uses here: one inside a task.
+inline int parallel_width() { return detail::ThreadPool::instance().width(); }
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+inline int thread_number() { return detail::ThreadPool::number(); }
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+inline void set_thread_count(int threads) {
+  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
+  detail::ThreadPool::instance().resize(threads);
+}
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::ThreadPool::instance().run(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
@@ -12835,15 +12833,14 @@ void copy_small(Tensor<B, R>& t) {
   }
 }
 
-/// Tensors share * count / shares and on, up to those of the next share, are made ready; without shares they are counted only.
+/// Of `count` tensors in `shares` parts, those of one part are made ready.
 struct PrepareLoaded {
   Index share, shares, count;
   Index& at;
 
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
-    const Index i = at++;
-    if (i * shares < share * count || i * shares >= (share + 1) * count) return;
+    if (at++ * shares / count != share) return;
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -12870,7 +12867,7 @@ struct PrepareLoadedOnce {
 template <Module M>
 void prepare_loaded(M& model) {
   Index count = 0;
-  visit_tensors(model, detail::PrepareLoaded{0, 0, 0, count});
+  visit_tensors(model, [&](const std::string&, const auto&) { ++count; });
   const Index shares = parallel_width();
   parallel_for(shares, [&](Index share) {
     Index at = 0;

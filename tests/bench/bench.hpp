@@ -52,32 +52,35 @@ std::vector<double> times_of(F f, double seconds, int least, int most) {
 /// How a measurement is done, and what it is called.
 struct Manner {
   double seconds = 3;
-  int least = 5, most = 300;           // runs
+  int least = 5;
   std::string variant = "motionlang";  // another name: a peer
 };
 
-/// Times of a work, in ascending order, and what is compared with the peak.
+inline constexpr int most_runs = 300;
+
+/// The fastest run of a turn, and the peak beside it.
+struct Turn {
+  double seconds = 0, peak = 0;
+
+  bool operator<(const Turn& other) const { return seconds * peak < other.seconds * other.peak; }
+};
+/// Times of a work, in ascending order, and the turn whose share of the peak is the median.
 struct Timed {
   std::vector<double> times;
-  // The fastest run of the turn whose share of the peak is the median, and the peak beside it.
-  double seconds = 0, peak = 0;
+  Turn turn;
 };
 
 /// f in turns of 5 ms with the peak: the clock of a processor, and what the neighbours leave of it, changes from one moment to the next,
 /// by a tenth and more.
 template <class F>
 Timed time_beside_peak(F f, const Manner& manner) {
-  struct Turn {
-    double seconds, peak;
-    bool operator<(const Turn& other) const { return seconds * peak < other.seconds * other.peak; }
-  };
   Timed out;
   std::vector<Turn> turns;
   double before = peak_gflops(ml::product_precision());
-  for (const double start = now(); std::ssize(out.times) < manner.least || now() - start < manner.seconds;) {
-    const int left = manner.most - static_cast<int>(out.times.size());
-    if (left <= 0) break;
-    const auto times = times_of(f, 0.005, 1, left);
+  const double start = now();
+  const auto runs = [&] { return static_cast<int>(out.times.size()); };
+  while (runs() < manner.least || (now() - start < manner.seconds && runs() < most_runs)) {
+    const auto times = times_of(f, 0.005, 1, most_runs - runs());
     const double after = peak_gflops(ml::product_precision());
     turns.push_back({times.front(), std::max(before, after)});
     out.times.insert(out.times.end(), times.begin(), times.end());
@@ -85,8 +88,7 @@ Timed time_beside_peak(F f, const Manner& manner) {
   }
   std::sort(out.times.begin(), out.times.end());
   std::sort(turns.begin(), turns.end());
-  out.seconds = turns[turns.size() / 2].seconds;
-  out.peak = turns[turns.size() / 2].peak;
+  out.turn = turns[turns.size() / 2];
   return out;
 }
 
@@ -98,11 +100,11 @@ double report(const std::string& work, const std::string& config, double gflop, 
   f();
   f();  // pools fill
   const Timed t =
-      gflop > 0 ? time_beside_peak(f, manner) : Timed{times_of(f, manner.seconds, manner.least, manner.most)};
+      gflop > 0 ? time_beside_peak(f, manner) : Timed{times_of(f, manner.seconds, manner.least, most_runs), {}};
   const double median = t.times[t.times.size() / 2];
   std::printf("%s,%s,%s,%d,%.4f,%.4f,%.4f,%.3f,%.1f,%.1f\n", work.c_str(), config.c_str(), manner.variant.c_str(),
               ml::thread_count(), t.times.front() * 1e3, median * 1e3, t.times[t.times.size() * 9 / 10] * 1e3, gflop,
-              gflop > 0 ? gflop / t.seconds : 0, t.peak);
+              gflop > 0 ? gflop / t.turn.seconds : 0, t.turn.peak);
   std::fflush(stdout);
   return median;
 }

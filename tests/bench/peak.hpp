@@ -138,7 +138,7 @@ inline Piece bf16_piece() {
 
 }  // namespace detail
 
-/// The most that was seen in ten pieces of half a millisecond, in 1e9 multiplications and additions a second.
+/// The most that was seen in ten pieces, half a millisecond together, in 1e9 multiplications and additions a second.
 inline double peak_gflops(motionlang::Precision precision) {
   static const detail::Piece pieces[] = {detail::fp32_piece(), detail::bf16_piece()};
   const auto& piece = pieces[precision == motionlang::Precision::bf16 ? 1 : 0];

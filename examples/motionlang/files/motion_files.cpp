@@ -374,8 +374,8 @@ bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion) 
 }
 
 bool on_joints_of_arrays(const ml::Motion& motion) {
-  return std::any_of(std::begin(ml::all_motion_features), std::end(ml::all_motion_features),
-                     [&](const ml::MotionFeatures& f) { return on_joints_of(f, motion); });
+  return std::ranges::any_of(ml::all_motion_features,
+                             [&](const auto& features) { return on_joints_of(features, motion); });
 }
 
 ml::Motion on_joints_for(const ml::MotionFeatures& features, const ml::Motion& motion) {

@@ -235,7 +235,7 @@ void add_generate(CLI::App& app) {
       "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), one timeline up to a blank line; or of lines 'text # duration', each a "
       "motion of its own; - for standard input")
                             ->check(not_empty());
-  what->add_option("--text", o->text, "One text for the whole body")->check(readable());
+  what->add_option("--text", o->text, "One text for the whole body")->check(not_empty())->check(utf8());
   const CLI::Option* action =
       what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")->check(not_empty());
   what->require_option(1);
@@ -248,10 +248,10 @@ void add_generate(CLI::App& app) {
       ->check(in_range(1, 1000));
   c->add_option("--towards", o->towards,
                 "Another text or action: the samples are on the straight line from the one's latent to the other's, "
-                "the first is the one's "
-                "own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
+                "the first is the one's own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
       ->excludes(timeline)
-      ->check(readable());
+      ->check(not_empty())
+      ->check(utf8());
   c->add_option("--model", o->model,
                 "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-sinc, train-teach, train-tmr; or a folder of STMC, MDM, "
                 "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")

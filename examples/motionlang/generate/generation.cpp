@@ -42,10 +42,16 @@ std::unique_ptr<Generator> load_other(const std::string& system, const std::file
 
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& path,
                                           const ModelSources& sources) {
-  const bool folder = std::filesystem::is_directory(path);
-  const bool training = folder && ml::find_run(path).system.empty() && std::filesystem::is_directory(path / "model");
-  const std::filesystem::path model = training ? path / "model" : path;  // train-tmr and its like put it there
-  const std::string system = folder ? system_of(ml::find_run(model)) : "";
+  std::filesystem::path model = path;
+  std::string system;
+  if (std::filesystem::is_directory(path)) {
+    ml::RunFolder run = ml::find_run(path);
+    if (run.system.empty() && std::filesystem::is_directory(path / "model")) {  // train-tmr and its like put it there
+      model = path / "model";
+      run = ml::find_run(model);
+    }
+    system = system_of(run);
+  }
   if (auto other = load_other(system, model, sources)) {
     if (backend != "eigen")
       ml::raise<ml::config_error>(103, model.string(), " (", system, ") is generated with backend 'eigen', not '", backend, "'");

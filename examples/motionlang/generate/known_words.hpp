@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
@@ -50,17 +49,14 @@ inline std::string near_word(const std::string& word, const std::vector<std::str
 /// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer passes over.
 inline std::vector<std::string> unreadable_words(std::string_view text) {
   std::vector<std::string> out;
-  for (text = ml::detail::trim(text); !text.empty(); text = ml::detail::trim(text)) {
-    const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n\v\f"));
-    text.remove_prefix(word.size());
-    bool unreadable = false;
+  ml::for_each_word(text, [&](std::string_view word) {
+    bool readable = true;
     for (std::size_t at = 0; at < word.size();) {
       const char32_t c = ml::decode_utf8(word, at);
-      unreadable |= c >= 0x80 && c != ml::invalid_code_point &&
-                    (ml::char_class(c) & (ml::CharClass::letter | ml::CharClass::number)) != 0;
+      readable &= c < 0x80 || (ml::char_class(c) & (ml::CharClass::letter | ml::CharClass::number)) == 0;
     }
-    if (unreadable) out.emplace_back(word);
-  }
+    if (!readable) out.emplace_back(word);
+  });
   return out;
 }
 

@@ -19,7 +19,6 @@
 
 #include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/timeline.hpp>
-#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/annotations.hpp>
 #include <motionlang/io/detail/annotated_times.hpp>
 #include <motionlang/io/json_members.hpp>
@@ -134,35 +133,16 @@ class BabelFile {
 /// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-namespace detail {
-
-/// What str.split() of Python splits at.
-constexpr bool splits_label(char32_t c) {
-  return c != invalid_code_point && ((char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F));
-}
-
-}  // namespace detail
-
 /// The label word by word through the table, joined by single blanks, which also surround words that are replaced by nothing. The
 /// published table is the user's to supply.
 inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
-  std::string out, word;
-  bool first = true;
-  const auto end_of_word = [&] {
-    if (word.empty()) return;
-    if (!std::exchange(first, false)) out += ' ';
-    const auto found = spelling.find(word);
+  std::string out;
+  const char* blank = "";
+  for_each_word(label, [&](std::string_view word) {
+    const auto found = spelling.find(std::string(word));
+    out += std::exchange(blank, " ");
     out += found == spelling.end() ? word : found->second;
-    word.clear();
-  };
-  for (std::size_t at = 0; at < label.size();) {
-    const std::size_t start = at;
-    if (detail::splits_label(decode_utf8(label, at)))
-      end_of_word();
-    else
-      word += label.substr(start, at - start);
-  }
-  end_of_word();
+  });
   return out;
 }
 

@@ -241,15 +241,14 @@ void copy_small(Tensor<B, R>& t) {
   }
 }
 
-/// Tensors share * count / shares and on, up to those of the next share, are made ready; without shares they are counted only.
+/// Of `count` tensors in `shares` parts, those of one part are made ready.
 struct PrepareLoaded {
   Index share, shares, count;
   Index& at;
 
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
-    const Index i = at++;
-    if (i * shares < share * count || i * shares >= (share + 1) * count) return;
+    if (at++ * shares / count != share) return;
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -276,7 +275,7 @@ struct PrepareLoadedOnce {
 template <Module M>
 void prepare_loaded(M& model) {
   Index count = 0;
-  visit_tensors(model, detail::PrepareLoaded{0, 0, 0, count});
+  visit_tensors(model, [&](const std::string&, const auto&) { ++count; });
   const Index shares = parallel_width();
   parallel_for(shares, [&](Index share) {
     Index at = 0;

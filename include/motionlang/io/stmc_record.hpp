@@ -125,8 +125,9 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   if (word("record") != "stmc" || word("format") != "1")
     raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
   if (const std::string model = detail::weights_checksum(stmc); word("model") != model)
-    raise<config_error>(102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
-                        " (so have the same ones in another scalar, that of another backend)");
+    raise<config_error>(
+        102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
+        "; the checksum of the same weights is another in another scalar, which other backends may use");
   if (word("precision") != detail::precision_name())
     raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", detail::precision_name());
   StmcRecord<B> out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};

@@ -5,7 +5,6 @@
 #include <cmath>  // exp, sin, cos
 
 #include <motionlang/core/buffer_pool.hpp>
-#include <motionlang/core/parallel.hpp>
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
@@ -21,16 +20,14 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
   for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
-  parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
-    for (Index p = first; p < last; ++p) {
-      auto* at = &table[static_cast<std::size_t>(p * width)];
-      for (const float w : frequencies) {
-        const float angle = static_cast<float>(p) * w;
-        *at++ = static_cast<typename B::scalar>(std::sin(angle));
-        *at++ = static_cast<typename B::scalar>(std::cos(angle));
-      }
+  auto* at = table.data();
+  for (Index p = 0; p < rows; ++p) {
+    for (const float w : frequencies) {
+      const float angle = static_cast<float>(p) * w;
+      *at++ = static_cast<typename B::scalar>(std::sin(angle));
+      *at++ = static_cast<typename B::scalar>(std::cos(angle));
     }
-  });
+  }
   return Tensor<B, 2>::from(table, {rows, width});
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What tokenizers need of Unicode: classes of characters, lower case, canonical decomposition and composition (NFD, NFC).
+/// What tokenizers need of Unicode: classes of characters, words, lower case, canonical decomposition and composition (NFD, NFC).
 /// No locale, no collation, no other normal forms.
 ///
 /// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are generated
@@ -56,6 +56,22 @@ inline constexpr auto first_classes = [] {
 /// The classes that a code point belongs to, bits of CharClass.
 constexpr unsigned char_class(char32_t c) {
   return c < 256 ? detail::first_classes[c] : c <= 0x10FFFF ? detail::searched_class(c) : 0u;
+}
+
+/// Calls on_word(word) for what stands between white space, as str.split() of Python finds it.
+template <class F>
+void for_each_word(std::string_view text, F on_word) {
+  const auto blank = [](char32_t c) {
+    return (char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F);
+  };
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t here = at;
+    if (!blank(decode_utf8(text, at))) continue;
+    if (here > begin) on_word(text.substr(begin, here - begin));
+    begin = at;
+  }
+  if (begin < text.size()) on_word(text.substr(begin));
 }
 
 /// Simple lower case; U+0130 gives i (its full lower case is i, U+0307).
