@@ -8,6 +8,7 @@
 #include <string>
 
 #include "interrupt.hpp"
+#include "usage_error.hpp"
 
 namespace program {
 

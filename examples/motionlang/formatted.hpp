@@ -1,7 +1,8 @@
-// std::printf into a string.
+// std::printf into a string, and numbers of things in words.
 #pragma once
 
 #include <cstdarg>
+#include <cstddef>
 #include <cstdio>
 #include <string>
 
@@ -16,6 +17,11 @@ __attribute__((format(printf, 1, 2))) inline std::string formatted(const char* f
   va_end(again);
   va_end(values);
   return text;
+}
+
+/// "1 frame", "2 frames"
+inline std::string counted(std::ptrdiff_t n, const std::string& one) {
+  return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
 }  // namespace program

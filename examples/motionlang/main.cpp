@@ -71,6 +71,9 @@ int main(int argc, char** argv) {
     return program::ok;
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? program::ok : program::usage;
+  } catch (const program::usage_error& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return program::usage;
   } catch (const motionlang::timeline_error& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return program::bad_timeline;

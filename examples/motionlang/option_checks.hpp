@@ -8,8 +8,10 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <motionlang/core/utf8.hpp>
+#include <motionlang/features/motion_features.hpp>
 
 #include "formatted.hpp"
 
@@ -63,6 +65,14 @@ inline CLI::Validator utf8() {
 /// A text that is not there, "$TEXT" of a shell for instance, is not a text without words.
 inline CLI::Validator not_empty() {
   return CLI::Validator([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); }, "");
+}
+
+/// A name of motion_features.hpp, or `other`.
+inline CLI::Validator features_name(const std::string& other = "") {
+  std::vector<std::string> known;
+  for (const auto& f : motionlang::all_motion_features) known.emplace_back(f.name);
+  if (!other.empty()) known.push_back(other);
+  return CLI::IsMember(known);
 }
 
 }  // namespace program

@@ -1115,8 +1115,7 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. Throws io_error 407 if the shape is another, numeric_error 301 if a number is NaN
-/// or infinite.
+/// A variable stays the variable it was. Throws io_error 407 if the shape is another.
 template <Backend B, int R>
 void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -1142,19 +1141,28 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   } else {
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
+}
+
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file.
+enum class LoadFor { any_use, inference };
+
+namespace detail {
+
+/// Throws numeric_error 301 if a number is NaN or infinite.
+template <Backend B, int R>
+void require_finite(const Tensor<B, R>& tensor, const TensorView& view, const std::string& where) {
   const auto numbers = tensor.span();
-  if (detail::all_finite(numbers)) return MappedFile::forget_if_mapped(view.bytes);  // until it is needed
+  if (all_finite(numbers)) return;
   const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
   raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
-namespace detail {
-
-/// Fills tensors from a file by their names.
+/// Fills tensors from a file by their names. For inference their numbers are looked at later.
 struct TensorLoader {
   const TensorSet& file;
   const std::string& prefix;
   std::string (*key)(const std::string& prefix, const std::string& path);
+  LoadFor use;
   KeyReport& report;
   std::set<std::string>& known;
 
@@ -1162,10 +1170,14 @@ struct TensorLoader {
   void operator()(const std::string& path, Tensor<B, R>& tensor) const {
     const std::string& name = *known.insert(key(prefix, path)).first;
     const TensorView* view = file.find(name);
-    if (view == nullptr)
+    if (view == nullptr) {
       report.missing.push_back(name);
-    else
-      assign_tensor(tensor, *view, file.owner(), file.name());
+      return;
+    }
+    assign_tensor(tensor, *view, file.owner(), file.name());
+    if (use == LoadFor::inference) return;
+    require_finite(tensor, *view, file.name());
+    MappedFile::forget_if_mapped(view->bytes);  // until it is needed
   }
 };
 
@@ -1184,28 +1196,6 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 }
 
 }  // namespace detail
-
-/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match; throws io_error 407 for a tensor of another shape. A module may say (`copy_of`) which further names repeat
-/// a tensor of its own; io_error 407 if such a tensor is another one.
-template <Module M>
-KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
-  KeyReport report;
-  std::set<std::string> known;
-  visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
-  for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
-    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
-  }
-  return report;
-}
-/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
-template <Module M>
-void load_module(M& module, const TensorSet& file, const std::string& prefix = "") {
-  const KeyReport report = load_module_partly(module, file, prefix);
-  if (report.missing.empty() && report.unexpected.empty()) return;
-  detail::raise_key_mismatch(file.name(), report);
-}
 
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
@@ -1313,10 +1303,12 @@ void copy_small(Tensor<B, R>& t) {
 struct PrepareLoaded {
   Index share, shares, count;
   Index& at;
+  std::atomic<bool>* finite;  // false from the first number on that is not; null: not looked at
 
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
+    if (finite != nullptr && !all_finite(t.span())) finite->store(false);
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -1334,21 +1326,55 @@ struct PrepareLoadedOnce {
     copy_small(t);
   }
 };
-}  // namespace detail
-
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
-/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers. Every thread takes some tensors: new memory is slow to come, and
-/// a thread gets it for itself.
+/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself.
 template <Module M>
-void prepare_loaded(M& model) {
+void prepare_in_shares(M& model, std::atomic<bool>* finite) {
   Index count = 0;
   visit_tensors(model, [&](const std::string&, const auto&) { ++count; });
   const Index shares = parallel_width();
   parallel_for(shares, [&](Index share) {
     Index at = 0;
-    visit_tensors(model, detail::PrepareLoaded{share, shares, count, at});
+    visit_tensors(model, PrepareLoaded{share, shares, count, at, finite});
   });
+}
+}  // namespace detail
+
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
+/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
+/// Weights that had to be converted are packed beside their numbers.
+template <Module M>
+void prepare_loaded(M& model) {
+  detail::prepare_in_shares(model, nullptr);
+}
+
+/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
+/// Returns what did not match; throws io_error 407 for a tensor of another shape, numeric_error 301 for NaN and infinity. A module may
+/// say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is another one.
+template <Module M>
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
+                             LoadFor use = LoadFor::any_use) {
+  KeyReport report;
+  std::set<std::string> known;
+  const auto fill = [&](LoadFor how) {
+    report = {}, known = {};
+    visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, how, report, known});
+  };
+  fill(use);
+  std::atomic<bool> finite{true};
+  if (use == LoadFor::inference) detail::prepare_in_shares(module, &finite);
+  if (!finite) fill(LoadFor::any_use);  // says which tensor it is
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
+  }
+  return report;
+}
+/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
+template <Module M>
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
+  const KeyReport report = load_module_partly(module, file, prefix, use);
+  if (report.missing.empty() && report.unexpected.empty()) return;
+  detail::raise_key_mismatch(file.name(), report);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -5718,8 +5744,9 @@ Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Ind
 
 /// Fills a module. `beside(name)`: tensors that the file may hold besides.
 template <Module M, class F>
-void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside) {
-  KeyReport report = load_module_partly(module, file, prefix);
+void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside,
+                     LoadFor use = LoadFor::any_use) {
+  KeyReport report = load_module_partly(module, file, prefix, use);
   std::erase_if(report.unexpected, beside);
   if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(file.name(), report);
 }
@@ -6381,9 +6408,17 @@ class TextScanner {
     raise<io_error>(id, name_, ":", line, ":", column, ": ", parts...);
   }
 
-  /// A word for a message: cut after 40 characters.
+  /// A word for a message: cut after 40 characters, with '?' for what cannot be printed.
   static std::string shortened(std::string_view w) {
-    return std::string(w.substr(0, 40)) + (w.size() > 40 ? "..." : "");
+    std::string out;
+    std::size_t at = 0;
+    for (int characters = 0; at < w.size() && characters < 40; ++characters) {
+      const std::size_t start = at;
+      const char32_t c = decode_utf8(w, at);
+      const bool printed = c >= ' ' && (c < 0x7F || c > 0x9F) && c != invalid_code_point;
+      out += printed ? w.substr(start, at - start) : "?";
+    }
+    return out + (at < w.size() ? "..." : "");
   }
 
  private:
@@ -10737,12 +10772,14 @@ inline bool is_beside(std::string_view name) {
   return name.ends_with("sequence_pos_encoder.pe") || begins_with_any(name, {"clip.", "clip_model.", "rot2xyz."});
 }
 
+/// Ready for inference.
 template <Module M>
 void load_denoiser(M& module, const TensorSet& file, const std::string& prefix) {
-  load_run_module(module, file, prefix, [&](const std::string& name) {
+  const auto beside = [&](const std::string& name) {
     return is_beside(std::string_view(name).substr(prefix.size())) ||
            begins_with_any(name, {"motion_normalizer.", "text_normalizer."});
-  });
+  };
+  load_run_module(module, file, prefix, beside, LoadFor::inference);
 }
 
 /// Where a text encoder is looked for, relative to the folder of the model and to the one around it.
@@ -10896,7 +10933,6 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.mdm_smpl) detail::load_denoiser(*denoiser.mdm_smpl, weights, about.prefix);
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
-  prepare_loaded(denoiser);
   return {.denoiser = std::move(denoiser),
           .text_encoder = std::move(encoder),
           .motion_normalizer = std::move(motion),
@@ -14065,7 +14101,6 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
       .features = features,
       .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
-  prepare_loaded(out.model.denoiser);
   return out;
 }
 
@@ -14719,12 +14754,14 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
   Tm2t<B> out;
   NoInit zeros;
   out.tokenizer = MotionTokenizer<B>(config, zeros);
-  detail::load_run_module(out.tokenizer, weights, "", [](const std::string& name) {
-    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
-  });
+  detail::load_run_module(
+      out.tokenizer, weights, "",
+      [](const std::string& name) {
+        return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+      },
+      LoadFor::inference);
   out.statistics = detail::tm2t_normalizer<B>(run, weights, config.features);
   out.statistics.eps = 0;
-  prepare_loaded(out.tokenizer);
   return out;
 }
 
@@ -14759,8 +14796,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
                         out.words.width());
   NoInit zeros;
   out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
-  detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
-  prepare_loaded(out.model.t2m_model);
+  detail::load_run_module(
+      out.model.t2m_model, weights, prefix, [](const std::string&) { return false; }, LoadFor::inference);
   return out;
 }
 
@@ -14778,8 +14815,8 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
                         out.words.size(), " and one for padding");
   NoInit zeros;
   out.model.m2t_transformer = Seq2SeqTransformer<B>(config, zeros);
-  detail::load_run_module(out.model.m2t_transformer, weights, prefix, [](const std::string&) { return false; });
-  prepare_loaded(out.model.m2t_transformer);
+  detail::load_run_module(
+      out.model.m2t_transformer, weights, prefix, [](const std::string&) { return false; }, LoadFor::inference);
   return out;
 }
 
@@ -15490,8 +15527,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
-  load_module(model, file);
-  prepare_loaded(model);
+  load_module(model, file, "", LoadFor::inference);
   return model;
 }
 template <Backend B>

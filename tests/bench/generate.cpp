@@ -45,8 +45,7 @@ void generate(const std::string& work, const fs::path& path, double start) {
 void first_step(const fs::path& path, double start) {
   ml::NoInit no_init;
   ml::MdmSmplDenoiser<B> model(mdm, no_init);
-  ml::load_module(model, ml::SafetensorsFile::open(path));
-  ml::prepare_loaded(model);
+  ml::load_module(model, ml::SafetensorsFile::open(path), "", ml::LoadFor::inference);
   const MdmBatch<B> batch(equal(2, 200), {.seed = 1});
   model(batch.x, batch.t, batch.text);
   report_value("start", "ms to the end of the first step", (now() - start) * 1e3);

@@ -270,7 +270,7 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     CHECK(motion.seconds() == doctest::Approx(1).epsilon(0.1));
     CHECK(motion.skeleton.size() == 24);
     const auto steps = generate(name, {"--text", "a person turns left", "--steps", "5"});
-    CHECK(steps.code == 1);
+    CHECK(steps.code == 2);
     CHECK_MESSAGE(contains(steps.text, "--steps, --sampler, --preset and --guidance are for diffusion models"), steps.text);
   }
   REQUIRE(generate("train-actor", {"--action", "walk", "--seconds", "0.8", "--out", "made"}).code == 0);

@@ -218,6 +218,26 @@ TEST_CASE("numbers that are none") {
   }
 }
 
+TEST_CASE("of several numbers that are none the first is named, for any use and on any number of threads") {
+  Parts p;
+  p.tensors["denoiser.registers"].values[1] = std::numeric_limits<float>::quiet_NaN();
+  p.tensors["text_encoder.projection.weight"].values[2] = std::numeric_limits<float>::infinity();
+  const TemporaryFolder folder;
+  ml::write_file(folder / "model.safetensors", p.bytes());
+  const auto file = ml::SafetensorsFile::open(folder / "model.safetensors");
+  const int before = ml::thread_count();
+  for (const int threads : {1, 2}) {
+    ml::set_thread_count(threads);
+    for (const auto use : {ml::LoadFor::any_use, ml::LoadFor::inference}) {
+      auto model = small::model<B>();
+      const Refusal r = refusal([&] { ml::load_module(model, file, "", use); });
+      CHECK(r.id == 301);
+      CHECK_MESSAGE(r.message.find("number 1 of tensor 'denoiser.registers' is nan") != std::string::npos, r.message);
+    }
+  }
+  ml::set_thread_count(before);
+}
+
 TEST_CASE("metadata: every key is needed and checked") {
   const Parts good;
   for (const auto& entry : good.metadata) {

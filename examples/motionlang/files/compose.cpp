@@ -91,8 +91,8 @@ void compose(const ComposeOptions& o) {
   std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), names_of(of_first).c_str(), o.in[1].c_str(),
               names_of(of_second).c_str());
   if (of_first.all() && of_second.all())
-    ml::raise<ml::config_error>(102, "compose: both motions have all parts, nothing of '", first.name,
-                                "' would be left: name the parts of one by --first or --second");
+    ml::raise<usage_error>(102, "compose: both motions have all parts, nothing of '", first.name,
+                           "' would be left: name the parts of one by --first or --second");
   if (!ml::are_compatible(of_first, of_second) && !o.first.empty())
     std::printf("both move: %s; the motion with fewer parts has them\n", names_of(of_first & of_second).c_str());
   write(o, ml::compose_motions(first, of_first, second, of_second,

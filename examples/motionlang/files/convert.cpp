@@ -82,8 +82,8 @@ ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, m
     const double end = o.to > 0 ? o.to : m.seconds();
     const ml::Index last = frame(end);
     if (frame(o.from) >= last)
-      ml::raise<ml::config_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ", end,
-                                  " s");
+      ml::raise<usage_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ", end,
+                             " s");
     m = ml::crop(m, frame(o.from), last);
   }
   if (o.speed != 1) m = ml::change_speed(m, o.speed);
@@ -252,8 +252,8 @@ class FolderConversion {
     const bool is_read = is_motion_file("a" + kind);
     const fs::path inside = fs::weakly_canonical(o_.out).lexically_relative(fs::weakly_canonical(o_.in));
     if (is_read && !inside.empty() && *inside.begin() != "..")
-      ml::raise<ml::config_error>(102, "convert: ", kind, " files of ", o_.in, " into ", o_.out,
-                                  ", which is inside of it: name another folder");
+      ml::raise<usage_error>(102, "convert: ", kind, " files of ", o_.in, " into ", o_.out,
+                             ", which is inside of it: name another folder");
   }
 
   void convert(const fs::path& file) {
@@ -316,7 +316,7 @@ void convert_file(const ConvertOptions& o) {
 /// SMPL-H and MANO are downloads apart.
 void merge_hands(const ConvertOptions& o) {
   if (kind_of(o.out) != ".npz")
-    ml::raise<ml::config_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
+    ml::raise<usage_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
   ml::merge_smplh(o.in, o.hands.at(0), o.hands.at(1), o.out);
   std::printf("%s: the body of %s with the hands of %s and %s\n", o.out.c_str(), o.in.c_str(), o.hands[0].c_str(),
               o.hands[1].c_str());
@@ -438,6 +438,7 @@ void add_convert(CLI::App& app) {
                 "(TEMOS, with the exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; "
                 "at the rate of the system unless --fps is given. Of guoh3d and kit the result may be a folder: a clip "
                 "is added to this data set")
+      ->check(features_name())
       ->excludes(rig)
       ->excludes(body);
   CLI::Option* denoise =

@@ -29,7 +29,7 @@ class Doctor {
 
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
-      ml::raise<ml::config_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
+      ml::raise<usage_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
     if (!o_.report.empty()) require_folder_of(o_.report);
     const auto files = motion_files_below(folder_);
     if (files.empty())

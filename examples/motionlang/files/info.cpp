@@ -9,8 +9,9 @@
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
-#include "motion_files.hpp"
 #include "../generate/timelines.hpp"
+#include "../option_checks.hpp"
+#include "motion_files.hpp"
 #include "weights.hpp"
 
 namespace program {
@@ -23,17 +24,21 @@ void joints_of(const ml::Skeleton& s) {
     std::printf("  %3d %-24s %s\n", j, s.name(j).c_str(), j == 0 ? "" : s.name(s.parent(j)).c_str());
 }
 
-void motion(const std::string& path, const ml::Motion& m) {
-  std::printf("%s: %td frames, %g frames per second, %.2f s, %d joints\n", path.c_str(), m.frames(), m.fps, m.seconds(),
-              m.skeleton.size());
-  if (m.frames() == 0) return;
-  ml::Vec3<double> low = m.root_at(0), high = low;
-  for (const auto& p : m.root) {
+/// Of one position at least.
+std::string extent_of(std::span<const ml::Vec3<double>> positions) {
+  ml::Vec3<double> low = positions.front(), high = low;
+  for (const auto& p : positions) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
-  std::printf("  root moves within x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m\n", low.x, high.x, low.y, high.y,
-              low.z, high.z);
+  return formatted("x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m", low.x, high.x, low.y, high.y, low.z, high.z);
+}
+
+void motion(const std::string& path, const ml::Motion& m) {
+  std::printf("%s: %s, %g frames per second, %.2f s, %s\n", path.c_str(), counted(m.frames(), "frame").c_str(), m.fps,
+              m.seconds(), counted(m.skeleton.size(), "joint").c_str());
+  if (m.frames() == 0) return;
+  std::printf("  root moves within %s\n", extent_of(m.root).c_str());
   if (std::ranges::is_permutation(m.skeleton.names, ml::smpl24_skeleton().names)) {  // BVH has them depth first
     const auto q = ml::motion_quality(on_smpl(m));
     std::printf(
@@ -46,7 +51,9 @@ void motion(const std::string& path, const ml::Motion& m) {
 
 void joints(const std::string& path) {
   const auto j = ml::read_joints_npy(path);
-  std::printf("%s: joint positions, %td frames x %td joints\n", path.c_str(), j.frames, j.joints);
+  std::printf("%s: joint positions, %s of %s\n", path.c_str(), counted(j.frames, "frame").c_str(),
+              counted(j.joints, "joint").c_str());
+  if (!j.positions.empty()) std::printf("  joints are within %s, Y up\n", extent_of(j.positions).c_str());
 }
 
 void timelines(const std::string& path) {
@@ -130,7 +137,8 @@ void add_info(CLI::App& app) {
   const CLI::Option* of_features =
       c->add_option("--features", *name,
                     "Instead of a file: features as 'convert --features' names them, with the meaning and the unit of "
-                    "each number and the numbers of each body part; list: all names");
+                    "each number and the numbers of each body part; list: all names")
+          ->check(features_name("list"));
   c->require_option(1);
   c->callback([path, name, of_features] { of_features->count() > 0 ? features(*name) : run(*path); });
 }

@@ -225,14 +225,14 @@ std::string write_motion(const std::filesystem::path& path, const ml::Motion& mo
   else if (kind == ".png")
     ml::write_png(path, ml::film_strip_picture(motion));
   else
-    ml::raise<ml::config_error>(
-        103, path.string(), ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
+    ml::raise<usage_error>(103, path.string(),
+                           ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
   return line_about(path, motion);
 }
 
 std::string line_about(const std::filesystem::path& path, const ml::Motion& motion) {
-  return formatted("%s: %td frames at %g per second, %.2f s, %d joints\n", path.c_str(), motion.frames(), motion.fps,
-                   motion.seconds(), motion.skeleton.size());
+  return formatted("%s: %s at %g per second, %.2f s, %s\n", path.c_str(), counted(motion.frames(), "frame").c_str(),
+                   motion.fps, motion.seconds(), counted(motion.skeleton.size(), "joint").c_str());
 }
 
 std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, const MotionReadOptions& options) {
@@ -290,7 +290,7 @@ FeatureRows feature_rows(const ml::Motion& motion, const ml::MotionFeatures& f, 
 
 std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps) {
   if (kind_of(path) != ".npy")
-    ml::raise<ml::config_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
+    ml::raise<usage_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
   const FeatureRows made = feature_rows(motion, f, fps);
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(made.values), {made.rows, f.width}));
@@ -331,8 +331,7 @@ RigWriter rig_writer(const RigOptions& options) {
   return [rig = ml::GlbRig::open(options.file), options](const std::filesystem::path& path,
                                                          std::span<const ml::Motion> motions) {
     if (kind_of(path) != ".glb")
-      ml::raise<ml::config_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path),
-                                  "'");
+      ml::raise<usage_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path), "'");
     if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no motion");
     const ml::SkeletonMap map(motions.front().skeleton, rig.skeleton());
     std::vector<ml::Motion> on_rig;

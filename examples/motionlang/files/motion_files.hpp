@@ -12,6 +12,7 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
+#include "../usage_error.hpp"
 #include "data_set_form.hpp"
 
 namespace CLI {
@@ -77,7 +78,7 @@ std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path
 ml::Motion read_only_performed_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
-/// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws config_error 103 for another
+/// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws usage_error 103 for another
 /// extension.
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
 /// The line: frames, rate, seconds and joints of a motion that is in a file now.
@@ -92,7 +93,7 @@ void write_motions(const std::filesystem::path& path, std::span<const ml::Motion
 
 /// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy file: at `fps`
 /// frames per second (0: the rate of the features). Returns a line about what it wrote. Throws config_error 103 for a name that is none
-/// (motion_features), for other joints and for another extension.
+/// (motion_features) and for other joints, usage_error 103 for another extension.
 std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
 
 /// A clip of a data set in HumanML3D's or KIT-ML's form (data_set_form.hpp): features, joints, its captions if there are any
@@ -107,7 +108,7 @@ struct RigOptions {
   bool drop_animations = false;  // of the character's file
 };
 /// Writes a GLB file: the character with one animation for every motion; returns lines about how its skeleton follows. The character
-/// is read at once. Throws what GlbRig throws; writing: config_error 103 for another extension than .glb.
+/// is read at once. Throws what GlbRig throws; writing: usage_error 103 for another extension than .glb.
 using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const ml::Motion>)>;
 RigWriter rig_writer(const RigOptions& options);
 

@@ -102,8 +102,8 @@ class Describer {
     for (const MotionPlace& p : places) {
       const auto [other, is_new] = of_clip.emplace(p.clip, p.path);
       if (!is_new)
-        ml::raise<ml::config_error>(102, "--out: ", other->second.string(), " and ", p.path.string(),
-                                    " would both be '", p.clip, "' in the table");
+        ml::raise<usage_error>(102, "--out: ", other->second.string(), " and ", p.path.string(), " would both be '",
+                               p.clip, "' in the table");
     }
   }
   void describe(const MotionPlace& place, const ml::Philox& rng) {

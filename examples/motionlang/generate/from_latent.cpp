@@ -31,8 +31,7 @@ std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::
   require_no_noise(settings);
   require_no_sampling(settings);
   if (count < 2)
-    ml::raise<ml::config_error>(101, count,
-                                " motions from one text or action towards another: both ends are among them");
+    ml::raise<usage_error>(101, count, " motions from one text or action towards another: both ends are among them");
   auto motions = line(from, to, count, noise_of(settings, 0), settings.fact.value_or(1));
   for (ml::Motion& m : motions) m = finished(std::move(m), settings);
   return motions;
@@ -60,9 +59,9 @@ const FromLatent& from_latent(const Generator& generator, const std::string& opt
                               const std::filesystem::path& model) {
   const auto* const found = dynamic_cast<const FromLatent*>(&generator);
   if (found == nullptr)
-    ml::raise<ml::config_error>(102, model.string(), ": ", option,
-                                " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is ",
-                                generator.system());
+    ml::raise<usage_error>(102, model.string(), ": ", option,
+                           " is for models with one latent for every motion (ACTOR, TEMOS, TMR, SINC); this is ",
+                           generator.system());
   return *found;
 }
 
@@ -109,8 +108,7 @@ class FromActions final : public FromLatent {
   ml::Motion on_its_joints(const ml::Motion& motion) const override { return on_smpl(motion); }
   ml::Motion decoded(const ml::Motion& motion, const std::string& action) const override {
     if (action.empty())
-      ml::raise<ml::config_error>(102,
-                                  "ACTOR has to know which action a motion shows to denoise it: --action names it");
+      ml::raise<usage_error>(102, "ACTOR has to know which action a motion shows to denoise it: --action names it");
     const Index known = class_of(action), frames = motion.frames(),
                 width = actor_.model.config.njoints * actor_.model.config.nfeats;
     require_frames(frames, actor_.model.fc_encoder || actor_.model.fc_decoder);

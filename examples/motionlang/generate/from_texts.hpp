@@ -83,7 +83,7 @@ class FromTexts final : public FromLatent {
   }
   ml::Motion decoded(const ml::Motion& motion, const std::string& action) const override {
     if (!action.empty())
-      ml::raise<ml::config_error>(102, "--action '", action, "' is for ACTOR; this model reads the motion alone");
+      ml::raise<usage_error>(102, "--action '", action, "' is for ACTOR; this model reads the motion alone");
     const std::vector<float> values = as_floats(parts_.features->from_motion(motion));
     const Index width = parts_.features->width, frames = std::ssize(values) / width;
     const auto x = parts_.normalizer.normalize(ml::Tensor<B, 2>::from(values, {frames, width}));

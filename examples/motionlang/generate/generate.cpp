@@ -158,18 +158,18 @@ void warn_of_texts(const GenerateOptions& o, const std::vector<ml::Timeline>& ti
   }
 }
 
-/// From "0-1.5". Throws config_error 101.
+/// From "0-1.5". Throws usage_error 101.
 std::pair<double, double> stretch_of(const std::string& text) {
   const std::string_view stretch = ml::detail::trim(text);
   const std::size_t dash = std::min(stretch.find('-'), stretch.size());
   const auto from = ml::detail::parse_seconds(stretch.substr(0, dash));
   const auto to = ml::detail::parse_seconds(stretch.substr(std::min(dash + 1, stretch.size())));
   if (!from || !to || *from >= *to)
-    ml::raise<ml::config_error>(101, "--keep-seconds: '", text, "' is no stretch of time like 0-1.5");
+    ml::raise<usage_error>(101, "--keep-seconds: '", text, "' is no stretch of time like 0-1.5");
   return {*from, *to};
 }
 
-/// Null without --keep. Throws config_error 101, 103 for what is no stretch of time and no body part.
+/// Null without --keep. Throws usage_error 101, 103 for what is no stretch of time and no body part.
 std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
   if (o.keep.empty()) return nullptr;
   KeptClip out{read_only_performed_motion(o.keep)};
@@ -178,7 +178,7 @@ std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
   for (const std::string& name : o.keep_parts) {
     const auto part = ml::parse_body_part(ml::detail::trim(name));
     if (!part)
-      ml::raise<ml::config_error>(103, "--keep-parts: '", name, "' is none of ", ml::join_text(ml::body_part_names));
+      ml::raise<usage_error>(103, "--keep-parts: '", name, "' is none of ", ml::join_text(ml::body_part_names));
     out.parts = out.parts.with(*part);
   }
   return std::make_shared<const KeptClip>(std::move(out));
@@ -190,11 +190,11 @@ void run(const GenerateOptions& o) {
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   if (o.action && !generator->takes_actions())
-    ml::raise<ml::config_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
+    ml::raise<usage_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
   if (o.settings.fact && !generator->draws_latents())
-    ml::raise<ml::config_error>(102, o.model,
-                                ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
-                                generator->system(), ", which draws none");
+    ml::raise<usage_error>(102, o.model,
+                           ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
+                           generator->system(), ", which draws none");
   const std::string name = wanted_name(o);
   GenerationSettings settings = o.settings;
   GenerationNotes notes;

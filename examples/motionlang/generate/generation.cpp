@@ -32,8 +32,10 @@ std::unique_ptr<Generator> load_other(const std::string& system, const std::file
   if (system.starts_with("trained ") || system == "tmr") return load_trained_text_motion(model, sources);
 #else
   if (system.starts_with("trained ") || system == "tmr")
-    ml::raise<ml::config_error>(103, model.string(), ": models of train-actor, train-temos, train-sinc, train-teach and train-tmr, and TMR, need a program with training "
-                                "(-DMOTIONLANG_TRAINING=ON)");
+    ml::raise<usage_error>(103, model.string(),
+                           ": models of train-actor, train-temos, train-sinc, train-teach and train-tmr, and TMR, need "
+                           "a program with training "
+                           "(-DMOTIONLANG_TRAINING=ON)");
 #endif
   return nullptr;
 }
@@ -54,19 +56,20 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
   }
   if (auto other = load_other(system, model, sources)) {
     if (backend != "eigen")
-      ml::raise<ml::config_error>(103, model.string(), " (", system, ") is generated with backend 'eigen', not '", backend, "'");
+      ml::raise<usage_error>(103, model.string(), " (", system, ") is generated with backend 'eigen', not '", backend,
+                             "'");
     return other;
   }
   const bool published = !system.empty();
   if (!published && !(sources.text_encoder.empty() && sources.statistics.empty() && sources.tokenizer.empty()))
-    ml::raise<ml::config_error>(
+    ml::raise<usage_error>(
         102, model.string(),
         ": --text-encoder, --statistics and --tokenizer are for published models; this one has its own");
   if (backend == "eigen") return published ? load_published_eigen(model, sources) : load_eigen(model_file(model));
   if (backend == "xtensor") return published ? load_published_xtensor(model, sources) : load_xtensor(model_file(model));
   if (backend == "reference")
     return published ? load_published_reference(model, sources) : load_reference(model_file(model));
-  ml::raise<ml::config_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
+  ml::raise<usage_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
 }
 
 const ml::Interval& only_text(const ml::Timeline& timeline) {
@@ -81,20 +84,28 @@ ml::Index action_of(const std::string& text, std::span<const std::string> labels
   const char* const end = text.data() + text.size();
   if (std::from_chars(text.data(), end, number).ptr == end && number >= 0 && number < classes) return number;
   const std::string known = labels.empty() ? "" : "; they are called " + ml::join_text(labels);
-  ml::raise<ml::config_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
+  ml::raise<usage_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
 }
 void require_no_noise(const GenerationSettings& settings) {
   if (!settings.noise_file.empty())
-    ml::raise<ml::config_error>(102, "--noise is for diffusion models; this one takes --seed");
+    ml::raise<usage_error>(102, "--noise is for diffusion models; this one takes --seed");
   if (!settings.record_file.empty() || !settings.reuse_file.empty())
-    ml::raise<ml::config_error>(102, "--record and --reuse are for diffusion models; this one makes every motion in one step");
+    ml::raise<usage_error>(102,
+                           "--record and --reuse are for diffusion models; this one makes every motion in one step");
   if (settings.keep)
-    ml::raise<ml::config_error>(102, "--keep is for diffusion models of texts (STMC, MDM, MotionDiffuse); this one makes whole motions");
+    ml::raise<usage_error>(
+        102, "--keep is for diffusion models of texts (STMC, MDM, MotionDiffuse); this one makes whole motions");
 }
 
 void require_no_sampling(const GenerationSettings& settings) {
   if (settings.steps || settings.guidance || !settings.sampler.empty())
-    ml::raise<ml::config_error>(102, "--steps, --sampler, --preset and --guidance are for diffusion models; this one takes no such steps");
+    ml::raise<usage_error>(
+        102, "--steps, --sampler, --preset and --guidance are for diffusion models; this one takes no such steps");
+}
+
+void require_steps(const GenerationSettings& settings, ml::Index steps) {
+  if (settings.steps.value_or(0) > steps)
+    ml::raise<usage_error>(105, "--steps ", *settings.steps, ": this model has ", steps);
 }
 
 std::filesystem::path model_file(const std::filesystem::path& path) {

@@ -14,6 +14,8 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
+#include "../usage_error.hpp"
+
 namespace program {
 
 namespace ml = motionlang;
@@ -88,7 +90,7 @@ struct ModelSources {
 };
 
 /// model: a file of ours, a folder with one, a folder of train-actor, train-temos, train-sinc, train-teach or train-tmr, or the folder of a published model: STMC,
-/// MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, TM2T. backend: eigen, xtensor or reference; throws config_error 103 for another, and
+/// MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, TM2T. backend: eigen, xtensor or reference; throws usage_error 103 for another, and
 /// for another than eigen where texts or actions do not go through STMC.
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
                                           const ModelSources& sources = {});
@@ -117,11 +119,13 @@ std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folde
 
 /// The only text of a timeline. Throws timeline_error 509.
 const ml::Interval& only_text(const ml::Timeline& timeline);
-/// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
+/// The number of an action that is given by its name or its number. Throws usage_error 103 for what is no class.
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
-/// Throws config_error 102 if there is a file of noise, a record or a motion to keep, which only models that go through STMC take.
+/// Throws usage_error 102 if there is a file of noise, a record or a motion to keep, which only models that go through STMC take.
 void require_no_noise(const GenerationSettings& settings);
-/// Throws config_error 102 if steps, sampler or guidance are given, for models without diffusion.
+/// Throws usage_error 102 if steps, sampler or guidance are given, for models without diffusion.
 void require_no_sampling(const GenerationSettings& settings);
+/// Throws usage_error 105 if more steps are wanted than the diffusion has.
+void require_steps(const GenerationSettings& settings, ml::Index steps);
 
 }  // namespace program

@@ -26,6 +26,7 @@ class MdmActionGenerator final : public EachAlone {
     if (frames > c.crop_frames)
       ml::raise<ml::timeline_error>(508, "'", wanted.text, "' has ", frames, " frames, the model makes ",
                                     c.crop_frames);
+    require_steps(s, run_.model.diffusion.steps());
     const std::string sampler = s.sampler.empty() ? "ddpm" : s.sampler;
     const auto made = run_.model.generate(std::span(&action, 1), noise,
                                           {.steps = s.steps.value_or(0), .guidance = s.guidance, .sampler = ml::parse_sampler(sampler)});

@@ -23,6 +23,7 @@ class GeneratorOver final : public Generator {
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
+    require_steps(s, model_.diffusion.steps());
     ml::StmcOptions options;
     options.overlap = ml::frame_at(s.overlap, model_.fps);
     options.hidden = ml::HiddenTexts::ignore;  // the program names them (told_hidden_texts)
@@ -92,7 +93,7 @@ class GeneratorOver final : public Generator {
     out.frames = std::ssize(rows) / model_.layout.size;
     return out;
   }
-  /// The frames that are kept of so many in a timeline of `wanted`. Throws config_error 101 for others.
+  /// The frames that are kept of so many in a timeline of `wanted`. Throws usage_error 101 for others.
   std::vector<ml::IndexRange> kept_frames(const KeptClip& keep, ml::Index frames, ml::Index wanted) const {
     const ml::Index common = std::min(frames, wanted);
     if (keep.seconds.empty()) return {{0, common}};
@@ -100,9 +101,9 @@ class GeneratorOver final : public Generator {
     for (const auto& [from, to] : keep.seconds) {
       const ml::IndexRange range{ml::frame_at(from, model_.fps), ml::frame_at(to, model_.fps)};
       if (range.begin < 0 || range.size() < 1 || range.end > common)
-        ml::raise<ml::config_error>(101, "--keep-seconds: ", from, "-", to, " is frames ", range.begin, ":", range.end,
-                                    " at ", model_.fps, " per second; the motion to keep has ", frames,
-                                    ", the timeline ", wanted);
+        ml::raise<usage_error>(101, "--keep-seconds: ", from, "-", to, " is frames ", range.begin, ":", range.end,
+                               " at ", model_.fps, " per second; the motion to keep has ", frames, ", the timeline ",
+                               wanted);
       out.push_back(range);
     }
     return out;

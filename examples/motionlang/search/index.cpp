@@ -117,7 +117,7 @@ class Indexer {
 
   void run() {
     if (o_.folder.empty() && !o_.list && o_.remove.empty())
-      ml::raise<ml::config_error>(102, "index: a folder of motions is missing (or --list, or --remove)");
+      ml::raise<usage_error>(102, "index: a folder of motions is missing (or --list, or --remove)");
     if (!index_ && (o_.folder.empty() || !o_.remove.empty()))
       ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
     require_folder_of(o_.out);
@@ -138,6 +138,7 @@ class Indexer {
       if (now == 0) std::fprintf(stderr, "%s is not in the index\n", printable(path).c_str());
       removed += now;
     }
+    if (removed == 0) ml::raise<usage_error>(103, "--remove: ", o_.out, " has no clip of these");
     const bool stopped = write(false);
     std::printf("%s: %td clips removed, %td left\n", o_.out.c_str(), removed, index_->count());
     if (stopped) throw ml::cancelled();
@@ -189,7 +190,7 @@ class Indexer {
 
   void open_model() {
     const std::string path = !o_.model.empty() ? o_.model : index_ ? index_->model().path : "";
-    if (path.empty()) ml::raise<ml::config_error>(102, "index: a new index needs a model (--model)");
+    if (path.empty()) ml::raise<usage_error>(102, "index: a new index needs a model (--model)");
     const std::string encoder = !o_.text_encoder.empty() ? o_.text_encoder : index_ ? index_->model().text_encoder : "";
     model_.emplace(folder_of(path), encoder.empty() ? fs::path() : folder_of(encoder));
     ml::IndexModel wanted{.id = model_->id(),
@@ -209,8 +210,8 @@ class Indexer {
     index_->require_model(model_->id(), path);
     const ml::IndexModel& is = index_->model();
     if ((o_.windows_given || o_.no_moments) && (is.windows != wanted.windows || is.stride != wanted.stride))
-      ml::raise<ml::config_error>(102, "index: ", o_.out, " has moments of ", is.windows.size(),
-                                  " other lengths or another stride; they are chosen when an index is made");
+      ml::raise<usage_error>(102, "index: ", o_.out, " has moments of ", is.windows.size(),
+                             " other lengths or another stride; they are chosen when an index is made");
     model_moved_ = is.path != wanted.path || is.text_encoder != wanted.text_encoder;
     index_->move_model(wanted.path, wanted.text_encoder);
   }

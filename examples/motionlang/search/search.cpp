@@ -33,14 +33,14 @@ struct SearchOptions {
   }
 };
 
-/// The part of a motion between two times. Throws config_error 101 if nothing is there.
+/// The part of a motion between two times. Throws usage_error 101 if nothing is there.
 ml::Motion part_of(const ml::Motion& m, double from, double to) {
   const auto frame = [&](double seconds) {
     return static_cast<Index>(std::clamp(seconds * m.fps + 0.5, 0.0, static_cast<double>(m.frames())));
   };
   if (frame(to) <= frame(from))
-    ml::raise<ml::config_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", from, " and ",
-                                to, " s");
+    ml::raise<usage_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", from, " and ", to,
+                           " s");
   return ml::crop(m, frame(from), frame(to));
 }
 
@@ -50,9 +50,9 @@ class Search {
 
   void run() {
     if (o_.text.empty() == o_.like.empty())
-      ml::raise<ml::config_error>(102, "search: either a text or --like with a file of motion");
+      ml::raise<usage_error>(102, "search: either a text or --like with a file of motion");
     if (o_.moments && o_.captions)
-      ml::raise<ml::config_error>(102, "search: --moments and --captions are two different searches");
+      ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
     const auto query = vector_of_query();
     const auto search = ml::open_motion_search(file_, o_.exact, o_.storage());

@@ -146,12 +146,14 @@ inline bool is_beside(std::string_view name) {
   return name.ends_with("sequence_pos_encoder.pe") || begins_with_any(name, {"clip.", "clip_model.", "rot2xyz."});
 }
 
+/// Ready for inference.
 template <Module M>
 void load_denoiser(M& module, const TensorSet& file, const std::string& prefix) {
-  load_run_module(module, file, prefix, [&](const std::string& name) {
+  const auto beside = [&](const std::string& name) {
     return is_beside(std::string_view(name).substr(prefix.size())) ||
            begins_with_any(name, {"motion_normalizer.", "text_normalizer."});
-  });
+  };
+  load_run_module(module, file, prefix, beside, LoadFor::inference);
 }
 
 /// Where a text encoder is looked for, relative to the folder of the model and to the one around it.
@@ -305,7 +307,6 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   if (denoiser.mdm_smpl) detail::load_denoiser(*denoiser.mdm_smpl, weights, about.prefix);
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);
-  prepare_loaded(denoiser);
   return {.denoiser = std::move(denoiser),
           .text_encoder = std::move(encoder),
           .motion_normalizer = std::move(motion),

@@ -65,7 +65,6 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
       .features = features,
       .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
-  prepare_loaded(out.model.denoiser);
   return out;
 }
 

@@ -47,8 +47,7 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. Throws io_error 407 if the shape is another, numeric_error 301 if a number is NaN
-/// or infinite.
+/// A variable stays the variable it was. Throws io_error 407 if the shape is another.
 template <Backend B, int R>
 void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -74,19 +73,28 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   } else {
     tensor = Tensor<B, R>(make.template operator()<B>());
   }
+}
+
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file.
+enum class LoadFor { any_use, inference };
+
+namespace detail {
+
+/// Throws numeric_error 301 if a number is NaN or infinite.
+template <Backend B, int R>
+void require_finite(const Tensor<B, R>& tensor, const TensorView& view, const std::string& where) {
   const auto numbers = tensor.span();
-  if (detail::all_finite(numbers)) return MappedFile::forget_if_mapped(view.bytes);  // until it is needed
+  if (all_finite(numbers)) return;
   const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
   raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
 }
 
-namespace detail {
-
-/// Fills tensors from a file by their names.
+/// Fills tensors from a file by their names. For inference their numbers are looked at later.
 struct TensorLoader {
   const TensorSet& file;
   const std::string& prefix;
   std::string (*key)(const std::string& prefix, const std::string& path);
+  LoadFor use;
   KeyReport& report;
   std::set<std::string>& known;
 
@@ -94,10 +102,14 @@ struct TensorLoader {
   void operator()(const std::string& path, Tensor<B, R>& tensor) const {
     const std::string& name = *known.insert(key(prefix, path)).first;
     const TensorView* view = file.find(name);
-    if (view == nullptr)
+    if (view == nullptr) {
       report.missing.push_back(name);
-    else
-      assign_tensor(tensor, *view, file.owner(), file.name());
+      return;
+    }
+    assign_tensor(tensor, *view, file.owner(), file.name());
+    if (use == LoadFor::inference) return;
+    require_finite(tensor, *view, file.name());
+    MappedFile::forget_if_mapped(view->bytes);  // until it is needed
   }
 };
 
@@ -116,28 +128,6 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 }
 
 }  // namespace detail
-
-/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match; throws io_error 407 for a tensor of another shape. A module may say (`copy_of`) which further names repeat
-/// a tensor of its own; io_error 407 if such a tensor is another one.
-template <Module M>
-KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "") {
-  KeyReport report;
-  std::set<std::string> known;
-  visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, report, known});
-  for (const TensorView& t : file.tensors()) {
-    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
-    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
-  }
-  return report;
-}
-/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
-template <Module M>
-void load_module(M& module, const TensorSet& file, const std::string& prefix = "") {
-  const KeyReport report = load_module_partly(module, file, prefix);
-  if (report.missing.empty() && report.unexpected.empty()) return;
-  detail::raise_key_mismatch(file.name(), report);
-}
 
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
@@ -245,10 +235,12 @@ void copy_small(Tensor<B, R>& t) {
 struct PrepareLoaded {
   Index share, shares, count;
   Index& at;
+  std::atomic<bool>* finite;  // false from the first number on that is not; null: not looked at
 
   template <Backend B, int R>
   void operator()(const std::string& name, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
+    if (finite != nullptr && !all_finite(t.span())) finite->store(false);
     if constexpr (R == 2) {
       if (!pack_mapped(t)) PrepareWeights{}(name, t);
     }
@@ -266,21 +258,55 @@ struct PrepareLoadedOnce {
     copy_small(t);
   }
 };
-}  // namespace detail
-
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
-/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers. Every thread takes some tensors: new memory is slow to come, and
-/// a thread gets it for itself.
+/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself.
 template <Module M>
-void prepare_loaded(M& model) {
+void prepare_in_shares(M& model, std::atomic<bool>* finite) {
   Index count = 0;
   visit_tensors(model, [&](const std::string&, const auto&) { ++count; });
   const Index shares = parallel_width();
   parallel_for(shares, [&](Index share) {
     Index at = 0;
-    visit_tensors(model, detail::PrepareLoaded{share, shares, count, at});
+    visit_tensors(model, PrepareLoaded{share, shares, count, at, finite});
   });
+}
+}  // namespace detail
+
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
+/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
+/// Weights that had to be converted are packed beside their numbers.
+template <Module M>
+void prepare_loaded(M& model) {
+  detail::prepare_in_shares(model, nullptr);
+}
+
+/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
+/// Returns what did not match; throws io_error 407 for a tensor of another shape, numeric_error 301 for NaN and infinity. A module may
+/// say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is another one.
+template <Module M>
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
+                             LoadFor use = LoadFor::any_use) {
+  KeyReport report;
+  std::set<std::string> known;
+  const auto fill = [&](LoadFor how) {
+    report = {}, known = {};
+    visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, how, report, known});
+  };
+  fill(use);
+  std::atomic<bool> finite{true};
+  if (use == LoadFor::inference) detail::prepare_in_shares(module, &finite);
+  if (!finite) fill(LoadFor::any_use);  // says which tensor it is
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
+  }
+  return report;
+}
+/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
+template <Module M>
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
+  const KeyReport report = load_module_partly(module, file, prefix, use);
+  if (report.missing.empty() && report.unexpected.empty()) return;
+  detail::raise_key_mismatch(file.name(), report);
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

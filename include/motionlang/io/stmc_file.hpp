@@ -232,8 +232,7 @@ Stmc<B> load_stmc(const SafetensorsFile& file) {
   WordPiece tokenizer = detail::metadata_vocabulary(file.metadata(), file.name());
   check_sizes(file, c, tokenizer.size());
   Stmc<B> model = make_stmc<B>(c, std::move(tokenizer), NoInit{});
-  load_module(model, file);
-  prepare_loaded(model);
+  load_module(model, file, "", LoadFor::inference);
   return model;
 }
 template <Backend B>

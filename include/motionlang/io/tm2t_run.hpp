@@ -179,12 +179,14 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
   Tm2t<B> out;
   NoInit zeros;
   out.tokenizer = MotionTokenizer<B>(config, zeros);
-  detail::load_run_module(out.tokenizer, weights, "", [](const std::string& name) {
-    return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
-  });
+  detail::load_run_module(
+      out.tokenizer, weights, "",
+      [](const std::string& name) {
+        return !detail::begins_with_any(name, {"vq_encoder.", "quantizer.", "vq_decoder."});
+      },
+      LoadFor::inference);
   out.statistics = detail::tm2t_normalizer<B>(run, weights, config.features);
   out.statistics.eps = 0;
-  prepare_loaded(out.tokenizer);
   return out;
 }
 
@@ -219,8 +221,8 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
                         out.words.width());
   NoInit zeros;
   out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
-  detail::load_run_module(out.model.t2m_model, weights, prefix, [](const std::string&) { return false; });
-  prepare_loaded(out.model.t2m_model);
+  detail::load_run_module(
+      out.model.t2m_model, weights, prefix, [](const std::string&) { return false; }, LoadFor::inference);
   return out;
 }
 
@@ -238,8 +240,8 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
                         out.words.size(), " and one for padding");
   NoInit zeros;
   out.model.m2t_transformer = Seq2SeqTransformer<B>(config, zeros);
-  detail::load_run_module(out.model.m2t_transformer, weights, prefix, [](const std::string&) { return false; });
-  prepare_loaded(out.model.m2t_transformer);
+  detail::load_run_module(
+      out.model.m2t_transformer, weights, prefix, [](const std::string&) { return false; }, LoadFor::inference);
   return out;
 }
 

@@ -315,12 +315,14 @@ TEST_CASE("BVH: thousands of joints of one name take no time") {
 }
 
 TEST_CASE("BVH: malformed files are refused where they are wrong") {
-  auto refuses = [](const std::string& text, const char* message) {
-    CHECK_THROWS_WITH_AS(ml::parse_bvh(text, "f.bvh"), Contains(message), ml::io_error);
+  auto refuses = [](const std::string& text, const std::string& message) {
+    CHECK_THROWS_WITH_AS(ml::parse_bvh(text, "f.bvh"), Contains(message.c_str()), ml::io_error);
   };
   refuses("", "[motionlang.io.402] f.bvh:1:1: the text ends where hierarchy should be");
   refuses("HIERARCHY", "[motionlang.io.402]");
   refuses("HELLO", "[motionlang.io.403] f.bvh:1:1: expected 'hierarchy', found 'HELLO'");
+  refuses("\x1B[31m\xFFw\xC3\xA4lk\x7F", "found '[31m?w\xC3\xA4lk?'");
+  refuses(std::string(39, 'a') + "\xC3\xA4" + "bc", "found '" + std::string(39, 'a') + "\xC3\xA4...'");
   refuses(two_joints.substr(0, 150), "[motionlang.io.402]");
   refuses(with(two_joints, "ROOT hips", "ROOT"), "a joint without a name");
   refuses(with(two_joints, "ROOT hips\n{", "ROOT hips\n}"), "expected '{', found '}'");

@@ -166,8 +166,9 @@ Normalizer<B> run_normalizer(const RunFolder& run, const TensorSet& weights, Ind
 
 /// Fills a module. `beside(name)`: tensors that the file may hold besides.
 template <Module M, class F>
-void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside) {
-  KeyReport report = load_module_partly(module, file, prefix);
+void load_run_module(M& module, const TensorSet& file, const std::string& prefix, F beside,
+                     LoadFor use = LoadFor::any_use) {
+  KeyReport report = load_module_partly(module, file, prefix, use);
   std::erase_if(report.unexpected, beside);
   if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(file.name(), report);
 }
