@@ -75,6 +75,7 @@
 #include <motionlang/kinematics/chain_kinematics.hpp>
 #include <motionlang/kinematics/chains.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
+#include <motionlang/kinematics/finger_names.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>
@@ -223,6 +224,7 @@
 #include <motionlang/compose/edits.hpp>
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/intervals.hpp>
+#include <motionlang/compose/long_texts.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
 #include <motionlang/compose/options.hpp>
 #include <motionlang/compose/plan.hpp>

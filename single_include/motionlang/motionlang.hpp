@@ -96,13 +96,81 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. The list of ids is `error_ids` below; every one has a test.
+/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids` below; every one has a test.
 
 #include <charconv>          // to_chars: messages without streams and without the locale
 #include <cstdlib>           // abort
 #include <stdexcept>         // runtime_error
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
+#define MOTIONLANG_HAS_CORE_UTF8_HPP
+/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What `decode_utf8` returns for bytes that are not UTF-8.
+inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
+
+/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
+/// Needs at < text.size().
+constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::size_t start = at++;
+  const unsigned char first = byte(start);
+  if (first < 0x80) return first;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || length > text.size() - start) return invalid_code_point;
+  char32_t c = first & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(start + i) & 0xC0u) != 0x80u) return invalid_code_point;
+    c = c << 6 | (byte(start + i) & 0x3Fu);
+  }
+  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (c < smallest[length] || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF) return invalid_code_point;
+  at = start + length;
+  return c;
+}
+
+/// Whether the whole text is UTF-8.
+constexpr bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    if (decode_utf8(text, at) == invalid_code_point) return false;
+  }
+  return true;
+}
+
+/// Appends the bytes of a code point (up to U+10FFFF).
+inline void append_utf8(std::string& out, char32_t c) {
+  const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
+  if (c < 0x80) {
+    put(c);
+  } else if (c < 0x800) {
+    put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
+  } else if (c < 0x10000) {
+    put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  } else {
+    put(0xF0 | c >> 18), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  }
+}
+
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+inline std::string printable(std::string_view text, std::string_view keep = {}) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t start = at;
+    const char32_t c = decode_utf8(text, at);
+    const bool control = c < ' ' || (c >= 0x7F && c <= 0x9F);
+    const bool good = (c != invalid_code_point && !control) || keep.find(text[start]) != keep.npos;
+    out += good ? text.substr(start, at - start) : "?";
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -302,7 +370,7 @@ namespace detail {
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
 #ifdef MOTIONLANG_DIAGNOSTICS
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
@@ -2498,61 +2566,6 @@ class TorchRandom {
   Mt19937 words_;
   std::optional<double> spare_;
 };
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
-#define MOTIONLANG_HAS_CORE_UTF8_HPP
-/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// What `decode_utf8` returns for bytes that are not UTF-8.
-inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
-
-/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
-/// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
-/// Needs at < text.size().
-constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const std::size_t start = at++;
-  const unsigned char first = byte(start);
-  if (first < 0x80) return first;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || length > text.size() - start) return invalid_code_point;
-  char32_t c = first & (0x7Fu >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(start + i) & 0xC0u) != 0x80u) return invalid_code_point;
-    c = c << 6 | (byte(start + i) & 0x3Fu);
-  }
-  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (c < smallest[length] || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF) return invalid_code_point;
-  at = start + length;
-  return c;
-}
-
-/// Whether the whole text is UTF-8.
-constexpr bool is_utf8(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    if (decode_utf8(text, at) == invalid_code_point) return false;
-  }
-  return true;
-}
-
-/// Appends the bytes of a code point (up to U+10FFFF).
-inline void append_utf8(std::string& out, char32_t c) {
-  const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
-  if (c < 0x80) {
-    put(c);
-  } else if (c < 0x800) {
-    put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
-  } else if (c < 0x10000) {
-    put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
-  } else {
-    put(0xF0 | c >> 18), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
-  }
-}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
@@ -7746,6 +7759,56 @@ Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, c
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
+/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any number of fingers.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From "LeftHandIndex1"
+/// (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal" (VRM) and their like. "" for another
+/// joint, and for tips and metacarpals.
+inline std::string finger_of(std::string_view joint) {
+  constexpr auto is_lower = [](char c) { return 'a' <= c && c <= 'z'; };
+  constexpr auto is_upper = [](char c) { return 'A' <= c && c <= 'Z'; };
+  std::string name(joint);
+  for (char& c : name) c = is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+  const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
+
+  const auto alone = [&](char c) {  // a letter between others than letters
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      if (name[i] == c && (i == 0 || !is_lower(name[i - 1])) && (i + 1 == name.size() || !is_lower(name[i + 1]))) return true;
+    }
+    return false;
+  };
+  const auto is_on = [&](std::string_view side) {
+    return has(side) || alone(side[0]) || (joint.size() > 1 && joint[0] == side[0] && is_upper(joint[1]));
+  };
+  const bool left = is_on("left");
+  if (left == is_on("right")) return "";
+
+  for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
+    if (has(other)) return "";
+  }
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{
+      {{"thumb", "thumb"}, {"index", "index"}, {"mid", "middle"}, {"ring", "ring"}, {"pinky", "pinky"}, {"little", "pinky"}}};
+  constexpr std::array<std::string_view, 3> phalanges{"proximal", "intermediate", "distal"};
+  for (const auto& [part, finger] : fingers) {
+    const std::size_t at = name.find(part);
+    if (at == name.npos) continue;
+    std::size_t number = 0;
+    for (std::size_t i = name.find_first_of("0123456789", at); i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
+      number = 10 * number + static_cast<std::size_t>(name[i] - '0');
+    for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
+    if (number < 1 || number > 3) return "";
+    return std::string(left ? "left_" : "right_") + std::string(finger) + static_cast<char>('0' + number);
+  }
+  return "";
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
 /// When feet touch the floor. Y up, metres.
@@ -8621,7 +8684,8 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
 /// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the world
 /// rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the target
 /// does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever the local
-/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Bones keep the
+/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints that no table knows follow
+/// those of the same name, fingers those of the same finger. Bones keep the
 /// target's lengths; the path is scaled by the ratio of the legs.
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -8833,6 +8897,15 @@ class SkeletonMap {
     return p;
   }
 
+  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  int namesake(const std::string& name) const {
+    int s = source_.find(name);
+    const std::string finger = finger_of(name);
+    for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
+      if (finger_of(source_.name(k)) == finger) s = k;
+    }
+    return s;
+  }
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
     links_.resize(static_cast<std::size_t>(target_.size()));
     std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
@@ -8850,14 +8923,14 @@ class SkeletonMap {
         return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
       };
       const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
-      link.source = row == nullptr ? -1 : find_joint(source_, row->source);
+      link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
       if (link.source < 0) {
         report_.unmapped.push_back(target_.names[t]);
         continue;
       }
       link.undo = follow(link.source);
       std::string name = source_.name(link.source);
-      if (!row->second.empty()) {
+      if (row != nullptr && !row->second.empty()) {
         link.second = find_joint(source_, row->second);
         link.undo_second = follow(link.second);
         link.share = row->share;
@@ -8964,9 +9037,15 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in tables that fit the clip and the target. Throws config_error 103 with the joint that is missing.
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws config_error 103 with the
+/// joint that is missing.
 inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
                        const RetargetOptions& options = {}) {
+  if (motion.skeleton == target) {
+    Motion out = motion;
+    if (options.floor) place_on_floor(out);
+    return out;
+  }
   return retarget(motion, SkeletonMap(motion.skeleton, target), options);
 }
 
@@ -23111,6 +23190,37 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
       rest.start = cut;
     }
     out.intervals.push_back(rest);
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
+/// Long texts in parts.
+///
+/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or turns in the air;
+/// in parts that follow each other it is done all the time.
+///
+///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
+/// Throws config_error 101 unless longest is 1 or more.
+inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
+  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", longest, " frames");
+  Timeline out;
+  for (const Interval& whole : timeline.intervals) {
+    const Index frames = whole.end - whole.start, parts = std::max<Index>(1, (frames + longest - 1) / longest);
+    for (Index i = 0; i < parts; ++i) {
+      Interval part = whole;
+      part.start = whole.start + frames * i / parts;
+      part.end = whole.start + frames * (i + 1) / parts;
+      out.intervals.push_back(std::move(part));
+    }
   }
   return out;
 }

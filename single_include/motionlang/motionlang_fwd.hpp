@@ -88,13 +88,81 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. The list of ids is `error_ids` below; every one has a test.
+/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids` below; every one has a test.
 
 #include <charconv>          // to_chars: messages without streams and without the locale
 #include <cstdlib>           // abort
 #include <stdexcept>         // runtime_error
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
+#define MOTIONLANG_HAS_CORE_UTF8_HPP
+/// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// What `decode_utf8` returns for bytes that are not UTF-8.
+inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
+
+/// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
+/// continuation bytes, overlong forms, surrogates, above U+10FFFF) give `invalid_code_point` and `at` moves by one.
+/// Needs at < text.size().
+constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::size_t start = at++;
+  const unsigned char first = byte(start);
+  if (first < 0x80) return first;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || length > text.size() - start) return invalid_code_point;
+  char32_t c = first & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(start + i) & 0xC0u) != 0x80u) return invalid_code_point;
+    c = c << 6 | (byte(start + i) & 0x3Fu);
+  }
+  constexpr char32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (c < smallest[length] || (c >= 0xD800 && c <= 0xDFFF) || c > 0x10FFFF) return invalid_code_point;
+  at = start + length;
+  return c;
+}
+
+/// Whether the whole text is UTF-8.
+constexpr bool is_utf8(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    if (decode_utf8(text, at) == invalid_code_point) return false;
+  }
+  return true;
+}
+
+/// Appends the bytes of a code point (up to U+10FFFF).
+inline void append_utf8(std::string& out, char32_t c) {
+  const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
+  if (c < 0x80) {
+    put(c);
+  } else if (c < 0x800) {
+    put(0xC0 | c >> 6), put(0x80 | (c & 0x3F));
+  } else if (c < 0x10000) {
+    put(0xE0 | c >> 12), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  } else {
+    put(0xF0 | c >> 18), put(0x80 | (c >> 12 & 0x3F)), put(0x80 | (c >> 6 & 0x3F)), put(0x80 | (c & 0x3F));
+  }
+}
+
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+inline std::string printable(std::string_view text, std::string_view keep = {}) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t start = at;
+    const char32_t c = decode_utf8(text, at);
+    const bool control = c < ' ' || (c >= 0x7F && c <= 0x9F);
+    const bool good = (c != invalid_code_point && !control) || keep.find(text[start]) != keep.npos;
+    out += good ? text.substr(start, at - start) : "?";
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -294,7 +362,7 @@ namespace detail {
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
 #ifdef MOTIONLANG_DIAGNOSTICS
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];

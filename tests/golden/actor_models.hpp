@@ -11,13 +11,14 @@ using ml::Index;
 
 inline ml::ActorConfig actor_config(const Case& c) {
   const auto config = c.config();
+  const auto width = config["latent_dim"].as<Index>();
   ml::ActorConfig out{.njoints = config["njoints"].as<Index>(),
                       .nfeats = config["nfeats"].as<Index>(),
                       .num_classes = config["num_classes"].as<Index>(),
-                      .latent_dim = config["latent_dim"].as<Index>(),
+                      .latent_dim = width,
                       .ff_size = config.value_or("ff_size", Index{1024}),
                       .num_layers = config["num_layers"].as<Index>(),
-                      .num_heads = config.value_or("num_heads", Index{4}),
+                      .num_heads = config.value_or("num_heads", Index{width % 4 == 0 ? 4 : 1}),
                       .activation = ml::parse_activation(config.value_or("activation", std::string("gelu"))),
                       .concatenate_time = config.value_or("concatenate_time", true)};
   const std::string ablation = config.contains("ablation") && !config["ablation"].is_null()

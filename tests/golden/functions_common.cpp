@@ -1,5 +1,6 @@
 // Golden functions that need no tensors: masks, statistics.
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/tensor/sequences.hpp>
 
 #include "golden.hpp"
 
@@ -10,12 +11,9 @@ namespace ml = motionlang;
 
 void lengths_to_mask(Case& c) {
   const auto lengths = c.values<ml::Index>("in/lengths");
-  const ml::Index longest = *std::max_element(lengths.begin(), lengths.end());
-  std::vector<std::uint8_t> mask;
-  for (ml::Index n : lengths) {
-    for (ml::Index t = 0; t < longest; ++t) mask.push_back(t < n);
-  }
-  c.out("mask", {std::ssize(lengths), longest}, mask);
+  const auto mask = ml::lengths_to_mask(lengths);
+  const ml::Index count = std::ssize(lengths);
+  c.out("mask", {count, count == 0 ? 0 : std::ssize(mask) / count}, mask);
 }
 
 void feature_statistics(Case& c) {

@@ -77,7 +77,7 @@ void Case::result(const std::string& tensor, const std::string& key, const ml::S
     for (std::size_t i = 0; i < got.size(); ++i) {
       if (got[i] == wanted[i]) continue;  // infinities, too
       const double error = std::abs(got[i] - wanted[i]), allowed = atol + rtol * std::abs(wanted[i]);
-      if (std::isnan(error)) {
+      if (!std::isfinite(error)) {  // no tolerance of an infinity lets other numbers pass
         c.failure = ml::concat_text("element ", i, ": got ", got[i], ", wanted ", wanted[i]);
         break;
       }
@@ -105,6 +105,8 @@ void Case::out_exactly(const std::string& name, const ml::TensorView& got) {
 
 std::vector<Comparison> Case::finish() const {
   std::vector<Comparison> all = comparisons_;
+  if (std::ranges::none_of(file_.tensors(), [](const auto& t) { return is_result(t.name); }))
+    all.push_back({.name = name_, .failure = "has no out/ and no grad/ to compare with"});
   for (const auto& t : file_.tensors()) {
     if (is_result(t.name) && !produced_.contains(t.name))
       all.push_back({.name = t.name, .failure = "was not produced"});

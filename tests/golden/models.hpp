@@ -37,7 +37,8 @@ MdmSmplModel<B> mdm_smpl_model(const Case& c) {
                               .num_layers = config["num_layers"].template as<Index>(),
                               .num_heads = config["num_heads"].template as<Index>(),
                               .nb_registers = config["nb_registers"].template as<Index>(),
-                              .activation = ml::parse_activation(config["activation"].template as<std::string>())},
+                              .activation = ml::parse_activation(config["activation"].template as<std::string>()),
+                              .max_len = 5000},
                              rng),
       ml::Normalizer<B>::identity(config["nfeats"].template as<Index>()),
       ml::Normalizer<B>::identity(config["tx_dim"].template as<Index>())};
@@ -52,7 +53,8 @@ template <ml::Backend B>
 ml::MdmDenoiser<B> mdm_model(const Case& c) {
   const auto config = c.config();
   const auto arch = config["arch"].as<std::string>(), condition = config["cond_mode"].as<std::string>();
-  const auto token = config.value_or("class_token", std::string("none"));
+  const auto token =
+      config.value_or("emb_trans_dec", true) ? config.value_or("class_token", std::string("none")) : "none";
   const bool bert = config.value_or("text_encoder_type", std::string("clip")) == "bert";
   ml::Philox rng;
   ml::MdmDenoiser<B> m({.nfeats = config["njoints"].as<Index>() * config["nfeats"].as<Index>(),
@@ -74,7 +76,8 @@ ml::MdmDenoiser<B> mdm_model(const Case& c) {
                         .num_heads = config["num_heads"].as<Index>(),
                         .activation = ml::parse_activation(config["activation"].as<std::string>()),
                         .mask_frames = config.value_or("mask_frames", false),
-                        .crop_frames = config.value_or("crop_frames", Index{0})},
+                        .crop_frames = config.value_or("crop_frames", Index{0}),
+                        .max_len = 5000},
                        rng);
   ml::load_module(m, c.file(), "weights/");
   return m;

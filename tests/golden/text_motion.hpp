@@ -83,7 +83,7 @@ ml::Tensor<B, 2> noise(const Case& c, const std::string& name) {
   return c.has("noise/" + name) ? tensor<B, 2>(c, "noise/" + name) : ml::Tensor<B, 2>();
 }
 
-constexpr Index position_rows = 1024;  // more than any case needs
+constexpr Index position_rows = 5000;  // as published
 
 /// Decoders of all systems, and TEMOS' motion encoder, which TEACH and SINC have too: the whole case is of this module.
 template <ml::Backend B>

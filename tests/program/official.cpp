@@ -71,7 +71,7 @@ TEST_CASE("generate: folders of STMC, MDM and MotionDiffuse, from a text and fro
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1 # legs\nwave # 0.2 # 0.8 # right arm\n"));
   w.did({"generate", "--model", "mdm", "--timeline", "two.txt", "--steps", "2"});
   CHECK(w.joints("out/two.npy") == std::vector<ml::Index>{20, 24, 3});
-  const Outcome longer = w.run({"generate", "--model", "mdm", "--text", "walk", "--seconds", "12"});
+  const Outcome longer = w.run({"generate", "--model", "mdm", "--text", "walk", "--seconds", "12", "--no-cut-texts"});
   CHECK(longer.code == 3);
   CHECK(contains(longer.text, "the denoiser accepts 196"));
   CHECK(w.run({"generate", "--model", "mdm", "--text", "walk", "--timeline", "two.txt"}).code == 2);
@@ -169,7 +169,7 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   w.did({"generate", "--model", "actor", "--action", "1", "--seconds", "1"});
   CHECK(ml::read_file(w / "out/walk.bvh") == ml::read_file(w / "out/1.bvh"));
   const Outcome dance = w.run({"generate", "--model", "actor", "--action", "dance"});
-  CHECK(dance.code == 2);
+  CHECK(dance.code == 1);
   CHECK(contains(dance.text, "action 'dance' is none of 0 ... 11; they are called warm_up, walk"));
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1 # legs\nrun # 0.2 # 0.8 # right arm\n"));
   CHECK(w.run({"generate", "--model", "actor", "--timeline", "two.txt"}).code == 3);
@@ -211,7 +211,8 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
     CHECK(out.code == 2);
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
-  refused({"--model", "actor", "--action", "walk", "--towards", "dance"}, "action 'dance' is none of 0 ... 11");
+  const Outcome dance = w.run({"generate", "--model", "actor", "--action", "walk", "--towards", "dance"});
+  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"},
           "[motionlang.config.101] 1 motions");
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"},
@@ -653,7 +654,7 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
   const auto teach = official::small_teach();
   official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
   const Outcome other = w.run({"evaluate", "teach", "--data", ".", "--captions", "captions.tsv"});
-  CHECK(other.code == 1);
+  CHECK(other.code == 2);
   CHECK_MESSAGE(contains(other.text, "[motionlang.config.102] --babel is required"), other.text);
 }
 
@@ -874,18 +875,19 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   CHECK(numbers_of_row(without_past, "independent") != numbers_of_row(without_past, "one sample"));
   CHECK(!contains(without_past, "  joint "));
 
-  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message) {
+  const auto refused = [&](const std::string& model, const std::vector<std::string>& more, const std::string& message,
+                           int code = 1) {
     const Outcome out = evaluate(model, more);
-    CHECK(out.code == 1);
+    CHECK(out.code == code);
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   ml::write_file(w / "other.txt", std::string_view("walk while turn#walk/VERB while/SCONJ turn/VERB#0.0#0.0\n"));
   refused("sinc", {"--conjunction", "while", "--tags", "other.txt"},
           "[motionlang.config.103] --tags other.txt: no words of 1 sentences:\nwalk while wave");
-  refused("sinc", {"--tags", "tags.txt"}, "[motionlang.config.102] --tags is for --conjunction while and during");
-  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on, which --part all has not");
+  refused("sinc", {"--tags", "tags.txt"}, "[motionlang.config.102] --tags is for --conjunction while and during", 2);
+  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on, which --part all has not", 2);
   refused("teach", {"--keys", "keys.txt"}, "[motionlang.config.101] val.json has no motions to measure, of 2 keys");
-  refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel");
+  refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel", 2);
   refused("sinc", {"--temos", "temos"},
           "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published "
           "at 30");
@@ -1107,8 +1109,8 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   };
   refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"},
           "[motionlang.config.102] ACTOR has to know which action a motion shows");
-  refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"},
-          "action 'dance' is none of 0 ... 11");
+  const Outcome dance = w.run({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"});
+  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
   auto with_action = temos;
   with_action.insert(with_action.end(), {"--action", "walk"});
   refused(with_action, "[motionlang.config.102] --action 'walk' is for ACTOR");

@@ -108,7 +108,7 @@ TEST_CASE("exit codes") {
   CHECK(contains(missing.text, "nowhere.safetensors"));
   const auto steps = w.generate("out", {"--steps", "6"});
   CHECK(steps.code == 2);
-  CHECK_MESSAGE(contains(steps.text, "--steps 6: this model has 5"), steps.text);
+  CHECK_MESSAGE(contains(steps.text, "6 steps are asked for, this model has 5"), steps.text);
   CHECK(w.generate("out", {}, "nowhere.txt").code == 1);
 
   ml::write_file(w / "wrong.txt", "walk # 0 # 1\nw\xC3\xA4lk # 1 # x # legs\n");
@@ -166,6 +166,72 @@ TEST_CASE("options that make no sense are refused before any work, and it is sai
     CHECK(out.code == 1);
     CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] " + arguments.back() + ": there is no folder nowhere"), out.text);
   }
+}
+
+TEST_CASE("options that say nothing about a file, and results in the place of what is read, are refused") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
+  ml::write_bvh(w / "other.bvh", synthetic::walk({.frames = 40, .turn = 1}));
+  const std::string before = ml::read_file(w / "walk.bvh");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
+      {{"convert", "walk.bvh", "x.glb", "--rate", "60"}, "--rate is for .npy and .amc files"},
+      {{"strip", "walk.bvh", "x.svg", "--up", "z"}, "--up is for .npy files"},
+      {{"convert", "walk.bvh", "x.glb", "--asf", "two.txt"}, "--asf is for AMC files; walk.bvh is none"},
+      {{"convert", "walk.bvh", "./walk.bvh", "--mirror"}, "./walk.bvh is what is read"},
+      {{"join", "other.bvh", "walk.bvh", "-o", "walk.bvh"}, "walk.bvh is what is read"},
+      {{"compose", "walk.bvh", "other.bvh", "--second", "left arm", "-o", "walk.bvh"}, "walk.bvh is what is read"},
+      {{"doctor", ".", "--report", "walk.bvh"}, "its name ends in .html"},
+      {{"search", "two.txt", "walk", "--from", "1"}, "--from requires --like"},
+      {{"search", "two.txt", "walk", "--overlap", "0.5"}, "--overlap requires --moments"}};
+  for (const auto& [arguments, message] : refused) {
+    const auto out = w.run(arguments);
+    CHECK_MESSAGE((out.code == 2 && contains(out.text, "[motionlang.config.10") != contains(out.text, "requires")),
+                  out.text);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  }
+  CHECK(ml::read_file(w / "walk.bvh") == before);
+}
+
+TEST_CASE("convert says what is strange about a motion: a T-pose in front, a doll") {
+  const Workplace w;
+  const ml::Motion walk = synthetic::walk({.frames = 40});
+  ml::Motion pose = ml::crop(walk, 0, 1);
+  std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
+  ml::write_bvh(w / "posed.bvh", ml::concatenate(pose, walk));
+  const auto posed = w.run({"convert", "posed.bvh", "x.glb"});
+  CHECK_MESSAGE(
+      contains(posed.text, "posed.bvh: begins with 1 frame of a T-pose that was put in front; --from 0.05 leaves"),
+      posed.text);
+  CHECK(!contains(w.run({"convert", "posed.bvh", "x.bvh", "--from", "0.05"}).text, "T-pose"));
+  CHECK(!contains(w.run({"convert", "x.bvh", "x.glb"}).text, "T-pose"));
+  CHECK(!contains(w.run({"convert", "x.bvh", "x.glb"}).text, " large"));
+  const auto doll = w.run({"convert", "x.bvh", "x.glb", "--scale", "0.001"});
+  CHECK_MESSAGE((doll.code == 0 && contains(doll.text, "x.bvh: the figure is 0.1")), doll.text);
+}
+
+TEST_CASE("a long text is made in parts, and this is said") {
+  const Workplace w;
+  const auto text = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"generate",          "--text", "walk", "--seconds",   "17",           "--model",
+                                 "model.safetensors", "--out",  "long", "--no-smooth", "--no-fix-feet"};
+    all.insert(all.end(), more.begin(), more.end());
+    const auto out = w.run(all);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    return std::pair(out.text, ml::read_file(w / "long/walk.bvh"));
+  };
+  const auto [told, parts] = text({});
+  CHECK_MESSAGE(contains(told, "'walk': 17 s are made in parts of at most 8 s"), told);
+  const auto [untold, whole] = text({"--no-cut-texts"});
+  CHECK(!contains(untold, "in parts"));
+  CHECK(parts != whole);
+  ml::write_file(w / "parts.txt", "walk # 0 # 5.65\nwalk # 5.65 # 11.3\nwalk # 11.3 # 17\n");
+  REQUIRE(w.run({"generate", "--timeline", "parts.txt", "--model", "model.safetensors", "--out", "long", "--no-smooth",
+                 "--no-fix-feet"})
+              .code == 0);
+  CHECK(ml::read_file(w / "long/parts.bvh") == parts);
+  CHECK(contains(w.run({"check", "parts.txt"}).text, "3 texts\n"));
+  ml::write_file(w / "whole.txt", "walk # 0 # 17\n");
+  CHECK(contains(w.run({"check", "whole.txt"}).text, "1 text cut into 3"));
 }
 
 TEST_CASE("a folder for results that cannot be made is refused before anything is read") {
@@ -389,7 +455,10 @@ TEST_CASE("generate writes every output, and the same bytes for the same seed") 
   CHECK(w.run({"info", "a/two.glb"}).code == 0);
   CHECK(contains(w.run({"info", "a/two.npz"}).text, "20 frames"));
   const auto joints = w.run({"info", "a/two.npy"});
-  CHECK_MESSAGE(contains(joints.text, "joint positions, 20 frames of 24 joints\n  joints are within x "), joints.text);
+  CHECK_MESSAGE(
+      contains(joints.text,
+               "joint positions, 20 frames of 24 joints\n  read as Z up and turned to Y up, joints are within x "),
+      joints.text);
 
   CHECK(w.generate("b", {"--seed", "4", "--threads", "2"}).code == 0);
   CHECK(w.files("b") == a);
@@ -714,7 +783,8 @@ TEST_CASE("convert: several motions of a file, of which one that fails stops no 
   ml::write_glb(w / "three.glb", several);
   const auto looped = w.run({"convert", "three.glb", "loop.bvh", "--loop", "0.2"});
   CHECK(looped.code == 1);
-  CHECK_MESSAGE(contains(looped.text, "pose: [motionlang.config.101] make_loop: 1 frames to blend in a clip of 1"), looped.text);
+  CHECK_MESSAGE(contains(looped.text, "pose: [motionlang.config.101] make_loop: 6 frames to blend in a clip of 1"),
+                looped.text);
   CHECK_MESSAGE(contains(looped.text, "1 of the 3 motions of three.glb could not be made"), looped.text);
   CHECK(std::filesystem::exists(w / "loop_short walk.bvh"));
   CHECK(!std::filesystem::exists(w / "loop_pose.bvh"));

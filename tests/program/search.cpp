@@ -247,6 +247,8 @@ TEST_CASE("index: listing, removing, captions") {
   CHECK(g.search({"a person walks"}).size() == 3);
   check_contains(g.run({"index", "-o", "moves.index", "--remove", "clips/never.bvh"}), 2,
                  {"[motionlang.config.103] --remove: moves.index has no clip of these"});
+  check_contains(g.run({"index", "-o", "moves.index", "--list", "--remove", "clips/never.bvh"}), 0,
+                 {"clips/never.bvh is not in the index", "straight.bvh\t"});
   check_contains(g.index({"--windows", "1,2"}), 2,
                  {"[motionlang.config.102] index: moves.index has moments of 1 other lengths"});
 }

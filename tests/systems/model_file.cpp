@@ -238,6 +238,26 @@ TEST_CASE("of several numbers that are none the first is named, for any use and 
   ml::set_thread_count(before);
 }
 
+TEST_CASE("loaded for inference, a model is ready unless something is missing; for any use it is as in the file") {
+  const auto packed = [](const ml::Stmc<B>& m) { return m.denoiser.text_in.weight.data().attached() != nullptr; };
+  Parts p;
+  const auto file = [&] { return ml::SafetensorsFile::from_bytes(p.bytes(), "model.safetensors"); };
+  auto model = small::model<B>();
+  ml::load_module(model, file());
+  CHECK(!packed(model));
+  ml::load_module(model, file(), "", ml::LoadFor::inference);
+  CHECK(packed(model));
+  CHECK(packed(load(p.bytes())));
+
+  p.tensors.erase("denoiser.to_skel_layer.bias");
+  auto part = small::model<B>();
+  part.denoiser.to_skel_layer.bias =
+      ml::Tensor<B, 1>::full(part.denoiser.to_skel_layer.bias.shape(), NAN);  // its own, not the file's
+  const auto report = ml::load_module_partly(part, file(), "", ml::LoadFor::inference);
+  CHECK(report.missing == std::vector<std::string>{"denoiser.to_skel_layer.bias"});
+  CHECK(!packed(part));
+}
+
 TEST_CASE("metadata: every key is needed and checked") {
   const Parts good;
   for (const auto& entry : good.metadata) {

@@ -9,6 +9,7 @@
 #include <motionlang/io/body_viewer.hpp>
 #include <motionlang/io/figure_body.hpp>
 
+#include "../usage_error.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -33,8 +34,9 @@ std::string write(const fs::path& path, const ml::Body<B>& body, const std::stri
   } else if (kind == ".obj" && count == 1) {
     files = ml::concat_text(" in ", ml::write_body_objs(path, body, motions.front(), shape), " files, one for each frame");
   } else {
-    ml::raise<ml::config_error>(103, path.string(), ": ", count,
-                                " motions on a body are written to .glb and .html, one also to .obj, not '", kind, "'");
+    ml::raise<usage_error>(103, path.string(),
+                           ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind,
+                           "'");
   }
   return ml::concat_text(path.string(), files, ": ", count, count == 1 ? " motion on " : " motions on ", name, " of ",
                          body.model.vertices(), " vertices\n");

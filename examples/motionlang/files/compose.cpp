@@ -83,6 +83,7 @@ void write(const ComposeOptions& o, const ml::Motion& m) {
 
 void compose(const ComposeOptions& o) {
   require_folder_of(o.out);
+  for (const std::string& file : o.in) require_other_file(file, o.out);
   const auto clip = [&](const std::string& file) {
     return on_smpl(read_only_performed_motion(file, options_in_folder(o.read, file)));
   };
@@ -104,13 +105,14 @@ ml::Motion joined(const ml::Motion& first, const ml::Motion& second, double blen
   const double frames = std::max(1.0, std::round(blend * first.fps));
   const ml::Motion& shorter = first.frames() < second.frames() ? first : second;
   if (frames > static_cast<double>(shorter.frames()))
-    ml::raise<ml::config_error>(101, "join: '", shorter.name, "' has ", shorter.frames(), " frames at ", shorter.fps,
-                                " per second, --blend ", blend, " takes ", frames);
+    ml::raise<usage_error>(101, "join: '", shorter.name, "' has ", shorter.frames(), " frames at ", shorter.fps,
+                           " per second, --blend ", blend, " takes ", frames);
   return ml::blend_into(first, second, static_cast<ml::Index>(frames));
 }
 
 void join(const ComposeOptions& o) {
   require_folder_of(o.out);
+  for (const std::string& file : o.in) require_other_file(file, o.out);
   std::optional<ml::Motion> whole;
   for (const std::string& file : o.in) {
     for (ml::Motion& m : read_performed_motions(file, options_in_folder(o.read, file)))

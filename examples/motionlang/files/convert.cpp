@@ -98,10 +98,20 @@ ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, m
   }
   if (o.in_place) m = ml::in_place(m);
   if (o.loop > 0) {
-    const double frames = std::min(o.loop * m.fps, static_cast<double>(m.frames()));
+    const double frames = std::min(o.loop * m.fps, 1e9);
     m = ml::make_loop(m, std::max<ml::Index>(1, std::lround(frames))).motion;
   }
   return m;
+}
+
+/// The longest side of the box around a rest pose, which stands, sits or lies.
+double reach_of(const ml::Skeleton& skeleton) {
+  double out = 0;
+  const auto rest = skeleton.rest_positions();
+  for (const auto& p : rest) {
+    for (const auto& q : rest) out = std::max({out, p.x - q.x, p.y - q.y, p.z - q.z});
+  }
+  return out;
 }
 
 /// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". taken: such files without
@@ -127,6 +137,7 @@ class Conversion {
 
   void run() {
     ml::RetargetReport report;
+    for (const ml::Motion& m : motions_) note(m);
     for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, loaded_, report)); });
     if (!report.table.empty()) told_ += to_string(report) + "\n";
     if (!made_.empty()) write();
@@ -139,6 +150,20 @@ class Conversion {
   std::string told() const { return about_input_ + told_; }
 
  private:
+  /// What somebody who converts a motion should know of it.
+  void note(const ml::Motion& m) {
+    const std::string where = o_.in + (motions_.size() == 1 ? "" : " " + m.name) + ": ";
+    if (const ml::Index frames = ml::detect_t_pose_lead_in(m); frames > 0 && o_.from == 0)
+      about_input_ +=
+          where + formatted("begins with %s of a T-pose that was put in front; --from %.3g leaves out what was\n",
+                            counted(frames, "frame").c_str(), static_cast<double>(frames) / m.fps);
+    constexpr double smallest = 0.5, largest = 4;  // metres
+    const double reach = reach_of(m.skeleton);
+    if (reach > 0 && (reach < smallest || reach > largest))
+      about_input_ +=
+          where + formatted("the figure is %.2g m large%s\n", reach,
+                            kind_of(o_.in) == ".bvh" ? ": --scale says how long a unit of the file is" : "");
+  }
   /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
   void read_amass() {
     ml::AmassSequence sequence = ml::read_amass_sequence(o_.in);
@@ -338,6 +363,8 @@ void run(ConvertOptions o) {
   if (o.as == ".obj" && o.body.file.empty())
     throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
   if (folder) return FolderConversion(o).run();
+  o.read.require_for(o.in);
+  require_other_file(o.in, o.out);
   if (o.data_set == nullptr) require_folder_of(o.out);
   convert_file(o);
 }
@@ -461,7 +488,10 @@ void add_convert(CLI::App& app) {
   c->add_flag("--in-place", o->in_place, "The root stays over the origin");
   c->add_option("--loop", o->loop, "Makes a loop: so many seconds at the end are blended into the start")
       ->check(positive());
-  c->add_flag("--fix-feet", o->fix_feet, "On SMPL's 24 joints, and feet that stand do not slide");
+  c->add_flag(
+      "--fix-feet", o->fix_feet,
+      "On SMPL's 24 joints, and feet that stand do not slide: the path over the floor becomes what the feet say, "
+      "a tenth shorter for some recorded runs");
   const CLI::Option* hands =
       c->add_option("--hands", o->hands,
                     "Of a body of SMPL-H: MANO_LEFT.pkl and MANO_RIGHT.pkl, whose hands go into the result with it")

@@ -30,7 +30,11 @@ class Doctor {
   void run() {
     if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
       ml::raise<usage_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
-    if (!o_.report.empty()) require_folder_of(o_.report);
+    if (!o_.report.empty()) {
+      if (const std::string kind = kind_of(o_.report); kind != ".html" && kind != ".htm")
+        ml::raise<usage_error>(103, "doctor: --report '", o_.report, "' is a page: its name ends in .html");
+      require_folder_of(o_.report);
+    }
     const auto files = motion_files_below(folder_);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");

@@ -53,7 +53,8 @@ void joints(const std::string& path) {
   const auto j = ml::read_joints_npy(path);
   std::printf("%s: joint positions, %s of %s\n", path.c_str(), counted(j.frames, "frame").c_str(),
               counted(j.joints, "joint").c_str());
-  if (!j.positions.empty()) std::printf("  joints are within %s, Y up\n", extent_of(j.positions).c_str());
+  if (!j.positions.empty())
+    std::printf("  read as Z up and turned to Y up, joints are within %s\n", extent_of(j.positions).c_str());
 }
 
 void timelines(const std::string& path) {

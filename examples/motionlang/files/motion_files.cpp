@@ -35,6 +35,18 @@ void MotionReadOptions::add_to(CLI::App& command) {
       ->check(CLI::ExistingFile);
 }
 
+void MotionReadOptions::require_for(const std::filesystem::path& file) const {
+  const std::string kind = kind_of(file);
+  const auto refuse = [&](bool given, bool fits, const char* option, const char* about) {
+    if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is none");
+  };
+  refuse(scale != MotionReadOptions{}.scale, kind == ".bvh", "--scale", "BVH files");
+  refuse(rate != 0, kind == ".npy" || kind == ".amc", "--rate",
+         ".npy and .amc files (--fps resamples, --speed makes faster)");
+  refuse(!up.empty(), kind == ".npy", "--up", ".npy files with joints (doctor --clean turns others up)");
+  refuse(!asf.empty(), kind == ".amc", "--asf", "AMC files");
+}
+
 MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file) {
   if (kind_of(file) == ".amc" && std::filesystem::exists(asf_beside(file))) options.asf.clear();
   return options;
@@ -50,6 +62,12 @@ void require_folder_of(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
     ml::raise<ml::io_error>(401, file.string(), ": there is no folder ", folder.string());
+}
+
+void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
+  std::error_code no_output;
+  if (std::filesystem::equivalent(input, output, no_output))
+    ml::raise<usage_error>(102, output.string(), " is what is read: name another file for the result");
 }
 
 void make_output_folder(const std::string& option, const std::filesystem::path& folder) {
@@ -226,7 +244,8 @@ std::string write_motion(const std::filesystem::path& path, const ml::Motion& mo
     ml::write_png(path, ml::film_strip_picture(motion));
   else
     ml::raise<usage_error>(103, path.string(),
-                           ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'");
+                           ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'",
+                           kind == ".obj" ? ": .obj shows a body, --body says which" : "");
   return line_about(path, motion);
 }
 
@@ -341,7 +360,9 @@ RigWriter rig_writer(const RigOptions& options) {
                                                     : ml::retarget(m, rig.skeleton()));
     }
     ml::write_glb(path, rig, on_rig, {.keep_animations = !options.drop_animations});
-    return ml::concat_text(path.string(), " on ", options.file, "\n", to_string(map.report()), "\n");
+    const bool own = motions.front().skeleton == rig.skeleton();
+    return ml::concat_text(path.string(), " on ", options.file, "\n",
+                           own ? "all joints follow: it is the motion's own skeleton" : to_string(map.report()), "\n");
   };
 }
 

@@ -32,6 +32,8 @@ struct MotionReadOptions {
 
   /// --scale, --rate, --up, --asf
   void add_to(CLI::App& command);
+  /// Throws usage_error 102 for an option that says nothing about files of this kind.
+  void require_for(const std::filesystem::path& file) const;
 };
 /// The same for one of many files: an AMC file with a skeleton beside it is read with that one.
 MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file);
@@ -51,6 +53,8 @@ std::vector<std::filesystem::path> motion_files_below(const std::filesystem::pat
 
 /// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after it.
 void require_folder_of(const std::filesystem::path& file);
+/// Throws usage_error 102 if the result would take the place of a file that is read.
+void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output);
 /// Makes the folder that an option names, unless it is there: as early. Throws io_error 401 if it cannot be written in.
 void make_output_folder(const std::string& option, const std::filesystem::path& folder);
 

@@ -37,7 +37,7 @@ std::string describe_folder(const std::filesystem::path& folder) {
   std::string out, system = run.system;
   const auto say = [&](std::string key, const std::string& value) {
     key.resize(std::max<std::size_t>(key.size() + 1, 25), ' ');
-    if (!value.empty()) out += "  " + key + printable(value) + "\n";
+    if (!value.empty()) out += "  " + key + ml::printable(value) + "\n";
   };
   say("system", system);
   if (system.empty()) return out;

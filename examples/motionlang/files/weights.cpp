@@ -29,17 +29,10 @@ std::string summary(const ml::WeightFile& file) {
 }
 
 void show_skipped(const ml::WeightFile& file) {
-  for (const ml::SkippedValue& v : file.skipped()) std::printf("  skipped: %s\n", printable(to_string(v)).c_str());
+  for (const ml::SkippedValue& v : file.skipped()) std::printf("  skipped: %s\n", ml::printable(to_string(v)).c_str());
 }
 
 }  // namespace
-
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
-  }
-  return text;
-}
 
 bool is_weights(const std::filesystem::path& path) {
   constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
@@ -61,12 +54,13 @@ void show_weights(const std::filesystem::path& path) {
     const std::string text = to_string(v);
     const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
     if (lines > 1)
-      std::printf("  %-24s (%td lines)\n", printable(v.path).c_str(), lines);
+      std::printf("  %-24s (%td lines)\n", ml::printable(v.path).c_str(), lines);
     else
-      std::printf("  %-24s %s\n", printable(v.path).c_str(), printable(text).c_str());
+      std::printf("  %-24s %s\n", ml::printable(v.path).c_str(), ml::printable(text).c_str());
   }
   for (const auto& t : file.tensors())
-    std::printf("  %-60s %-5s %s\n", printable(t.name).c_str(), to_string(t.dtype).c_str(), to_string(t.shape).c_str());
+    std::printf("  %-60s %-5s %s\n", ml::printable(t.name).c_str(), to_string(t.dtype).c_str(),
+                to_string(t.shape).c_str());
   show_skipped(file);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/io/tensor_view.hpp>
 
 namespace program {
@@ -16,9 +17,6 @@ bool is_weights(const std::filesystem::path& path);
 /// Of NumPy's files: whether they are motions or joint positions rather than weights.
 bool holds_motion(const std::filesystem::path& npz);
 bool holds_joints(const std::filesystem::path& npy);
-
-/// Without control characters, which would change what the terminal shows.
-std::string printable(std::string text);
 
 /// Of the folder of a model: the system, its files, and what they say; "" of others.
 std::string describe_folder(const std::filesystem::path& folder);

@@ -72,7 +72,8 @@ void add_check(CLI::App& app) {
       ->check(not_negative())
       ->capture_default_str();
   c->add_option("--model", o->model, "Weights: check against their frame rate and longest text as well");
-  c->add_flag("--cut-texts,!--no-cut-texts", o->cut, "Texts are cut where others borrow body parts from them, as 'generate' does");
+  c->add_flag("--cut-texts,!--no-cut-texts", o->cut,
+              "Texts are cut where others borrow body parts from them and where they are too long, as 'generate' does");
   c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut); });
 }
 

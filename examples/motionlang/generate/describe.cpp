@@ -88,7 +88,7 @@ class Describer {
       }
     }
     if (!o_.out.empty() && !described_.empty()) write_table();
-    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
+    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
     if (described_.empty() && !stopped)
       ml::raise<ml::config_error>(101, "describe: none of the ", places.size(), " files could be described");
     o_.json ? say_json() : say();
@@ -155,10 +155,10 @@ class Describer {
 
   void say() const {
     for (const Described& d : described_) {
-      std::printf("%7.2f %7.2f s  %s%s\n", d.start, d.end, printable(d.place.path.string()).c_str(),
-                  d.name.empty() ? "" : (" (" + printable(d.name) + ")").c_str());
+      std::printf("%7.2f %7.2f s  %s%s\n", d.start, d.end, ml::printable(d.place.path.string()).c_str(),
+                  d.name.empty() ? "" : (" (" + ml::printable(d.name) + ")").c_str());
       for (const ml::Description& text : d.texts)
-        std::printf("%9.2f  \"%s\"\n", text.log_probability, printable(text.text).c_str());
+        std::printf("%9.2f  \"%s\"\n", text.log_probability, ml::printable(text.text).c_str());
     }
     if (!o_.out.empty()) std::printf("table    %s\n", o_.out.c_str());
   }

@@ -1,3 +1,4 @@
+#include "../usage_error.hpp"
 #include "from_actions.hpp"
 
 #include <motionlang/kinematics/blend.hpp>
@@ -123,9 +124,9 @@ class FromActions final : public FromLatent {
     const Index wanted = actor_.model.config.num_frames;
     if (!fully_connected || frames == wanted) return;
     const auto seconds = [&](Index n) { return static_cast<double>(n) / fps(); };
-    ml::raise<ml::config_error>(101, "a motion of ", frames, " frames (", seconds(frames),
-                                " s); this ACTOR is fully connected, its motions have ", wanted, " frames (",
-                                seconds(wanted), " s)");
+    ml::raise<usage_error>(101, "a motion of ", frames, " frames (", seconds(frames),
+                           " s); this ACTOR is fully connected, its motions have ", wanted, " frames (",
+                           seconds(wanted), " s)");
   }
   Index class_of(const std::string& action) const {
     return action_of(action, actor_.labels, actor_.model.config.num_classes);

@@ -13,7 +13,7 @@ class FromLatent : public EachAlone {
   bool draws_latents() const override { return true; }
 
   /// `count` motions on the straight line from the latent of one timeline to that of another, which is as long, with
-  /// the same noise: the first and the last are those that `run` makes of either alone. Throws config_error 101 unless
+  /// the same noise: the first and the last are those that `run` makes of either alone. Throws usage_error 101 unless
   /// count is 2 or more.
   std::vector<ml::Motion> between(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
                                   const GenerationSettings& settings) const;
@@ -22,8 +22,8 @@ class FromLatent : public EachAlone {
   /// longer than those that the model learned from goes through it in parts, which share a quarter of their frames and
   /// are blended.
   /// action  of the motion, for ACTOR; "" for others
-  /// Throws  config_error 102 where the action is missing or not asked for, 103 for an unknown one, and what the
-  ///         features throw
+  /// Throws  usage_error 102 where the action is missing or not asked for, config_error 103 for an unknown one, and what
+  ///         the features throw
   ml::Motion denoised(const ml::Motion& motion, const std::string& action) const;
 
  protected:
@@ -40,7 +40,7 @@ class FromLatent : public EachAlone {
   virtual ml::Motion on_its_joints(const ml::Motion& motion) const = 0;
 };
 
-/// The generator as such a model. Throws config_error 102 for another.
+/// The generator as such a model. Throws usage_error 102 for another.
 /// option  what asks for it;   model   where it was loaded from
 const FromLatent& from_latent(const Generator& generator, const std::string& option,
                               const std::filesystem::path& model);

@@ -208,8 +208,11 @@ void run(const GenerateOptions& o) {
 
   const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
   warn_of_texts(o, timelines, *generator);
-  if (generator->system() == diffusion_model)
+  if (generator->system() == diffusion_model) {
     std::fprintf(stderr, "%s", told_hidden_texts(timelines, timeline_source(o.timeline)).c_str());
+    if (settings.cut_texts && !generator->takes_actions())
+      std::fprintf(stderr, "%s", told_long_texts(timelines, generator->fps()).c_str());
+  }
   const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
                                       : line_of(o, o.samples.value_or(5), name, *generator, settings);
   std::printf("%s", notes.reuse.c_str());
@@ -335,8 +338,10 @@ void add_generate(CLI::App& app) {
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
   const auto cut_texts = c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
-              "A text is cut where another takes body parts from it or gives them back; without, one crop as published")
-      ->capture_default_str();
+                                     "A text is cut where another takes body parts from it or gives them back, and "
+                                     "into parts where it lasts longer "
+                                     "than 8 s; without, one crop as published")
+                             ->capture_default_str();
   reuse->excludes(cut_texts);
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away, and jerks where texts meet")
       ->capture_default_str();

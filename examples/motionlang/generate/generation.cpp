@@ -48,8 +48,8 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
   std::string system;
   if (std::filesystem::is_directory(path)) {
     ml::RunFolder run = ml::find_run(path);
-    if (run.system.empty() && std::filesystem::is_directory(path / "model")) {  // train-tmr and its like put it there
-      model = path / "model";
+    if (run.system.empty()) {
+      model = model_folder(path);
       run = ml::find_run(model);
     }
     system = system_of(run);
@@ -84,7 +84,7 @@ ml::Index action_of(const std::string& text, std::span<const std::string> labels
   const char* const end = text.data() + text.size();
   if (std::from_chars(text.data(), end, number).ptr == end && number >= 0 && number < classes) return number;
   const std::string known = labels.empty() ? "" : "; they are called " + ml::join_text(labels);
-  ml::raise<usage_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
+  ml::raise<ml::config_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
 }
 void require_no_noise(const GenerationSettings& settings) {
   if (!settings.noise_file.empty())
@@ -105,7 +105,13 @@ void require_no_sampling(const GenerationSettings& settings) {
 
 void require_steps(const GenerationSettings& settings, ml::Index steps) {
   if (settings.steps.value_or(0) > steps)
-    ml::raise<usage_error>(105, "--steps ", *settings.steps, ": this model has ", steps);
+    ml::raise<usage_error>(105, *settings.steps, " steps are asked for, this model has ", steps);
+}
+
+std::filesystem::path model_folder(const std::filesystem::path& path) {
+  const auto inside = path / "model";
+  return !std::filesystem::exists(path / "config.json") && std::filesystem::exists(inside / "config.json") ? inside
+                                                                                                           : path;
 }
 
 std::filesystem::path model_file(const std::filesystem::path& path) {

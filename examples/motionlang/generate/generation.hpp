@@ -42,7 +42,8 @@ struct GenerationSettings {
   std::optional<double> guidance{};  // the model's own unless given
   std::optional<double> fact{};      // scales the deviation of a latent from its mean; 1 unless given
   double overlap = 0.5;              // seconds around a cut
-  bool cut_texts = true;             // where another text takes body parts from them or gives them back
+  bool cut_texts =
+      true;  // where another text takes body parts from them or gives them back, and where they are too long
   bool smooth = true;                // no trembling, no jerk where texts meet
   bool fix_feet = true;              // feet that stand do not slide
   std::string noise_file{};          // noise/000, noise/001, ... instead of the seed
@@ -119,7 +120,7 @@ std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folde
 
 /// The only text of a timeline. Throws timeline_error 509.
 const ml::Interval& only_text(const ml::Timeline& timeline);
-/// The number of an action that is given by its name or its number. Throws usage_error 103 for what is no class.
+/// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
 /// Throws usage_error 102 if there is a file of noise, a record or a motion to keep, which only models that go through STMC take.
 void require_no_noise(const GenerationSettings& settings);

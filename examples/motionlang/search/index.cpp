@@ -135,10 +135,12 @@ class Indexer {
     for (const std::string& path : o_.remove) {
       const fs::path whole = folder_of(path);
       const Index now = index_->remove_if([&](const ml::IndexedClip& c) { return is_below(c.path, whole); });
-      if (now == 0) std::fprintf(stderr, "%s is not in the index\n", printable(path).c_str());
+      if (now == 0) std::fprintf(stderr, "%s is not in the index\n", ml::printable(path).c_str());
       removed += now;
     }
-    if (removed == 0) ml::raise<usage_error>(103, "--remove: ", o_.out, " has no clip of these");
+    if (removed == 0 && o_.folder.empty() && !o_.list)
+      ml::raise<usage_error>(103, "--remove: ", o_.out, " has no clip of these");
+    if (removed == 0) return;
     const bool stopped = write(false);
     std::printf("%s: %td clips removed, %td left\n", o_.out.c_str(), removed, index_->count());
     if (stopped) throw ml::cancelled();
@@ -148,8 +150,8 @@ class Indexer {
       const std::string path = c.path + (c.name.empty() ? "" : "#" + c.name);
       std::string captions;
       for (const std::string& text : c.captions) captions += (captions.empty() ? "" : " | ") + text;
-      std::printf("%s\t%.2f\t%.2f\t%g\t%td\t%s\t%s\n", printable(path).c_str(), c.start, c.end, c.fps, c.frames,
-                  printable(captions).c_str(), printable(c.license).c_str());
+      std::printf("%s\t%.2f\t%.2f\t%g\t%td\t%s\t%s\n", ml::printable(path).c_str(), c.start, c.end, c.fps, c.frames,
+                  ml::printable(captions).c_str(), ml::printable(c.license).c_str());
     }
   }
 
@@ -176,7 +178,7 @@ class Indexer {
       }
     }
     if (added_ + removed_ + renamed_ + relicensed_ > 0 || model_moved_ || !before_ || lacks_graphs()) stopped = write(stopped);
-    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
+    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
     std::printf("%s: %td clips, %zu moments (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n",
                 o_.out.c_str(), index_->count(), index_->moments().size(), added_, removed_, renamed_, unchanged_,
                 problems_.size());
@@ -184,7 +186,7 @@ class Indexer {
     if (stopped) throw ml::cancelled();  // what was encoded is kept
     for (const auto& [clip, lines] : lines_of_)
       if (!named_.contains(clip))
-        std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), printable(clip).c_str(),
+        std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), ml::printable(clip).c_str(),
                      folder.c_str());
   }
 
@@ -192,7 +194,7 @@ class Indexer {
     const std::string path = !o_.model.empty() ? o_.model : index_ ? index_->model().path : "";
     if (path.empty()) ml::raise<usage_error>(102, "index: a new index needs a model (--model)");
     const std::string encoder = !o_.text_encoder.empty() ? o_.text_encoder : index_ ? index_->model().text_encoder : "";
-    model_.emplace(folder_of(path), encoder.empty() ? fs::path() : folder_of(encoder));
+    model_.emplace(folder_of(model_folder(path)), encoder.empty() ? fs::path() : folder_of(encoder));
     ml::IndexModel wanted{.id = model_->id(),
                           .path = model_->folder().string(),
                           .text_encoder = model_->text_encoder().string(),

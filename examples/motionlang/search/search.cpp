@@ -94,9 +94,9 @@ class Search {
   void say() const {
     int place = 0;
     for (const ml::FoundMotion& f : found_) {
-      std::printf("%3d  %.3f  %7.2f %7.2f s  %s", ++place, f.score, f.start, f.end, printable(f.clip.path).c_str());
-      if (!f.clip.name.empty()) std::printf(" (%s)", printable(f.clip.name).c_str());
-      if (!f.clip.captions.empty()) std::printf("  \"%s\"", printable(f.clip.captions.front()).c_str());
+      std::printf("%3d  %.3f  %7.2f %7.2f s  %s", ++place, f.score, f.start, f.end, ml::printable(f.clip.path).c_str());
+      if (!f.clip.name.empty()) std::printf(" (%s)", ml::printable(f.clip.name).c_str());
+      if (!f.clip.captions.empty()) std::printf("  \"%s\"", ml::printable(f.clip.captions.front()).c_str());
       std::printf("\n");
     }
     if (found_.empty()) std::printf("nothing was found: the index has %td %s\n", gallery(), kind());
@@ -150,16 +150,17 @@ void add_search(CLI::App& app) {
   CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit words, or another motion");
   c->add_option("index", o->index, "File of motionlang index")->required()->check(CLI::ExistingFile);
   c->add_option("text", o->text, "What is looked for: \"a person waves with the left hand\"");
-  c->add_option("--like", o->like, "A motion instead of words: .bvh, .amc, .npz (AMASS) or .glb")
-      ->check(CLI::ExistingFile);
-  c->add_option("--from", o->from, "Of that motion: begin, seconds")->check(not_negative());
-  c->add_option("--to", o->to, "Of that motion: end, seconds")->check(positive());
-  c->add_flag("--moments", o->moments, "Moments of clips instead of whole clips");
+  CLI::Option* like = c->add_option("--like", o->like, "A motion instead of words: .bvh, .amc, .npz (AMASS) or .glb")
+                          ->check(CLI::ExistingFile);
+  c->add_option("--from", o->from, "Of that motion: begin, seconds")->check(not_negative())->needs(like);
+  c->add_option("--to", o->to, "Of that motion: end, seconds")->check(positive())->needs(like);
+  CLI::Option* moments = c->add_flag("--moments", o->moments, "Moments of clips instead of whole clips");
   c->add_flag("--captions", o->captions, "Compares with the captions of clips instead of their motion");
   c->add_option("--top", o->top, "How many are shown")->check(in_range(1, 100000))->capture_default_str();
   c->add_option("--overlap", o->overlap,
                 "Moments of a clip that overlap a better one by more than this are left out (intersection over union)")
       ->check(in_range(0, 1))
+      ->needs(moments)
       ->capture_default_str();
   c->add_option("--html", o->html, "A page with film strips of what was found");
   c->add_flag("--exact", o->exact, "Compares with all vectors, even where the index has a graph");

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "../usage_error.hpp"
 #include "actor_clips.hpp"
 #include "config_json.hpp"
 #include "optimiser_config.hpp"
@@ -79,7 +80,7 @@ inline ActorTrainingConfig actor_preset(const std::string& name) {
     return c;
   }
   if (name != "small")
-    ml::raise<ml::config_error>(103, "--preset '", name, "' is not actor-published, actor-variable or small");
+    ml::raise<usage_error>(103, "--preset '", name, "' is not actor-published, actor-variable or small");
   c.clips.fps = 15;
   c.network = {.latent_dim = 128, .ff_size = 256, .num_layers = 3};
   c.optimiser = {
@@ -125,7 +126,7 @@ inline ClassifierConfig classifier_preset(const std::string& name) {
     return c;
   }
   if (name != "small")
-    ml::raise<ml::config_error>(103, "--preset '", name, "' is not stgcn-published, gru-published or small");
+    ml::raise<usage_error>(103, "--preset '", name, "' is not stgcn-published, gru-published or small");
   c.clips.fps = 15;
   c.optimiser.lr = 1e-3, c.optimiser.clip_norm = 1, c.optimiser.schedule = "cosine";
   c.validation.keep_best = true;

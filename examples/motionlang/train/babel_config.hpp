@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "../usage_error.hpp"
 #include "text_motion_config.hpp"
 
 namespace program {
@@ -200,8 +201,7 @@ inline SincTrainingConfig sinc_preset(const std::string& name) {
   auto c = small_babel<SincTrainingConfig>();
   c.data.proportion = 0;
   if (name == "small") return c;
-  if (name != "sinc-published")
-    ml::raise<ml::config_error>(103, "--preset '", name, "' is not sinc-published or small");
+  if (name != "sinc-published") ml::raise<usage_error>(103, "--preset '", name, "' is not sinc-published or small");
   c = {};
   c.optimiser.lr = 3e-4, c.optimiser.schedule = "step", c.optimiser.epochs = 1001, c.optimiser.seed = 42;
   c.validation.every = 25;
@@ -210,8 +210,7 @@ inline SincTrainingConfig sinc_preset(const std::string& name) {
 /// "teach-published": spec teach.md 2, 3, 4. Throws config_error 103.
 inline TeachTrainingConfig teach_preset(const std::string& name) {
   if (name == "small") return small_babel<TeachTrainingConfig>();
-  if (name != "teach-published")
-    ml::raise<ml::config_error>(103, "--preset '", name, "' is not teach-published or small");
+  if (name != "teach-published") ml::raise<usage_error>(103, "--preset '", name, "' is not teach-published or small");
   TeachTrainingConfig c;
   c.optimiser.lr = 7e-5, c.optimiser.batch = 8, c.optimiser.epochs = 1001, c.optimiser.seed = 42;
   return c;

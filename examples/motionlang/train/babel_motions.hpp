@@ -11,6 +11,7 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/io/babel.hpp>
 
+#include "../usage_error.hpp"
 #include "babel_config.hpp"
 #include "described_motions.hpp"
 
@@ -25,9 +26,8 @@ struct BabelSources {
 
   /// Throws config_error 102 without `babel`, and for `validation` beside `splits`.
   void require_sound() const {
-    if (babel.empty()) ml::raise<ml::config_error>(102, "--babel is required");
-    if (!validation.empty() && !splits.empty())
-      ml::raise<ml::config_error>(102, "--babel-validation or --splits, not both");
+    if (babel.empty()) ml::raise<usage_error>(102, "--babel is required");
+    if (!validation.empty() && !splits.empty()) ml::raise<usage_error>(102, "--babel-validation or --splits, not both");
   }
 };
 

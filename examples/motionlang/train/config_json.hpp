@@ -10,6 +10,8 @@
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/key_report.hpp>
 
+#include "../usage_error.hpp"
+
 namespace program {
 
 namespace ml = motionlang;
@@ -102,7 +104,7 @@ template <ml::Module C>
 void set_config(C& config, const std::vector<std::string>& assignments) {
   for (const std::string& a : assignments) {
     const std::size_t equals = a.find('=');
-    if (equals == a.npos) ml::raise<ml::config_error>(103, "--set ", a, ": expected name=value");
+    if (equals == a.npos) ml::raise<usage_error>(103, "--set ", a, ": expected name=value");
     nlohmann::json value = nlohmann::json::parse(a.substr(equals + 1), nullptr, /*allow_exceptions=*/false);
     if (value.is_discarded()) value = a.substr(equals + 1);
     std::string path = a.substr(0, equals);

@@ -11,6 +11,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../files/data_set_form.hpp"
+#include "../usage_error.hpp"
 #include "clip_lines.hpp"
 #include "clip_split.hpp"
 
@@ -233,7 +234,7 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
   DescribedMotions out{maker.width, maker.fps, {}, {}, {}, 0};
   const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
   if (captions && (annotations || !sources.labels.empty()))
-    ml::raise<ml::config_error>(102, "one of --captions, --labels and --annotations, not several");
+    ml::raise<usage_error>(102, "one of --captions, --labels and --annotations, not several");
   if (sources.actions && !annotations && sources.labels.empty())
     ml::raise<ml::config_error>(
         102, "actions need labels: --labels names a table of them, --annotations a file that has some");

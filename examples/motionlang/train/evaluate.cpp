@@ -19,7 +19,7 @@ void run(const EvaluationOptions& o) {
   const bool ours = found.empty() || found == "motionlang";
   const std::string system = ours ? ml::read_model_folder(o.model).system : found;
   if (system != "tmr" && o.synthesis)
-    ml::raise<ml::config_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
+    ml::raise<usage_error>(102, o.model.string(), ": --synthesis measures tmr, not ", system);
   if (system == "tmr" && o.moments > 0)
     evaluate_moments(o);
   else if (system == "tmr")
@@ -190,7 +190,10 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
   o->machine.add_to(*c);
-  c->callback([o] { run(*o); });
+  c->callback([o] {
+    o->model = model_folder(o->model);
+    run(*o);
+  });
 }
 
 }  // namespace program

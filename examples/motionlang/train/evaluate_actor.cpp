@@ -9,10 +9,11 @@
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/metrics/summary.hpp>
 
-#include "action_task.hpp"
-#include "evaluate.hpp"
 #include "../files/motion_files.hpp"
 #include "../progress_bar.hpp"
+#include "../usage_error.hpp"
+#include "action_task.hpp"
+#include "evaluate.hpp"
 
 namespace program {
 
@@ -162,15 +163,15 @@ std::string summary(const std::string& metric, std::span<const double> of_seeds)
 
 void evaluate_actor(const EvaluationOptions& o) {
   if (o.classifier.empty())
-    ml::raise<ml::config_error>(102, "ACTOR is judged by a classifier: --classifier names its folder or its file");
+    ml::raise<usage_error>(102, "ACTOR is judged by a classifier: --classifier names its folder or its file");
   if (!o.strips.empty()) make_output_folder("--strips", o.strips);
   const ActorModel<B> model(o.model);
   const auto& file = model.file;
   const ActorClipsConfig& clips = file.config.clips;
   const bool ours = std::filesystem::is_directory(o.classifier);
   if (ours && !(o.body.empty() && o.regressor.empty()))
-    ml::raise<ml::config_error>(102, "--body and --joint-regressor are for the file of a published GRU; ",
-                                o.classifier.string(), " is of our training");
+    ml::raise<usage_error>(102, "--body and --joint-regressor are for the file of a published GRU; ",
+                           o.classifier.string(), " is of our training");
   Judge who = ours ? Judge(o.classifier) : Judge(o.classifier, clips, o.body, o.regressor);
   const ActorClipsConfig& seen = who.file.config.clips;
   require_same_clips(clips, seen);

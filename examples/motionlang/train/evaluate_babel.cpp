@@ -15,6 +15,7 @@
 
 #include "../generate/from_babel.hpp"
 #include "../progress_bar.hpp"
+#include "../usage_error.hpp"
 #include "babel_model.hpp"
 #include "babel_motions.hpp"
 #include "evaluate.hpp"
@@ -72,7 +73,7 @@ BabelSources babel_of(const EvaluationOptions& o) {
   const BabelSources out{o.data, o.babel, o.validation, o.splits, o.spelling};
   out.require_sound();
   if (o.part == "all" && !(o.validation.empty() && o.splits.empty()))
-    ml::raise<ml::config_error>(102, "--part all measures all of --babel: neither --babel-validation nor --splits");
+    ml::raise<usage_error>(102, "--part all measures all of --babel: neither --babel-validation nor --splits");
   return out;
 }
 
@@ -312,7 +313,7 @@ class Sentences {
       if (has_gerund) verbs_ = ", without the -ing form of its paper, for which --tags says what the verbs are";
       return;
     }
-    if (!has_gerund) ml::raise<ml::config_error>(102, "--tags is for --conjunction while and during");
+    if (!has_gerund) ml::raise<usage_error>(102, "--tags is for --conjunction while and during");
     for (ml::MotionCaption& c : ml::read_captions(tags_)) words_.emplace(c.text, std::move(c.words));
     verbs_ = ", with the -ing form of the second verb";
   }
@@ -351,7 +352,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
   const bool unseen = o.items == "unseen";
   if (unseen && o.part == "all")
-    ml::raise<ml::config_error>(102, "--items unseen needs motions to train on, which --part all has not");
+    ml::raise<usage_error>(102, "--items unseen needs motions to train on, which --part all has not");
   const Sentences sentence_of(o);
   FilmStrips strips(o);
   SincDataConfig config =

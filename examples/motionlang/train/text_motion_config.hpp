@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "../usage_error.hpp"
 #include "config_json.hpp"
 #include "described_motions.hpp"
 #include "optimiser_config.hpp"
@@ -100,7 +101,7 @@ inline TextMotionConfig tmr_preset(const std::string& name) {
     return c;
   }
   if (name == "tmr-published") return c;
-  ml::raise<ml::config_error>(103, "--preset '", name, "' is not tmr-published or small");
+  ml::raise<usage_error>(103, "--preset '", name, "' is not tmr-published or small");
 }
 
 /// "temos-published": spec temos.md 2, 4.1, 6. Throws config_error 103.
@@ -109,7 +110,7 @@ inline TextMotionConfig temos_preset(const std::string& name) {
   if (name == "small")
     c = small_text_motion();
   else if (name != "temos-published")
-    ml::raise<ml::config_error>(103, "--preset '", name, "' is not temos-published or small");
+    ml::raise<usage_error>(103, "--preset '", name, "' is not temos-published or small");
   c.features = name == "small" ? "smplvelp" : "rifke64";
   c.losses.contrastive_loss = "none";
   if (name != "small") {

@@ -1,4 +1,5 @@
 #include "text_sources.hpp"
+#include "../usage_error.hpp"
 
 #include <map>
 #include <memory>
@@ -60,9 +61,9 @@ bool reads_pieces(const TextTokensConfig& text, const std::filesystem::path& fro
     ml::raise<ml::config_error>(103, "text.encoder '", text.encoder, "' is not word_pieces or distilbert");
   const bool pieces = text.encoder == "word_pieces";
   if (pieces != from.empty())
-    ml::raise<ml::config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
-                                            : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
-                                              "without one: --set text.encoder=word_pieces");
+    ml::raise<usage_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
+                                       : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
+                                         "without one: --set text.encoder=word_pieces");
   return pieces;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "../usage_error.hpp"
 #include "config_json.hpp"
 #include "described_motions.hpp"
 #include "optimiser_config.hpp"
@@ -132,7 +133,7 @@ inline Tm2tTrainingConfig tm2t_preset(const std::string& name, Tm2tStage stage) 
     return c;
   }
   if (name != "tm2t-published" && name != "tm2t-published-kit")
-    ml::raise<ml::config_error>(103, "--preset '", name, "' is not tm2t-published, tm2t-published-kit or small");
+    ml::raise<usage_error>(103, "--preset '", name, "' is not tm2t-published, tm2t-published-kit or small");
   c.optimiser = {.lr = tokenizer ? 1e-4 : 2e-4, .weight_decay = 0, .batch = tokenizer ? 128 : 64, .epochs = 300};
   if (stage == Tm2tStage::text_to_motion) c.optimiser.clip_norm = 0.5;
   if (name == "tm2t-published-kit") {

@@ -1,6 +1,7 @@
 // motionlang train-tm2t: motions as words, motions to texts, texts to motions; a stage at a time.
 #include <motionlang/io/tm2t_run.hpp>
 
+#include "../usage_error.hpp"
 #include "model_description.hpp"
 #include "text_motion_model.hpp"
 #include "tm2t_task.hpp"
@@ -53,7 +54,7 @@ void save_tm2t(const Options& o, const Tm2tTrainingConfig& config, const Describ
 
 /// The folder that an option names, which this stage needs.
 const std::filesystem::path& needed(const std::filesystem::path& folder, const char* option, const char* what) {
-  if (folder.empty()) ml::raise<ml::config_error>(102, option, " is required: the folder of ", what);
+  if (folder.empty()) ml::raise<usage_error>(102, option, " is required: the folder of ", what);
   return folder;
 }
 

@@ -1,6 +1,7 @@
 #include "training_command.hpp"
 
 #include "../files/motion_files.hpp"
+#include "../usage_error.hpp"
 
 namespace program {
 
@@ -56,7 +57,7 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
     std::printf("%s\n", config.dump(2).c_str());
     return false;
   }
-  if (o.data.empty()) ml::raise<ml::config_error>(102, "--data is required");
+  if (o.data.empty()) ml::raise<usage_error>(102, "--data is required");
   o.machine.apply();
   make_output_folder("--out", o.run.out);
   return true;

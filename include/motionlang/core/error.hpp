@@ -3,7 +3,7 @@
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. The list of ids is `error_ids` below; every one has a test.
+/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids` below; every one has a test.
 #pragma once
 
 #include <charconv>          // to_chars: messages without streams and without the locale
@@ -16,6 +16,7 @@
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
 
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/version.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -216,7 +217,7 @@ namespace detail {
 /// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + concat_parts(parts);
+  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
 #ifdef MOTIONLANG_DIAGNOSTICS
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];

@@ -56,4 +56,17 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+inline std::string printable(std::string_view text, std::string_view keep = {}) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t start = at;
+    const char32_t c = decode_utf8(text, at);
+    const bool control = c < ' ' || (c >= 0x7F && c <= 0x9F);
+    const bool good = (c != invalid_code_point && !control) || keep.find(text[start]) != keep.npos;
+    out += good ? text.substr(start, at - start) : "?";
+  }
+  return out;
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

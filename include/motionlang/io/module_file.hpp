@@ -47,7 +47,7 @@ bool all_finite(std::span<const S> numbers) {
 }  // namespace detail
 
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
-/// A variable stays the variable it was. Throws io_error 407 if the shape is another.
+/// A variable stays the variable it was. NaN is let through. Throws io_error 407 if the shape is another.
 template <Backend B, int R>
 void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
@@ -75,7 +75,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file.
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file: all its matrices are
+/// weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -107,8 +108,7 @@ struct TensorLoader {
       return;
     }
     assign_tensor(tensor, *view, file.owner(), file.name());
-    if (use == LoadFor::inference) return;
-    require_finite(tensor, *view, file.name());
+    if (use == LoadFor::any_use) require_finite(tensor, *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // until it is needed
   }
 };
@@ -280,21 +280,24 @@ void prepare_loaded(M& model) {
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match; throws io_error 407 for a tensor of another shape, numeric_error 301 for NaN and infinity. A module may
-/// say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is another one.
+/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape, numeric_error 301
+/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
   KeyReport report;
   std::set<std::string> known;
   const auto fill = [&](LoadFor how) {
-    report = {}, known = {};
+    report = {};
+    known.clear();
     visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, how, report, known});
   };
   fill(use);
-  std::atomic<bool> finite{true};
-  if (use == LoadFor::inference) detail::prepare_in_shares(module, &finite);
-  if (!finite) fill(LoadFor::any_use);  // says which tensor it is
+  if (use == LoadFor::inference) {
+    std::atomic<bool> finite{report.missing.empty()};
+    if (finite) detail::prepare_in_shares(module, &finite);
+    if (!finite) fill(LoadFor::any_use);  // says which number is not
+  }
   for (const TensorView& t : file.tensors()) {
     if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
     if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);

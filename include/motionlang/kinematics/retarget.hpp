@@ -5,7 +5,8 @@
 /// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the world
 /// rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the target
 /// does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever the local
-/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Bones keep the
+/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints that no table knows follow
+/// those of the same name, fingers those of the same finger. Bones keep the
 /// target's lengths; the path is scaled by the ratio of the legs.
 #pragma once
 
@@ -16,6 +17,7 @@
 #include <motionlang/core/quantile.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/slerp.hpp>
+#include <motionlang/kinematics/finger_names.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/standard.hpp>
@@ -229,6 +231,15 @@ class SkeletonMap {
     return p;
   }
 
+  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  int namesake(const std::string& name) const {
+    int s = source_.find(name);
+    const std::string finger = finger_of(name);
+    for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
+      if (finger_of(source_.name(k)) == finger) s = k;
+    }
+    return s;
+  }
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
     links_.resize(static_cast<std::size_t>(target_.size()));
     std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
@@ -246,14 +257,14 @@ class SkeletonMap {
         return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
       };
       const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
-      link.source = row == nullptr ? -1 : find_joint(source_, row->source);
+      link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
       if (link.source < 0) {
         report_.unmapped.push_back(target_.names[t]);
         continue;
       }
       link.undo = follow(link.source);
       std::string name = source_.name(link.source);
-      if (!row->second.empty()) {
+      if (row != nullptr && !row->second.empty()) {
         link.second = find_joint(source_, row->second);
         link.undo_second = follow(link.second);
         link.share = row->share;
@@ -360,9 +371,15 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in tables that fit the clip and the target. Throws config_error 103 with the joint that is missing.
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws config_error 103 with the
+/// joint that is missing.
 inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
                        const RetargetOptions& options = {}) {
+  if (motion.skeleton == target) {
+    Motion out = motion;
+    if (options.floor) place_on_floor(out);
+    return out;
+  }
   return retarget(motion, SkeletonMap(motion.skeleton, target), options);
 }
 

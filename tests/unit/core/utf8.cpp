@@ -32,3 +32,12 @@ TEST_CASE("bytes that are not UTF-8 are stepped over one by one") {
     CHECK_FALSE(ml::is_utf8(std::string("fine ") + std::string(bad)));
   }
 }
+
+TEST_CASE("printable: no control characters, and UTF-8") {
+  CHECK(ml::printable("w\xC3\xA4lk, \xE6\xAD\xA9~") == "w\xC3\xA4lk, \xE6\xAD\xA9~");
+  CHECK(ml::printable("\x1B[31m\n\t\x7F") == "?[31m???");
+  CHECK(ml::printable("a\nb\t", "\n") == "a\nb?");
+  CHECK(ml::printable("\xC2\x9B\xC2\x80\xC2\xA0") == "??\xC2\xA0");  // U+009B begins commands of terminals, too
+  CHECK(ml::printable("\xFFz\xC3") == "?z?");
+  CHECK(ml::printable(std::string(1, '\0')) == "?");
+}

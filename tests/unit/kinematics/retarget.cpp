@@ -56,9 +56,41 @@ ml::Skeleton spread() {
 
 TEST_CASE("a skeleton follows itself") {
   const auto walk = synthetic::walk({.frames = 30, .turn = 1});
-  const auto same = ml::retarget(walk, ml::smpl24_skeleton(), {.floor = false});
+  const auto same = ml::retarget(walk, ml::SkeletonMap(walk.skeleton), {.floor = false});
   const auto p = walk.positions(), q = same.positions();
   for (std::size_t i = 0; i < p.size(); ++i) CHECK(ml::norm(p[i] - q[i]) < 1e-9);
+}
+
+TEST_CASE(
+    "on its own skeleton a motion stays as it is; on another, joints that no table knows follow those of their names") {
+  const auto with_fingers = [](ml::Skeleton s, const std::string& first, const std::string& last) {
+    for (const std::string& name : {first, last}) {
+      s.parents.push_back(name == last ? s.size() - 1 : s["right_hand"]);
+      s.names.push_back(name);
+      s.offsets.push_back({-0.04, 0, 0});
+    }
+    return s;
+  };
+  const auto bend = ml::from_axis_angle(ml::Vec3<double>{0, 0, 1}, 0.7);
+  const auto walk = synthetic::walk({.frames = 5});
+  ml::Motion moving{with_fingers(walk.skeleton, "right_index1", "right_feeler"), walk.fps, walk.root, {}, "moving"};
+  for (ml::Index f = 0; f < walk.frames(); ++f) {
+    const auto body = walk.rotations(f);
+    moving.local.insert(moving.local.end(), body.begin(), body.end());
+    moving.local.insert(moving.local.end(), {bend, bend});
+  }
+  const auto same = ml::retarget(moving, moving.skeleton, {.floor = false});
+  CHECK((same.skeleton == moving.skeleton && same.local == moving.local));
+  CHECK(ml::norm(same.root_at(4) - moving.root_at(4)) == 0);
+
+  const ml::Skeleton other = with_fingers(spread(), "index_01_r", "right_tip");
+  const ml::SkeletonMap map(moving.skeleton, other);
+  CHECK(map.report().unmapped == std::vector<std::string>{"right_tip"});
+  CHECK(map.report().unused == std::vector<std::string>{"right_feeler"});
+  const auto on_other = ml::retarget(moving, map);
+  const auto first = static_cast<std::size_t>(other["index_01_r"]);
+  CHECK(ml::distance(on_other.rotations(3)[first], ml::Quaternion<double>::identity()) == Approx(0.7));
+  CHECK(ml::distance(on_other.rotations(3)[first + 1], ml::Quaternion<double>::identity()) < 1e-9);
 }
 
 TEST_CASE("bones take the directions of the source's bones, whatever the zero pose") {

@@ -11,7 +11,6 @@
 #include <string_view>  // the text
 
 #include <motionlang/core/error.hpp>
-#include <motionlang/core/utf8.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
@@ -129,17 +128,9 @@ class TextScanner {
     raise<io_error>(id, name_, ":", line, ":", column, ": ", parts...);
   }
 
-  /// A word for a message: cut after 40 characters, with '?' for what cannot be printed.
+  /// A word for a message: cut after 40 characters.
   static std::string shortened(std::string_view w) {
-    std::string out;
-    std::size_t at = 0;
-    for (int characters = 0; at < w.size() && characters < 40; ++characters) {
-      const std::size_t start = at;
-      const char32_t c = decode_utf8(w, at);
-      const bool printed = c >= ' ' && (c < 0x7F || c > 0x9F) && c != invalid_code_point;
-      out += printed ? w.substr(start, at - start) : "?";
-    }
-    return out + (at < w.size() ? "..." : "");
+    return std::string(w.substr(0, 40)) + (w.size() > 40 ? "..." : "");
   }
 
  private:

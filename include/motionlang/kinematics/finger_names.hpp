@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any number of fingers.
+#pragma once
+
+#include <array>        // names
+#include <string>       // names
+#include <string_view>  // names
+#include <utility>      // pair
+
+#include <motionlang/version.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From "LeftHandIndex1"
+/// (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal" (VRM) and their like. "" for another
+/// joint, and for tips and metacarpals.
+inline std::string finger_of(std::string_view joint) {
+  constexpr auto is_lower = [](char c) { return 'a' <= c && c <= 'z'; };
+  constexpr auto is_upper = [](char c) { return 'A' <= c && c <= 'Z'; };
+  std::string name(joint);
+  for (char& c : name) c = is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+  const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
+
+  const auto alone = [&](char c) {  // a letter between others than letters
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      if (name[i] == c && (i == 0 || !is_lower(name[i - 1])) && (i + 1 == name.size() || !is_lower(name[i + 1]))) return true;
+    }
+    return false;
+  };
+  const auto is_on = [&](std::string_view side) {
+    return has(side) || alone(side[0]) || (joint.size() > 1 && joint[0] == side[0] && is_upper(joint[1]));
+  };
+  const bool left = is_on("left");
+  if (left == is_on("right")) return "";
+
+  for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
+    if (has(other)) return "";
+  }
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{
+      {{"thumb", "thumb"}, {"index", "index"}, {"mid", "middle"}, {"ring", "ring"}, {"pinky", "pinky"}, {"little", "pinky"}}};
+  constexpr std::array<std::string_view, 3> phalanges{"proximal", "intermediate", "distal"};
+  for (const auto& [part, finger] : fingers) {
+    const std::size_t at = name.find(part);
+    if (at == name.npos) continue;
+    std::size_t number = 0;
+    for (std::size_t i = name.find_first_of("0123456789", at); i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
+      number = 10 * number + static_cast<std::size_t>(name[i] - '0');
+    for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
+    if (number < 1 || number > 3) return "";
+    return std::string(left ? "left_" : "right_") + std::string(finger) + static_cast<char>('0' + number);
+  }
+  return "";
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
