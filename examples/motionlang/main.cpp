@@ -33,12 +33,11 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", MOTIONLANG_VERSION);
   app.footer(
       "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong\n"
-      "or asks for what the model or the motion does not have; 3 the timeline is wrong; 130 stopped by Ctrl-C (what "
-      "was finished is kept)."
+      "or asks for what the model or the motion does not have; 3 the timeline is wrong;\n"
+      "130 stopped by Ctrl-C (what was finished is kept)."
 #ifndef MOTIONLANG_TRAINING
       "\nBuilt without train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor, train-classifier and "
-      "evaluate "
-      "(-DMOTIONLANG_TRAINING=ON has them)."
+      "evaluate (-DMOTIONLANG_TRAINING=ON has them)."
 #endif
   );
   program::add_generate(app);

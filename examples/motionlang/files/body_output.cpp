@@ -9,6 +9,7 @@
 #include <motionlang/io/body_viewer.hpp>
 #include <motionlang/io/figure_body.hpp>
 
+#include "../formatted.hpp"
 #include "../usage_error.hpp"
 #include "motion_files.hpp"
 
@@ -38,8 +39,8 @@ std::string write(const fs::path& path, const ml::Body<B>& body, const std::stri
                            ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind,
                            "'");
   }
-  return ml::concat_text(path.string(), files, ": ", count, count == 1 ? " motion on " : " motions on ", name, " of ",
-                         body.model.vertices(), " vertices\n");
+  return ml::concat_text(path.string(), files, ": ", counted(static_cast<std::ptrdiff_t>(count), "motion"), " on ",
+                         name, " of ", body.model.vertices(), " vertices\n");
 }
 
 /// Capsules along the bones of whatever joints there are.

@@ -21,6 +21,7 @@
 #include "../generate/from_latent.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "box.hpp"
 #include "motion_files.hpp"
 #include "texts.hpp"
 #include "weights.hpp"
@@ -106,12 +107,10 @@ ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, m
 
 /// The longest side of the box around a rest pose, which stands, sits or lies.
 double reach_of(const ml::Skeleton& skeleton) {
-  double out = 0;
-  const auto rest = skeleton.rest_positions();
-  for (const auto& p : rest) {
-    for (const auto& q : rest) out = std::max({out, p.x - q.x, p.y - q.y, p.z - q.z});
-  }
-  return out;
+  if (skeleton.size() == 0) return 0;
+  const Box box = box_of(skeleton.rest_positions());
+  const auto size = box.high - box.low;
+  return std::max({size.x, size.y, size.z});
 }
 
 /// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". taken: such files without

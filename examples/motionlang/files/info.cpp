@@ -11,6 +11,7 @@
 #include "../formatted.hpp"
 #include "../generate/timelines.hpp"
 #include "../option_checks.hpp"
+#include "box.hpp"
 #include "motion_files.hpp"
 #include "weights.hpp"
 
@@ -26,11 +27,7 @@ void joints_of(const ml::Skeleton& s) {
 
 /// Of one position at least.
 std::string extent_of(std::span<const ml::Vec3<double>> positions) {
-  ml::Vec3<double> low = positions.front(), high = low;
-  for (const auto& p : positions) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
+  const auto [low, high] = box_of(positions);
   return formatted("x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m", low.x, high.x, low.y, high.y, low.z, high.z);
 }
 
@@ -59,8 +56,8 @@ void joints(const std::string& path) {
 
 void timelines(const std::string& path) {
   for (const auto& t : read_timelines(path, 20)) {
-    const auto texts = std::ssize(t.intervals);
-    std::printf("timeline: %td %s, %.2f s\n", texts, texts == 1 ? "text" : "texts", static_cast<double>(t.end()) / 20);
+    std::printf("timeline: %s, %.2f s\n", counted(std::ssize(t.intervals), "text").c_str(),
+                static_cast<double>(t.end()) / 20);
     for (const auto& i : t.intervals)
       std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
                   i.text.c_str());

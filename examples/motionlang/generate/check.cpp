@@ -6,6 +6,7 @@
 #include <motionlang/io/stmc_file.hpp>
 
 #include "../commands.hpp"
+#include "../formatted.hpp"
 #include "../option_checks.hpp"
 #include "timelines.hpp"
 
@@ -29,8 +30,8 @@ void run(const std::string& path, double fps, double overlap, const std::string&
         timelines[m],
         {.overlap = ml::frame_at(overlap, fps), .hidden = ml::HiddenTexts::ignore, .longest_crop = longest});
     const auto texts = written[m].intervals.size(), pieces = timelines[m].intervals.size();
-    std::printf("timeline %zu: %td frames, %.2f s, %zu %s", m, plan.frames, static_cast<double>(plan.frames) / fps, texts,
-                texts == 1 ? "text" : "texts");
+    std::printf("timeline %zu: %td frames, %.2f s, %s", m, plan.frames, static_cast<double>(plan.frames) / fps,
+                counted(static_cast<std::ptrdiff_t>(texts), "text").c_str());
     if (pieces != texts) std::printf(" cut into %zu", pieces);
     std::printf("\n");
     for (const auto& i : plan.timeline.intervals) {

@@ -1,4 +1,3 @@
-#include "../usage_error.hpp"
 #include "from_actions.hpp"
 
 #include <motionlang/kinematics/blend.hpp>

@@ -42,8 +42,7 @@ struct GenerationSettings {
   std::optional<double> guidance{};  // the model's own unless given
   std::optional<double> fact{};      // scales the deviation of a latent from its mean; 1 unless given
   double overlap = 0.5;              // seconds around a cut
-  bool cut_texts =
-      true;  // where another text takes body parts from them or gives them back, and where they are too long
+  bool cut_texts = true;             // where they lend body parts or get them back, and where they are too long
   bool smooth = true;                // no trembling, no jerk where texts meet
   bool fix_feet = true;              // feet that stand do not slide
   std::string noise_file{};          // noise/000, noise/001, ... instead of the seed

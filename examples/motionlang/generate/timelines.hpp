@@ -63,10 +63,10 @@ inline std::string told_long_texts(const std::vector<ml::Timeline>& timelines, d
   std::string out;
   for (const ml::Timeline& t : timelines) {
     for (const ml::Interval& i : t.intervals) {
-      const double seconds = static_cast<double>(i.end - i.start) / fps;
-      if (seconds > longest_text)
-        out += ml::concat_text("'", i.text, "': ", seconds, " s are made in parts of at most ", longest_text,
-                               " s, which is what models learn from\n");
+      if (i.end - i.start > ml::frame_at(longest_text, fps))
+        out +=
+            ml::concat_text("'", i.text, "': ", static_cast<double>(i.end - i.start) / fps,
+                            " s are made in parts of at most ", longest_text, " s, which is what models learn from\n");
     }
   }
   return out;

@@ -67,7 +67,7 @@ struct ActorTrainingConfig {
 };
 
 /// "actor-published": spec actor.md 2, 6, with the 60 frames of its first training and HumanAct12's 5000 epochs;
-/// "actor-variable": the 100 epochs of fine-tuning after it; "small": minutes. Throws config_error 103.
+/// "actor-variable": the 100 epochs of fine-tuning after it; "small": minutes. Throws usage_error 103.
 inline ActorTrainingConfig actor_preset(const std::string& name) {
   ActorTrainingConfig c;
   c.optimiser.batch = 20, c.optimiser.epochs = 5000, c.optimiser.seed = 10;
@@ -111,7 +111,7 @@ struct ClassifierConfig {
 };
 
 /// "stgcn-published": spec actor.md 7.3; "gru-published": the network of 7.2, whose training nobody tells: as ST-GCN's;
-/// "small": a GRU that learns in minutes. Throws config_error 103.
+/// "small": a GRU that learns in minutes. Throws usage_error 103.
 inline ClassifierConfig classifier_preset(const std::string& name) {
   ClassifierConfig c;
   c.optimiser.batch = 64, c.optimiser.epochs = 100;

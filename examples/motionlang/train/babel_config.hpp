@@ -196,7 +196,7 @@ Config small_babel() {
 }
 
 /// "sinc-published": spec sinc.md 2, 3, 5. "small" combines no actions, for which a table of body parts is needed.
-/// Throws config_error 103.
+/// Throws usage_error 103.
 inline SincTrainingConfig sinc_preset(const std::string& name) {
   auto c = small_babel<SincTrainingConfig>();
   c.data.proportion = 0;
@@ -207,7 +207,7 @@ inline SincTrainingConfig sinc_preset(const std::string& name) {
   c.validation.every = 25;
   return c;
 }
-/// "teach-published": spec teach.md 2, 3, 4. Throws config_error 103.
+/// "teach-published": spec teach.md 2, 3, 4. Throws usage_error 103.
 inline TeachTrainingConfig teach_preset(const std::string& name) {
   if (name == "small") return small_babel<TeachTrainingConfig>();
   if (name != "teach-published") ml::raise<usage_error>(103, "--preset '", name, "' is not teach-published or small");

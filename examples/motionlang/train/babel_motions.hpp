@@ -24,7 +24,7 @@ struct BabelSources {
   std::filesystem::path splits;      // folder with lists of ids; "": by lot
   std::filesystem::path spelling;    // JSON of what words of labels are replaced by; "": by themselves
 
-  /// Throws config_error 102 without `babel`, and for `validation` beside `splits`.
+  /// Throws usage_error 102 without `babel`, and for `validation` beside `splits`.
   void require_sound() const {
     if (babel.empty()) ml::raise<usage_error>(102, "--babel is required");
     if (!validation.empty() && !splits.empty()) ml::raise<usage_error>(102, "--babel-validation or --splits, not both");

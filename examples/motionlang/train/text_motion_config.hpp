@@ -92,7 +92,7 @@ inline TextMotionConfig small_text_motion() {
   return c;
 }
 
-/// "tmr-published": spec tmr.md 2, 6; "small": minutes on a laptop, without a language model. Throws config_error 103.
+/// "tmr-published": spec tmr.md 2, 6; "small": minutes on a laptop, without a language model. Throws usage_error 103.
 inline TextMotionConfig tmr_preset(const std::string& name) {
   TextMotionConfig c;
   if (name == "small") {
@@ -104,7 +104,7 @@ inline TextMotionConfig tmr_preset(const std::string& name) {
   ml::raise<usage_error>(103, "--preset '", name, "' is not tmr-published or small");
 }
 
-/// "temos-published": spec temos.md 2, 4.1, 6. Throws config_error 103.
+/// "temos-published": spec temos.md 2, 4.1, 6. Throws usage_error 103.
 inline TextMotionConfig temos_preset(const std::string& name) {
   TextMotionConfig c;
   if (name == "small")

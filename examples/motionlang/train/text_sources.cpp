@@ -1,5 +1,4 @@
 #include "text_sources.hpp"
-#include "../usage_error.hpp"
 
 #include <map>
 #include <memory>
@@ -7,6 +6,8 @@
 
 #include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/text/bag_of_words.hpp>
+
+#include "../usage_error.hpp"
 
 namespace program {
 

@@ -114,7 +114,7 @@ struct Tm2tTrainingConfig {
 };
 
 /// "tm2t-published": spec tm2t.md 2, 4.1, 5, 6; "tm2t-published-kit": KIT's; "small": minutes to an hour. Throws
-/// config_error 103.
+/// usage_error 103.
 inline Tm2tTrainingConfig tm2t_preset(const std::string& name, Tm2tStage stage) {
   Tm2tTrainingConfig c;
   const bool tokenizer = stage == Tm2tStage::tokenizer;

@@ -7,7 +7,7 @@
 #include <string_view>  // names
 #include <utility>      // pair
 
-#include <motionlang/version.hpp>
+#include <motionlang/kinematics/joint_sides.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -15,24 +15,13 @@ namespace motionlang::inline MOTIONLANG_ABI {
 /// (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal" (VRM) and their like. "" for another
 /// joint, and for tips and metacarpals.
 inline std::string finger_of(std::string_view joint) {
-  constexpr auto is_lower = [](char c) { return 'a' <= c && c <= 'z'; };
-  constexpr auto is_upper = [](char c) { return 'A' <= c && c <= 'Z'; };
+  const Side side = detail::side_of_name(joint);
+  if (side == Side::middle) return "";
+  const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
   std::string name(joint);
-  for (char& c : name) c = is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+  for (char& c : name) c = 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
-
-  const auto alone = [&](char c) {  // a letter between others than letters
-    for (std::size_t i = 0; i < name.size(); ++i) {
-      if (name[i] == c && (i == 0 || !is_lower(name[i - 1])) && (i + 1 == name.size() || !is_lower(name[i + 1]))) return true;
-    }
-    return false;
-  };
-  const auto is_on = [&](std::string_view side) {
-    return has(side) || alone(side[0]) || (joint.size() > 1 && joint[0] == side[0] && is_upper(joint[1]));
-  };
-  const bool left = is_on("left");
-  if (left == is_on("right")) return "";
-
+  if (has(opposite)) return "";
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
     if (has(other)) return "";
   }
@@ -47,7 +36,7 @@ inline std::string finger_of(std::string_view joint) {
       number = 10 * number + static_cast<std::size_t>(name[i] - '0');
     for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
     if (number < 1 || number > 3) return "";
-    return std::string(left ? "left_" : "right_") + std::string(finger) + static_cast<char>('0' + number);
+    return std::string(own) + "_" + std::string(finger) + static_cast<char>('0' + number);
   }
   return "";
 }

@@ -234,9 +234,9 @@ class SkeletonMap {
   /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
   int namesake(const std::string& name) const {
     int s = source_.find(name);
-    const std::string finger = finger_of(name);
+    const std::string finger = finger_of(bare_joint_name(name));
     for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
-      if (finger_of(source_.name(k)) == finger) s = k;
+      if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
     }
     return s;
   }
