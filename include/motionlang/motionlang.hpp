@@ -109,6 +109,7 @@
 #include <motionlang/nn/decoding.hpp>
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/embedding.hpp>
+#include <motionlang/nn/feed_forward.hpp>
 #include <motionlang/nn/gru.hpp>
 #include <motionlang/nn/init.hpp>
 #include <motionlang/nn/layer_norm.hpp>

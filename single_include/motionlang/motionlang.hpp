@@ -3217,6 +3217,28 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+namespace detail {
+
+inline void check_dropout(const Dropout& d) {
+  if (!(d.p >= 0 && d.p < 1)) raise<config_error>(101, "dropout: probability ", d.p, " is not in [0, 1)");
+}
+
+}  // namespace detail
+
+/// x times the mask of core/dropout.hpp; positions are row-major. Throws config_error 101 unless 0 <= p < 1.
+template <Backend B, int R>
+Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
+  detail::check_dropout(d);
+  if (d.p == 0) return x;
+  if constexpr (requires { B::dropout(x.data(), d); }) {
+    return Tensor<B, R>(B::dropout(x.data(), d));
+  } else {
+    std::vector<typename B::scalar> mask(static_cast<std::size_t>(x.count()));
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = static_cast<typename B::scalar>(d.factor(i));
+    return x * Tensor<B, R>::from(mask, x.shape());
+  }
+}
+
 /// Applies a nonlinearity element by element (core/activation.hpp has the formulas).
 template <Backend B, int R>
 Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
@@ -3262,20 +3284,23 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 
 }  // namespace detail
 
-/// y = act(x W^T + bias) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
-/// Bias and residual may be null. Throws shape_error 201, 204.
+/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
+/// Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
-                    Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr) {
+                    Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
+                    const Dropout& drop = {}) {
   detail::check_linear(x, weight, bias, residual);
+  detail::check_dropout(drop);
   using T = const typename B::tensor*;
-  if constexpr (requires { B::linear(x.data(), weight.data(), T{}, act, T{}); }) {
+  if constexpr (requires { B::linear(x.data(), weight.data(), T{}, act, T{}, drop); }) {
     return Tensor<B, 2>(B::linear(x.data(), weight.data(), bias == nullptr ? nullptr : &bias->data(), act,
-                                  residual == nullptr ? nullptr : &residual->data()));
+                                  residual == nullptr ? nullptr : &residual->data(), drop));
   } else {
     auto y = matmul(x, weight, {.transpose_b = true});
     if (bias != nullptr) y = y + *bias;
     if (act != Activation::none) y = activate(y, act);
+    y = dropout(y, drop);
     return residual == nullptr ? y : y + *residual;
   }
 }
@@ -3322,20 +3347,6 @@ Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
   } else {
     const auto e = exp(x - reshape<2>(max(x, 1), {x.size(0), 1}));
     return e / reshape<2>(sum(e, 1), {x.size(0), 1});
-  }
-}
-
-/// x times the mask of core/dropout.hpp; positions are row-major.
-template <Backend B, int R>
-Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
-  if (d.p == 0) return x;
-  if (!(d.p > 0 && d.p < 1)) raise<config_error>(101, "dropout: probability ", d.p, " is not in [0, 1)");
-  if constexpr (requires { B::dropout(x.data(), d); }) {
-    return Tensor<B, R>(B::dropout(x.data(), d));
-  } else {
-    std::vector<typename B::scalar> mask(static_cast<std::size_t>(x.count()));
-    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = static_cast<typename B::scalar>(d.factor(i));
-    return x * Tensor<B, R>::from(mask, x.shape());
   }
 }
 
@@ -4767,33 +4778,34 @@ struct Autodiff {
 
   // Fused operations, where the inner backend has their kernels.
 
-  static tensor activate(const tensor& a, Activation act) requires requires(const Value& v) {
-    B::activate_vjp(v, v, act);
+  static tensor activate(const tensor& a, Activation act, const Dropout& drop = {}) requires requires(const Value& v) {
+    B::activate_vjp(v, v, act, drop);
   }
   {
     return record(
-        B::activate(a.value, act),
-        [x = a.value, act](const Value& g, const Sink& s) { s.add(0, B::activate_vjp(x, g, act)); }, a);
+        B::activate(a.value, act, drop),
+        [x = a.value, act, drop](const Value& g, const Sink& s) { s.add(0, B::activate_vjp(x, g, act, drop)); }, a);
   }
   static tensor linear(const tensor& x, const tensor& weight, const tensor* bias, Activation act,
-                       const tensor* residual) requires requires(const Value& v) {
-    B::linear(v, v, &v, act, &v);
+                       const tensor* residual, const Dropout& drop = {}) requires requires(const Value& v) {
+    B::linear(v, v, &v, act, &v, drop);
     B::column_sums(v);
   }
   {
     if (act != Activation::none) {  // the nonlinearity needs its own input for the derivative
-      const tensor y = activate(linear(x, weight, bias, Activation::none, nullptr), act);
+      const tensor y = activate(linear(x, weight, bias, Activation::none, nullptr), act, drop);
       return residual == nullptr ? y : add(y, *residual);
     }
     const tensor none{};
     return record(
         B::linear(x.value, weight.value, bias == nullptr ? nullptr : &bias->value, act,
-                  residual == nullptr ? nullptr : &residual->value),
-        [x = Operand(weight, x), w = value_for(x, weight)](const Value& g, const Sink& s) {
-          if (s.needs(0)) s.add(0, B::matmul(g, w, false, false));
-          if (s.needs(1)) s.add(1, B::matmul(g, x.value(), true, false));
-          if (s.needs(2)) s.add(2, B::column_sums(g));
+                  residual == nullptr ? nullptr : &residual->value, drop),
+        [x = Operand(weight, x), w = value_for(x, weight), drop](const Value& g, const Sink& s) {
           if (s.needs(3)) s.add(3, g);
+          const Value inner = drop.p > 0 ? B::dropout(g, drop) : g;
+          if (s.needs(0)) s.add(0, B::matmul(inner, w, false, false));
+          if (s.needs(1)) s.add(1, B::matmul(inner, x.value(), true, false));
+          if (s.needs(2)) s.add(2, B::column_sums(inner));
         },
         x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
   }
@@ -9468,10 +9480,10 @@ struct Linear {
   Index in() const { return weight.size(1); }
   Index out() const { return weight.size(0); }
 
-  /// x (rows, in) -> act(x W^T + b) + residual, (rows, out)
+  /// x (rows, in) -> dropout(act(x W^T + b)) + residual, (rows, out)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
-                          const Tensor<B, 2>* residual = nullptr) const {
-    return linear(x, weight, &bias, act, residual);
+                          const Tensor<B, 2>* residual = nullptr, const Dropout& drop = {}) const {
+    return linear(x, weight, &bias, act, residual, drop);
   }
   Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
     return x.with((*this)(x.rows, act));
@@ -9980,7 +9992,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 /// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
-  if (!(p >= 0 && p < 1)) raise<config_error>(101, "dropout: probability ", p, " is not in [0, 1)");
+  detail::check_dropout({.p = p});
   if (!context.dropout || p == 0) return {};
   const Philox g = context.next_mask();
   return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};
@@ -10425,6 +10437,24 @@ Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_NN_FEED_FORWARD_HPP  // <motionlang/nn/feed_forward.hpp>
+#define MOTIONLANG_HAS_NN_FEED_FORWARD_HPP
+/// The second half of a transformer layer.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// dropout(W2 dropout(act(W1 x))) + residual, row by row: Vaswani et al. (2017), equation 2, with PyTorch's dropout.
+template <Backend B>
+Tensor<B, 2> feed_forward(const Linear<B>& linear1, const Linear<B>& linear2, Activation activation,
+                          const Tensor<B, 2>& x, const Tensor<B, 2>& residual, double dropout_p,
+                          const Context& context) {
+  const auto inside = linear1(x, activation, nullptr, next_dropout(dropout_p, context));
+  return linear2(inside, Activation::none, &residual, next_dropout(dropout_p, context));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_NN_LAYER_NORM_HPP  // <motionlang/nn/layer_norm.hpp>
 #define MOTIONLANG_HAS_NN_LAYER_NORM_HPP
 /// Layer normalisation with gain and bias.
@@ -10526,19 +10556,20 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected and `residual` added.
+  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability `drop` (where the context
+  /// brings a generator) and added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
-                    const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
-    return attend(project(x), offsets, context, residual, causal);
+                    const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
+    return attend(project(x), offsets, context, residual, causal, drop);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
   Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
   /// `self` behind `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
-                      const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
+                      const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     const auto read = self_attention(std::move(qkv), offsets,
                                      {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
-    return out_proj(read, Activation::none, residual);
+    return out_proj(read, Activation::none, residual, next_dropout(drop, context));
   }
   /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
   /// value.
@@ -11131,29 +11162,22 @@ struct TransformerEncoderLayer {
 
   /// x (rows, width) -> (rows, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    return context.dropout ? with_dropout(x, offsets, context) : behind_project(x, project(x), offsets);
+    return behind_project(x, project(x), offsets, context);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
   Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
-  /// The layer behind `project`, without dropout.
-  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets) const {
-    const auto attended = self_attn.attend(std::move(qkv), offsets, {}, &x, causal);
-    if (norm_first) return linear2(linear1(norm2(attended), activation), Activation::none, &attended);
+  /// The layer behind `project`.
+  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
+                              const Context& context = {}) const {
+    const auto attended = self_attn.attend(std::move(qkv), offsets, context, &x, causal, dropout_p);
+    if (norm_first) return feed(norm2(attended), attended, context);
     const auto y = norm1(attended);
-    return norm2(linear2(linear1(y, activation), Activation::none, &y));
+    return norm2(feed(y, y, context));
   }
 
  private:
-  Tensor<B, 2> with_dropout(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) const {
-    auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-    auto attend = [&](const Tensor<B, 2>& t) { return drop(self_attn.self(t, offsets, context, nullptr, causal)); };
-    auto feed_forward = [&](const Tensor<B, 2>& t) { return drop(linear2(drop(linear1(t, activation)))); };
-    if (norm_first) {
-      const auto y = x + attend(norm1(x));
-      return y + feed_forward(norm2(y));
-    }
-    const auto y = norm1(attend(x), x);
-    return norm2(feed_forward(y), y);
+  Tensor<B, 2> feed(const Tensor<B, 2>& x, const Tensor<B, 2>& residual, const Context& context) const {
+    return feed_forward(linear1, linear2, activation, x, residual, dropout_p, context);
   }
 };
 
@@ -11289,7 +11313,7 @@ struct Seq2SeqAttention {
                     const Context& context = {}) const {
     const auto heard = attention(w_qs(x.rows), keys.rows, values, x.offsets, keys.offsets,
                                  {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
-    return layer_norm(dropout(fc(heard), dropout_p, context), x.rows);
+    return layer_norm(fc(heard, Activation::none, &x.rows, next_dropout(dropout_p, context)));
   }
 };
 
@@ -11312,7 +11336,7 @@ struct Seq2SeqFeedForward {
         dropout_p(c.dropout) {}
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Context& context = {}) const {
-    return layer_norm(dropout(w_2(w_1(x, Activation::relu)), dropout_p, context), x);
+    return layer_norm(w_2(w_1(x, Activation::relu), Activation::none, &x, next_dropout(dropout_p, context)));
   }
 };
 
@@ -11700,12 +11724,11 @@ struct TransformerDecoderLayer {
   Tensor<B, 2> behind_self(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                            const Context& context = {}) const {
     const auto z = attend_memory(x, offsets, memory, context);
-    auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-    return norm3(drop(linear2(drop(linear1(z, activation)))), z);
+    return norm3(feed_forward(linear1, linear2, activation, z, z, dropout_p, context));
   }
   /// The first third of the layer, LN1(x + SA(x)).
   Tensor<B, 2> attend_self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    return norm1(dropout(self_attn.self(x, offsets, context), dropout_p, context), x);
+    return norm1(self_attn.self(x, offsets, context, &x, false, dropout_p));
   }
   /// The second third, LN2(x + CA(x, memory)).
   Tensor<B, 2> attend_memory(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
@@ -11820,9 +11843,10 @@ template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
                               const Sequences<B>& x, const Context& context) {
   if (layer.norm_first || layer.causal) raise<config_error>(101, "encoder: layers have to be post-norm, not causal");
-  auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, layer.dropout_p, context); };
-  const auto y = layer.norm1(drop(layer.self_attn.cross(readers.rows, readers.offsets, x, context)), readers.rows);
-  return readers.with(layer.norm2(drop(layer.linear2(drop(layer.linear1(y, layer.activation)))), y));
+  const auto read = layer.self_attn.cross(readers.rows, readers.offsets, x, context);
+  const auto y = layer.norm1(dropout(read, layer.dropout_p, context), readers.rows);
+  return readers.with(
+      layer.norm2(feed_forward(layer.linear1, layer.linear2, layer.activation, y, y, layer.dropout_p, context)));
 }
 
 }  // namespace detail
@@ -15237,8 +15261,8 @@ struct ActorAutoregressiveLayer {
     const auto a = x.with(x_layer_norm(x.rows));
     const auto h = x.rows + drop(trg_trg_att(a, a, context, true));
     const auto v = h + drop(src_trg_att(x.with(dec_layer_norm(h)), memory, context));
-    const auto inner = drop(feed_forward_in(feed_forward_norm(v), Activation::relu));
-    return x.with(v + drop(feed_forward_out(inner)));
+    return x.with(
+        feed_forward(feed_forward_in, feed_forward_out, Activation::relu, feed_forward_norm(v), v, dropout_p, context));
   }
 };
 
@@ -18409,13 +18433,9 @@ struct BertLayer {
                        const Tensor<B, 2>* relative_scores = nullptr, const Context& context = {}) const {
     const auto a = attention(query(rows), key(x), value(x), of_rows, offsets,
                              {.heads = heads, .dropout = next_dropout(dropout_p, context)}, relative_scores);
-    if (context.dropout) {
-      const auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-      const auto y = attended_norm(Keys::attended_dropout ? drop(attended(a)) : attended(a), rows);
-      return norm(drop(down(up(y, activation))), y);
-    }
-    const auto y = attended_norm(attended(a, Activation::none, &rows));
-    return norm(down(up(y, activation), Activation::none, &y));
+    const auto drop = Keys::attended_dropout ? next_dropout(dropout_p, context) : Dropout{};
+    const auto y = attended_norm(attended(a, Activation::none, &rows, drop));
+    return norm(down(up(y, activation), Activation::none, &y, next_dropout(dropout_p, context)));
   }
 };
 
@@ -29178,7 +29198,8 @@ struct Kernels {
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
-  void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
+  void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
+  void (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
@@ -29205,8 +29226,9 @@ struct Bf16Kernels {
   const char* name;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
-  void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
-               std::uint16_t* panels);
+  void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
+  void (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
@@ -29559,6 +29581,8 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+template <class S>
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
@@ -29566,34 +29590,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
 template <class S>
-void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {  // all panels row by row
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index i = 0; i < k; ++i) {
-      const S* in = b + i * stride_k + first * w;
-      S* out = panels + (first * k + i) * w;
-      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
-        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
-        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-      }
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class S>
+void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
-    const S* in = b + j * w * stride_n;
+    const S* in = b + j * w * stride;
     for (Index i = 0; i < k; i += l) {
       const Index rows = k - i < l ? k - i : l;
       for (Index c = 0; c < w; c += l) {
         Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
         for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride_n + i;
-          __builtin_prefetch(from + w * stride_n, 0, 2);
+          const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
         }
         transpose_lanes<S>(square);
@@ -29700,11 +29725,15 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
   if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
+/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
+enum class TileKind { plain, transposed, half };
+
 /// c (R x columns) = a (R x k) panel.
-template <class S, int R, bool transposed>
+template <class S, int R, TileKind kind>
 void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
@@ -29715,7 +29744,8 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
     panel += w;
     __builtin_prefetch(panel + 16 * w);
     __builtin_prefetch(panel + 16 * w + l);
@@ -29728,7 +29758,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
                   : i < 12 ? p3[(i - 9) * row_stride]
                            : p4[(i - 12) * row_stride];
       c0[i] += x * b0;
-      c1[i] += x * b1;
+      if constexpr (!half) c1[i] += x * b1;
     }
     p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
   }
@@ -29737,12 +29767,16 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of so many rows for what is left of the columns.
 template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed) {
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array<TileFunction<S>, 2 * sizeof...(R)>{&tile<S, R + 1, false>..., &tile<S, R + 1, true>...};
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
   }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  return table[static_cast<std::size_t>((transposed ? tile_rows : 0) + rows - 1)];
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
 /// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
@@ -29783,7 +29817,22 @@ Index gemm_rows(Index k) {
 /// Numbers of scratch that gemm_block needs.
 template <class S>
 Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
+/// that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
@@ -29805,18 +29854,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
-      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) {
-          const S* from = g.a + (k0 + k) * g.lda + top;
-          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            fetch(from + 16 * g.lda, rows);
-          }
-          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
-        }
+      if (g.a_transposed) {
+        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
-      const Rows<S> a = copy ? Rows<S>{scratch, g.a_transposed ? rows : pitch, g.a_transposed} : Rows<S>{g.a + top * g.lda + k0, g.lda, false};
+      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
+        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
+        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
+      };
       Epilogue<S> e;
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
@@ -29836,7 +29882,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.act = g.act;
           }
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed)(a.from(first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
+          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
           if (stream) stream_rows(result, height, w, c, g.ldc);
         }
@@ -29852,25 +29898,51 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
-/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible` columns take part (causal attention), the rest are 0.
-template <class S>
-MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
   const Index padded = (n + l - 1) / l * l;
   constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  for (Index c = visible; c < padded; ++c) row[c] = hidden;
-  Vec<S> largest = splat(hidden);
-  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
-  const S shift = reduce_max<S>(largest) * scale;
-  Vec<S> sum{};
-  for (Index c = 0; c < padded; c += l) {
-    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
-    store(row + c, e);
-    sum += e;
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
   }
-  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
-  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
 }
 
 /// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
@@ -29917,7 +29989,8 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -29927,7 +30000,7 @@ struct FloatProducts {
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
                                          plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
@@ -29952,15 +30025,17 @@ struct AttentionHead {
         k(a.k + k0 * a.k_stride + head * a.width),
         v(a.v + k0 * a.v_stride + head * a.width) {}
 
-  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
-  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
     const S unscale = std::sqrt(static_cast<S>(t.width));
-    if (t.relative_scores != nullptr) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
-      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
     }
-    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
-    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
   Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
 };
@@ -29999,7 +30074,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   for (Index i = 0; i < tiles; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    h.weights(first, rows, scores, pitch);
     P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
@@ -30012,7 +30087,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const AttentionHead<S> h(t, sequence, head);
   const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
   const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S scale = h.scale();
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
   S* ds = p + queries * pitch;                           // dP, later dS
@@ -30024,7 +30099,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -30138,7 +30213,7 @@ template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
     std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_row<S>(scratch, n, n, S(1));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
     std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
   }
 }
@@ -30311,35 +30386,38 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
 template <class Tile>
-void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index left = first; left < last; left += panel_block) {
-      for (Index i = 0; i < depth; i += 2) {
-        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
-        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
-          const Index columns = n - j * bf16_columns;
-          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-        }
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
       }
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class Tile>
+void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride_n;
+    const float* in = b + j * bf16_columns * stride;
     const Index columns = n - j * bf16_columns;
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -30534,7 +30612,9 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -30567,7 +30647,8 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -30584,7 +30665,8 @@ const Kernels<S>& table() {
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
-      .pack = &pack<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -30941,6 +31023,8 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+template <class S>
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
@@ -30948,34 +31032,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
 template <class S>
-void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {  // all panels row by row
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index i = 0; i < k; ++i) {
-      const S* in = b + i * stride_k + first * w;
-      S* out = panels + (first * k + i) * w;
-      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
-        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
-        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-      }
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class S>
+void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
-    const S* in = b + j * w * stride_n;
+    const S* in = b + j * w * stride;
     for (Index i = 0; i < k; i += l) {
       const Index rows = k - i < l ? k - i : l;
       for (Index c = 0; c < w; c += l) {
         Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
         for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride_n + i;
-          __builtin_prefetch(from + w * stride_n, 0, 2);
+          const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
         }
         transpose_lanes<S>(square);
@@ -31082,11 +31167,15 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
   if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
+/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
+enum class TileKind { plain, transposed, half };
+
 /// c (R x columns) = a (R x k) panel.
-template <class S, int R, bool transposed>
+template <class S, int R, TileKind kind>
 void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
@@ -31097,7 +31186,8 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
     panel += w;
     __builtin_prefetch(panel + 16 * w);
     __builtin_prefetch(panel + 16 * w + l);
@@ -31110,7 +31200,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
                   : i < 12 ? p3[(i - 9) * row_stride]
                            : p4[(i - 12) * row_stride];
       c0[i] += x * b0;
-      c1[i] += x * b1;
+      if constexpr (!half) c1[i] += x * b1;
     }
     p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
   }
@@ -31119,12 +31209,16 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of so many rows for what is left of the columns.
 template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed) {
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array<TileFunction<S>, 2 * sizeof...(R)>{&tile<S, R + 1, false>..., &tile<S, R + 1, true>...};
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
   }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  return table[static_cast<std::size_t>((transposed ? tile_rows : 0) + rows - 1)];
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
 /// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
@@ -31165,7 +31259,22 @@ Index gemm_rows(Index k) {
 /// Numbers of scratch that gemm_block needs.
 template <class S>
 Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
+/// that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
@@ -31187,18 +31296,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
-      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) {
-          const S* from = g.a + (k0 + k) * g.lda + top;
-          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            fetch(from + 16 * g.lda, rows);
-          }
-          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
-        }
+      if (g.a_transposed) {
+        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
-      const Rows<S> a = copy ? Rows<S>{scratch, g.a_transposed ? rows : pitch, g.a_transposed} : Rows<S>{g.a + top * g.lda + k0, g.lda, false};
+      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
+        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
+        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
+      };
       Epilogue<S> e;
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
@@ -31218,7 +31324,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.act = g.act;
           }
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed)(a.from(first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
+          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
           if (stream) stream_rows(result, height, w, c, g.ldc);
         }
@@ -31234,25 +31340,51 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
-/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible` columns take part (causal attention), the rest are 0.
-template <class S>
-MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
   const Index padded = (n + l - 1) / l * l;
   constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  for (Index c = visible; c < padded; ++c) row[c] = hidden;
-  Vec<S> largest = splat(hidden);
-  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
-  const S shift = reduce_max<S>(largest) * scale;
-  Vec<S> sum{};
-  for (Index c = 0; c < padded; c += l) {
-    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
-    store(row + c, e);
-    sum += e;
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
   }
-  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
-  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
 }
 
 /// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
@@ -31299,7 +31431,8 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -31309,7 +31442,7 @@ struct FloatProducts {
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
                                          plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
@@ -31334,15 +31467,17 @@ struct AttentionHead {
         k(a.k + k0 * a.k_stride + head * a.width),
         v(a.v + k0 * a.v_stride + head * a.width) {}
 
-  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
-  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
     const S unscale = std::sqrt(static_cast<S>(t.width));
-    if (t.relative_scores != nullptr) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
-      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
     }
-    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
-    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
   Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
 };
@@ -31381,7 +31516,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   for (Index i = 0; i < tiles; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    h.weights(first, rows, scores, pitch);
     P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
@@ -31394,7 +31529,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const AttentionHead<S> h(t, sequence, head);
   const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
   const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S scale = h.scale();
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
   S* ds = p + queries * pitch;                           // dP, later dS
@@ -31406,7 +31541,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -31520,7 +31655,7 @@ template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
     std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_row<S>(scratch, n, n, S(1));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
     std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
   }
 }
@@ -31693,35 +31828,38 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
 template <class Tile>
-void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index left = first; left < last; left += panel_block) {
-      for (Index i = 0; i < depth; i += 2) {
-        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
-        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
-          const Index columns = n - j * bf16_columns;
-          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-        }
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
       }
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class Tile>
+void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride_n;
+    const float* in = b + j * bf16_columns * stride;
     const Index columns = n - j * bf16_columns;
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -31916,7 +32054,9 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -31949,7 +32089,8 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -31966,7 +32107,8 @@ const Kernels<S>& table() {
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
-      .pack = &pack<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -32321,6 +32463,8 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+template <class S>
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
@@ -32328,34 +32472,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
 template <class S>
-void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {  // all panels row by row
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index i = 0; i < k; ++i) {
-      const S* in = b + i * stride_k + first * w;
-      S* out = panels + (first * k + i) * w;
-      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
-        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
-        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-      }
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class S>
+void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
-    const S* in = b + j * w * stride_n;
+    const S* in = b + j * w * stride;
     for (Index i = 0; i < k; i += l) {
       const Index rows = k - i < l ? k - i : l;
       for (Index c = 0; c < w; c += l) {
         Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
         for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride_n + i;
-          __builtin_prefetch(from + w * stride_n, 0, 2);
+          const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
         }
         transpose_lanes<S>(square);
@@ -32462,11 +32607,15 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
   if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
+/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
+enum class TileKind { plain, transposed, half };
+
 /// c (R x columns) = a (R x k) panel.
-template <class S, int R, bool transposed>
+template <class S, int R, TileKind kind>
 void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
@@ -32477,7 +32626,8 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
     panel += w;
     __builtin_prefetch(panel + 16 * w);
     __builtin_prefetch(panel + 16 * w + l);
@@ -32490,7 +32640,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
                   : i < 12 ? p3[(i - 9) * row_stride]
                            : p4[(i - 12) * row_stride];
       c0[i] += x * b0;
-      c1[i] += x * b1;
+      if constexpr (!half) c1[i] += x * b1;
     }
     p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
   }
@@ -32499,12 +32649,16 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of so many rows for what is left of the columns.
 template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed) {
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array<TileFunction<S>, 2 * sizeof...(R)>{&tile<S, R + 1, false>..., &tile<S, R + 1, true>...};
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
   }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  return table[static_cast<std::size_t>((transposed ? tile_rows : 0) + rows - 1)];
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
 /// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
@@ -32545,7 +32699,22 @@ Index gemm_rows(Index k) {
 /// Numbers of scratch that gemm_block needs.
 template <class S>
 Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
+/// that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
@@ -32567,18 +32736,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
-      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) {
-          const S* from = g.a + (k0 + k) * g.lda + top;
-          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            fetch(from + 16 * g.lda, rows);
-          }
-          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
-        }
+      if (g.a_transposed) {
+        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
-      const Rows<S> a = copy ? Rows<S>{scratch, g.a_transposed ? rows : pitch, g.a_transposed} : Rows<S>{g.a + top * g.lda + k0, g.lda, false};
+      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
+        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
+        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
+      };
       Epilogue<S> e;
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
@@ -32598,7 +32764,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.act = g.act;
           }
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed)(a.from(first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
+          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
           if (stream) stream_rows(result, height, w, c, g.ldc);
         }
@@ -32614,25 +32780,51 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
-/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible` columns take part (causal attention), the rest are 0.
-template <class S>
-MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
   const Index padded = (n + l - 1) / l * l;
   constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  for (Index c = visible; c < padded; ++c) row[c] = hidden;
-  Vec<S> largest = splat(hidden);
-  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
-  const S shift = reduce_max<S>(largest) * scale;
-  Vec<S> sum{};
-  for (Index c = 0; c < padded; c += l) {
-    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
-    store(row + c, e);
-    sum += e;
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
   }
-  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
-  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
 }
 
 /// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
@@ -32679,7 +32871,8 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -32689,7 +32882,7 @@ struct FloatProducts {
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
                                          plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
@@ -32714,15 +32907,17 @@ struct AttentionHead {
         k(a.k + k0 * a.k_stride + head * a.width),
         v(a.v + k0 * a.v_stride + head * a.width) {}
 
-  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
-  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
     const S unscale = std::sqrt(static_cast<S>(t.width));
-    if (t.relative_scores != nullptr) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
-      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
     }
-    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
-    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
   Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
 };
@@ -32761,7 +32956,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   for (Index i = 0; i < tiles; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    h.weights(first, rows, scores, pitch);
     P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
@@ -32774,7 +32969,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const AttentionHead<S> h(t, sequence, head);
   const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
   const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S scale = h.scale();
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
   S* ds = p + queries * pitch;                           // dP, later dS
@@ -32786,7 +32981,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -32900,7 +33095,7 @@ template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
     std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_row<S>(scratch, n, n, S(1));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
     std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
   }
 }
@@ -33073,35 +33268,38 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
 template <class Tile>
-void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index left = first; left < last; left += panel_block) {
-      for (Index i = 0; i < depth; i += 2) {
-        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
-        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
-          const Index columns = n - j * bf16_columns;
-          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-        }
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
       }
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class Tile>
+void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride_n;
+    const float* in = b + j * bf16_columns * stride;
     const Index columns = n - j * bf16_columns;
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -33296,7 +33494,9 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -33329,7 +33529,8 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -33346,7 +33547,8 @@ const Kernels<S>& table() {
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
-      .pack = &pack<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -33659,10 +33861,10 @@ struct KernelOps {
   /// afterwards.
   static void prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
-                         const Dense<S>* residual);
+                         const Dense<S>* residual, const Dropout& drop = {});
 
-  static Dense<S> activate(const Dense<S>& x, Activation act);
-  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act);
+  static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
+  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
 
   static Dense<S> layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps);
   static Dense<S> add_layer_norm(const Dense<S>& x, const Dense<S>& residual, const Dense<S>& weight,
@@ -33765,17 +33967,27 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   const bool bf16 = precision == Precision::bf16;
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
-  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * p.width()));
-  parallel_for(parts(p.count(), at_once), [&](Index i) {
-    const Index first = i * at_once, last = std::min(p.count(), first + at_once);
-    if constexpr (std::is_same_v<S, float>) {
-      if (bf16) {
-        auto* out = static_cast<std::uint16_t*>(p.memory.data());
-        return current_bf16_kernels()->pack(b, k, n, stride_k, stride_n, first, last, out);
-      }
+  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
+  const bool as_it_lies = stride_n == 1;
+  const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
+  const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, each) / step) * step;
+  const auto pack = [&](const auto& with, auto* out) {
+    parallel_for(parts(count, at_once), [&](Index i) {
+      const Index first = i * at_once, last = std::min(count, first + at_once);
+      if (as_it_lies)
+        with.pack_rows(b, k, n, stride_k, first, last, out);
+      else
+        with.pack_transposed(b, k, n, stride_n, first, last, out);
+    });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (bf16) {
+      pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
+      return p;
     }
-    kernel.pack(b, k, n, stride_k, stride_n, first, last, static_cast<S*>(p.memory.data()));
-  });
+  }
+  pack(kernel, static_cast<S*>(p.memory.data()));
   return p;
 }
 
@@ -33787,7 +33999,7 @@ void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index 
   const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
                           : rows >= threads * (rows_at_once / 4) ? threads
                                                                  : blocks;
-  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(2 * threads, row_parts));
+  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
   const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
@@ -33796,26 +34008,34 @@ void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index 
   });
 }
 
-/// g with the right-hand side `p`.
-template <class S>
-void run_gemm(Gemm<S> g, const Panels<S>& p) {
+/// Nothing to be done behind a block of a product.
+struct NothingBehind {
+  void operator()(Index, Index, Index, Index) const {}
+};
+/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
+template <class S, class F = NothingBehind>
+void run_gemm(Gemm<S> g, const Panels<S>& p, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
   const bool small = g.m * g.n * g.k < 100'000;
+  const Index width = p.width();
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
+      for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
                     [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
                       kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
+                      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
                     });
       return;
     }
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(
-      g.m, parts(g.n, kernel.panel_width), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-      [&](Index r0, Index r1, Index j0, Index j1, S* scratch) { kernel.gemm_block(g, r0, r1, j0, j1, scratch); });
+  for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
+                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
+                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
+                  behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
+                });
 }
 
 template <class S>
@@ -33868,6 +34088,18 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   parallel_for(parts(n, columns),
                [&](Index i) { kernels<S>().transpose(t, i * columns, std::min(n, (i + 1) * columns)); });
   return y;
+}
+
+/// f(first, n) for pieces of a ... b-1 that stay in the first-level cache while several things are done with them.
+template <class F>
+void pieces_of(Index a, Index b, const F& f) {
+  constexpr Index piece = 2048;
+  for (; a < b; a += piece) f(a, std::min(piece, b - a));
+}
+/// The same for 0 ... count-1, by all threads.
+template <class F>
+void in_pieces(Index count, const F& f) {
+  parallel_ranges(count, 1, [&](Index a, Index b) { pieces_of(a, b, f); });
 }
 
 template <class S>
@@ -33928,24 +34160,39 @@ void KernelOps<S>::prepare(const Dense<S>& weight) {
 
 template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
-                              const Dense<S>* residual) {
+                              const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
-  const bool last =
-      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
+  // The kernel applies the nonlinearity after everything, and knows no dropout.
+  const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
   const Precision precision = detail::precision_of<S>();
   const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
+  Dense<S> y;
+  const auto finish = [&](Index first, Index count) {
+    const detail::Kernels<S>& kernel = detail::kernels<S>();
+    S* to = y.data() + first;
+    if (drop.p > 0) kernel.dropout(to, count, first, drop, to);
+    if (residual != nullptr)
+      kernel.binary({.op = detail::BinaryOp::add, .a = to, .b = residual->data() + first, .count = count, .y = to});
+  };
+  const auto behind = [&](Index r0, Index r1, Index c0, Index c1) {
+    if (last) return;
+    if (c1 - c0 == n) return detail::pieces_of(r0 * n, r1 * n, finish);
+    for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
+  };
   if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
-    if (wanted != nullptr && last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
-      return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
-                                      residual == nullptr ? nullptr : residual->data());
+    if (wanted != nullptr && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+      y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
+                                   residual == nullptr || !last ? nullptr : residual->data());
+      behind(0, m, 0, n);
+      return y;
     }
     packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
-  Dense<S> y(Shape{m, n});
+  y = Dense<S>(Shape{m, n});
   detail::run_gemm(
       detail::Gemm<S>{.m = m,
                       .n = n,
@@ -33960,25 +34207,26 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready);
-  if (!last) {
-    for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
-  }
+      *ready, behind);
   return y;
 }
 
 template <Scalar S>
-Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act) {
+Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act, const Dropout& drop) {
   Dense<S> y(x.shape());
-  parallel_ranges(x.count(), 1,
-                  [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
+  detail::in_pieces(x.count(), [&](Index a, Index n) {
+    detail::kernels<S>().activate(x.data() + a, n, act, y.data() + a);
+    if (drop.p > 0) detail::kernels<S>().dropout(y.data() + a, n, a, drop, y.data() + a);
+  });
   return y;
 }
 template <Scalar S>
-Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act) {
+Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop) {
   Dense<S> dx(x.shape());
-  parallel_ranges(x.count(), 1, [&](Index a, Index b) {
-    detail::kernels<S>().activate_vjp(x.data() + a, dy.data() + a, b - a, act, dx.data() + a);
+  detail::in_pieces(x.count(), [&](Index a, Index n) {
+    const S* g = dy.data() + a;
+    if (drop.p > 0) detail::kernels<S>().dropout(g, n, a, drop, dx.data() + a), g = dx.data() + a;
+    detail::kernels<S>().activate_vjp(x.data() + a, g, n, act, dx.data() + a);
   });
   return dx;
 }

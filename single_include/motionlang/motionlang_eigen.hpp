@@ -40,10 +40,10 @@ struct KernelOps {
   /// afterwards.
   static void prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
-                         const Dense<S>* residual);
+                         const Dense<S>* residual, const Dropout& drop = {});
 
-  static Dense<S> activate(const Dense<S>& x, Activation act);
-  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act);
+  static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
+  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
 
   static Dense<S> layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps);
   static Dense<S> add_layer_norm(const Dense<S>& x, const Dense<S>& residual, const Dense<S>& weight,
@@ -330,7 +330,8 @@ struct Kernels {
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
-  void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
+  void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
+  void (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
@@ -357,8 +358,9 @@ struct Bf16Kernels {
   const char* name;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
-  void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
-               std::uint16_t* panels);
+  void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
+  void (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
@@ -711,6 +713,8 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+template <class S>
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
@@ -718,34 +722,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
 template <class S>
-void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {  // all panels row by row
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index i = 0; i < k; ++i) {
-      const S* in = b + i * stride_k + first * w;
-      S* out = panels + (first * k + i) * w;
-      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
-        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
-        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-      }
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class S>
+void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
-    const S* in = b + j * w * stride_n;
+    const S* in = b + j * w * stride;
     for (Index i = 0; i < k; i += l) {
       const Index rows = k - i < l ? k - i : l;
       for (Index c = 0; c < w; c += l) {
         Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
         for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride_n + i;
-          __builtin_prefetch(from + w * stride_n, 0, 2);
+          const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
         }
         transpose_lanes<S>(square);
@@ -852,11 +857,15 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
   if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
+/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
+enum class TileKind { plain, transposed, half };
+
 /// c (R x columns) = a (R x k) panel.
-template <class S, int R, bool transposed>
+template <class S, int R, TileKind kind>
 void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
@@ -867,7 +876,8 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
     panel += w;
     __builtin_prefetch(panel + 16 * w);
     __builtin_prefetch(panel + 16 * w + l);
@@ -880,7 +890,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
                   : i < 12 ? p3[(i - 9) * row_stride]
                            : p4[(i - 12) * row_stride];
       c0[i] += x * b0;
-      c1[i] += x * b1;
+      if constexpr (!half) c1[i] += x * b1;
     }
     p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
   }
@@ -889,12 +899,16 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of so many rows for what is left of the columns.
 template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed) {
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array<TileFunction<S>, 2 * sizeof...(R)>{&tile<S, R + 1, false>..., &tile<S, R + 1, true>...};
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
   }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  return table[static_cast<std::size_t>((transposed ? tile_rows : 0) + rows - 1)];
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
 /// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
@@ -935,7 +949,22 @@ Index gemm_rows(Index k) {
 /// Numbers of scratch that gemm_block needs.
 template <class S>
 Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
+/// that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
@@ -957,18 +986,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
-      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) {
-          const S* from = g.a + (k0 + k) * g.lda + top;
-          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            fetch(from + 16 * g.lda, rows);
-          }
-          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
-        }
+      if (g.a_transposed) {
+        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
-      const Rows<S> a = copy ? Rows<S>{scratch, g.a_transposed ? rows : pitch, g.a_transposed} : Rows<S>{g.a + top * g.lda + k0, g.lda, false};
+      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
+        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
+        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
+      };
       Epilogue<S> e;
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
@@ -988,7 +1014,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.act = g.act;
           }
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed)(a.from(first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
+          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
           if (stream) stream_rows(result, height, w, c, g.ldc);
         }
@@ -1004,25 +1030,51 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
-/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible` columns take part (causal attention), the rest are 0.
-template <class S>
-MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
   const Index padded = (n + l - 1) / l * l;
   constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  for (Index c = visible; c < padded; ++c) row[c] = hidden;
-  Vec<S> largest = splat(hidden);
-  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
-  const S shift = reduce_max<S>(largest) * scale;
-  Vec<S> sum{};
-  for (Index c = 0; c < padded; c += l) {
-    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
-    store(row + c, e);
-    sum += e;
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
   }
-  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
-  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
 }
 
 /// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
@@ -1069,7 +1121,8 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -1079,7 +1132,7 @@ struct FloatProducts {
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
                                          plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
@@ -1104,15 +1157,17 @@ struct AttentionHead {
         k(a.k + k0 * a.k_stride + head * a.width),
         v(a.v + k0 * a.v_stride + head * a.width) {}
 
-  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
-  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
     const S unscale = std::sqrt(static_cast<S>(t.width));
-    if (t.relative_scores != nullptr) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
-      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
     }
-    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
-    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
   Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
 };
@@ -1151,7 +1206,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   for (Index i = 0; i < tiles; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    h.weights(first, rows, scores, pitch);
     P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
@@ -1164,7 +1219,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const AttentionHead<S> h(t, sequence, head);
   const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
   const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S scale = h.scale();
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
   S* ds = p + queries * pitch;                           // dP, later dS
@@ -1176,7 +1231,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -1290,7 +1345,7 @@ template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
     std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_row<S>(scratch, n, n, S(1));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
     std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
   }
 }
@@ -1463,35 +1518,38 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
 template <class Tile>
-void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index left = first; left < last; left += panel_block) {
-      for (Index i = 0; i < depth; i += 2) {
-        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
-        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
-          const Index columns = n - j * bf16_columns;
-          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-        }
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
       }
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class Tile>
+void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride_n;
+    const float* in = b + j * bf16_columns * stride;
     const Index columns = n - j * bf16_columns;
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -1686,7 +1744,9 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -1719,7 +1779,8 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -1736,7 +1797,8 @@ const Kernels<S>& table() {
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
-      .pack = &pack<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -2093,6 +2155,8 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+template <class S>
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
@@ -2100,34 +2164,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
 template <class S>
-void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {  // all panels row by row
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index i = 0; i < k; ++i) {
-      const S* in = b + i * stride_k + first * w;
-      S* out = panels + (first * k + i) * w;
-      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
-        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
-        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-      }
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class S>
+void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
-    const S* in = b + j * w * stride_n;
+    const S* in = b + j * w * stride;
     for (Index i = 0; i < k; i += l) {
       const Index rows = k - i < l ? k - i : l;
       for (Index c = 0; c < w; c += l) {
         Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
         for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride_n + i;
-          __builtin_prefetch(from + w * stride_n, 0, 2);
+          const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
         }
         transpose_lanes<S>(square);
@@ -2234,11 +2299,15 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
   if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
+/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
+enum class TileKind { plain, transposed, half };
+
 /// c (R x columns) = a (R x k) panel.
-template <class S, int R, bool transposed>
+template <class S, int R, TileKind kind>
 void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
@@ -2249,7 +2318,8 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
     panel += w;
     __builtin_prefetch(panel + 16 * w);
     __builtin_prefetch(panel + 16 * w + l);
@@ -2262,7 +2332,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
                   : i < 12 ? p3[(i - 9) * row_stride]
                            : p4[(i - 12) * row_stride];
       c0[i] += x * b0;
-      c1[i] += x * b1;
+      if constexpr (!half) c1[i] += x * b1;
     }
     p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
   }
@@ -2271,12 +2341,16 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of so many rows for what is left of the columns.
 template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed) {
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array<TileFunction<S>, 2 * sizeof...(R)>{&tile<S, R + 1, false>..., &tile<S, R + 1, true>...};
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
   }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  return table[static_cast<std::size_t>((transposed ? tile_rows : 0) + rows - 1)];
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
 /// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
@@ -2317,7 +2391,22 @@ Index gemm_rows(Index k) {
 /// Numbers of scratch that gemm_block needs.
 template <class S>
 Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
+/// that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
@@ -2339,18 +2428,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
-      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) {
-          const S* from = g.a + (k0 + k) * g.lda + top;
-          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            fetch(from + 16 * g.lda, rows);
-          }
-          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
-        }
+      if (g.a_transposed) {
+        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
-      const Rows<S> a = copy ? Rows<S>{scratch, g.a_transposed ? rows : pitch, g.a_transposed} : Rows<S>{g.a + top * g.lda + k0, g.lda, false};
+      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
+        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
+        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
+      };
       Epilogue<S> e;
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
@@ -2370,7 +2456,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.act = g.act;
           }
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed)(a.from(first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
+          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
           if (stream) stream_rows(result, height, w, c, g.ldc);
         }
@@ -2386,25 +2472,51 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
-/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible` columns take part (causal attention), the rest are 0.
-template <class S>
-MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
   const Index padded = (n + l - 1) / l * l;
   constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  for (Index c = visible; c < padded; ++c) row[c] = hidden;
-  Vec<S> largest = splat(hidden);
-  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
-  const S shift = reduce_max<S>(largest) * scale;
-  Vec<S> sum{};
-  for (Index c = 0; c < padded; c += l) {
-    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
-    store(row + c, e);
-    sum += e;
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
   }
-  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
-  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
 }
 
 /// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
@@ -2451,7 +2563,8 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -2461,7 +2574,7 @@ struct FloatProducts {
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
                                          plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
@@ -2486,15 +2599,17 @@ struct AttentionHead {
         k(a.k + k0 * a.k_stride + head * a.width),
         v(a.v + k0 * a.v_stride + head * a.width) {}
 
-  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
-  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
     const S unscale = std::sqrt(static_cast<S>(t.width));
-    if (t.relative_scores != nullptr) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
-      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
     }
-    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
-    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
   Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
 };
@@ -2533,7 +2648,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   for (Index i = 0; i < tiles; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    h.weights(first, rows, scores, pitch);
     P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
@@ -2546,7 +2661,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const AttentionHead<S> h(t, sequence, head);
   const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
   const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S scale = h.scale();
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
   S* ds = p + queries * pitch;                           // dP, later dS
@@ -2558,7 +2673,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -2672,7 +2787,7 @@ template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
     std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_row<S>(scratch, n, n, S(1));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
     std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
   }
 }
@@ -2845,35 +2960,38 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
 template <class Tile>
-void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index left = first; left < last; left += panel_block) {
-      for (Index i = 0; i < depth; i += 2) {
-        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
-        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
-          const Index columns = n - j * bf16_columns;
-          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-        }
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
       }
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class Tile>
+void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride_n;
+    const float* in = b + j * bf16_columns * stride;
     const Index columns = n - j * bf16_columns;
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -3068,7 +3186,9 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -3101,7 +3221,8 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -3118,7 +3239,8 @@ const Kernels<S>& table() {
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
-      .pack = &pack<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -3473,6 +3595,8 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+template <class S>
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile) {
@@ -3480,34 +3604,35 @@ constexpr Index rows_at_once(Index row_bytes, Index tile) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
 template <class S>
-void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels) {
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
-  if (stride_n == 1) {  // all panels row by row
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index i = 0; i < k; ++i) {
-      const S* in = b + i * stride_k + first * w;
-      S* out = panels + (first * k + i) * w;
-      for (Index columns = n - first * w, end = n - last * w; columns > end; columns -= w, in += w, out += k * w) {
-        __builtin_prefetch(in + ahead * stride_k), __builtin_prefetch(in + ahead * stride_k + l);
-        store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-      }
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class S>
+void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
-    const S* in = b + j * w * stride_n;
+    const S* in = b + j * w * stride;
     for (Index i = 0; i < k; i += l) {
       const Index rows = k - i < l ? k - i : l;
       for (Index c = 0; c < w; c += l) {
         Vec<S> square[lanes<S>];
 #pragma GCC unroll 16
         for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride_n + i;
-          __builtin_prefetch(from + w * stride_n, 0, 2);
+          const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
         }
         transpose_lanes<S>(square);
@@ -3614,11 +3739,15 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
   if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
 }
 
+/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
+enum class TileKind { plain, transposed, half };
+
 /// c (R x columns) = a (R x k) panel.
-template <class S, int R, bool transposed>
+template <class S, int R, TileKind kind>
 void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
   Vec<S> c0[R], c1[R];
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
@@ -3629,7 +3758,8 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
   const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
-    const Vec<S> b0 = load(panel), b1 = load(panel + l);
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
     panel += w;
     __builtin_prefetch(panel + 16 * w);
     __builtin_prefetch(panel + 16 * w + l);
@@ -3642,7 +3772,7 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
                   : i < 12 ? p3[(i - 9) * row_stride]
                            : p4[(i - 12) * row_stride];
       c0[i] += x * b0;
-      c1[i] += x * b1;
+      if constexpr (!half) c1[i] += x * b1;
     }
     p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
   }
@@ -3651,12 +3781,16 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 
 template <class S>
 using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of so many rows for what is left of the columns.
 template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed) {
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array<TileFunction<S>, 2 * sizeof...(R)>{&tile<S, R + 1, false>..., &tile<S, R + 1, true>...};
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
   }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  return table[static_cast<std::size_t>((transposed ? tile_rows : 0) + rows - 1)];
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
 /// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
@@ -3697,7 +3831,22 @@ Index gemm_rows(Index k) {
 /// Numbers of scratch that gemm_block needs.
 template <class S>
 Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows * (std::min(k, depth_block) + 16);
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
+/// that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
 }
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
@@ -3719,18 +3868,15 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
       const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
       const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
       const Index pitch = depth + 16;
-      if (copy && g.a_transposed) {  // [k][row]: a tile reads neighbours
-        for (Index k = 0; k < depth; ++k) {
-          const S* from = g.a + (k0 + k) * g.lda + top;
-          if (k + 16 < depth) {  // no prefetcher follows pieces so far apart
-            fetch(from + 16 * g.lda, rows);
-          }
-          std::memcpy(scratch + k * rows, from, static_cast<std::size_t>(rows) * sizeof(S));
-        }
+      if (g.a_transposed) {
+        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
       } else if (copy) {
         for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
       }
-      const Rows<S> a = copy ? Rows<S>{scratch, g.a_transposed ? rows : pitch, g.a_transposed} : Rows<S>{g.a + top * g.lda + k0, g.lda, false};
+      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
+        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
+        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
+      };
       Epilogue<S> e;
       e.accumulate = block > 0;
       for (Index j = left; j < right; ++j) {
@@ -3750,7 +3896,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
             e.act = g.act;
           }
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed)(a.from(first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
+          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
                              Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
           if (stream) stream_rows(result, height, w, c, g.ldc);
         }
@@ -3766,25 +3912,51 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
-/// Softmax of one row of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible` columns take part (causal attention), the rest are 0.
-template <class S>
-MOTIONLANG_INLINE void softmax_row(S* row, Index n, Index visible, S scale) {
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
   const Index padded = (n + l - 1) / l * l;
   constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  for (Index c = visible; c < padded; ++c) row[c] = hidden;
-  Vec<S> largest = splat(hidden);
-  for (Index c = 0; c < padded; c += l) largest = vmax<S>(largest, load(row + c));
-  const S shift = reduce_max<S>(largest) * scale;
-  Vec<S> sum{};
-  for (Index c = 0; c < padded; c += l) {
-    const Vec<S> e = vexp<S>(load(row + c) * scale - shift);
-    store(row + c, e);
-    sum += e;
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
   }
-  const Vec<S> inverse = splat(S(1) / reduce_add<S>(sum));
-  for (Index c = 0; c < padded; c += l) store(row + c, load(row + c) * inverse);
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
 }
 
 /// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
@@ -3831,7 +4003,8 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    MOTIONLANG_ISA::pack(b, k, n, stride_k, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -3841,7 +4014,7 @@ struct FloatProducts {
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
                                          plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
       }
     }
@@ -3866,15 +4039,17 @@ struct AttentionHead {
         k(a.k + k0 * a.k_stride + head * a.width),
         v(a.v + k0 * a.v_stride + head * a.width) {}
 
-  /// Scores of a query, q k^T, become its row of P: relative scores, softmax, dropout.
-  MOTIONLANG_INLINE void weights(Index query, S* row) const {
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
     const S unscale = std::sqrt(static_cast<S>(t.width));
-    if (t.relative_scores != nullptr) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - query;
-      for (Index c = 0; c < keys; ++c) row[c] += relative[c] * unscale;
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
     }
-    softmax_row<S>(row, keys, t.causal ? std::min(keys, query + 1) : keys, S(1) / unscale);
-    if (t.dropout.p > 0) dropout(row, keys, mask_at(query), t.dropout, row);
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
   Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
 };
@@ -3913,7 +4088,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   for (Index i = 0; i < tiles; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    for (Index r = 0; r < rows; ++r) h.weights(first + r, scores + r * pitch);
+    h.weights(first, rows, scores, pitch);
     P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
   }
   P::end();
@@ -3926,7 +4101,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   const AttentionHead<S> h(t, sequence, head);
   const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
   const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = S(1) / std::sqrt(static_cast<S>(width));
+  const S scale = h.scale();
   S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
   S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
   S* ds = p + queries * pitch;                           // dP, later dS
@@ -3938,7 +4113,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    softmax_row<S>(pr, keys, t.causal ? std::min(keys, r + 1) : keys, scale);
+    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -4052,7 +4227,7 @@ template <class S>
 void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
   for (Index r = first; r < last; ++r) {
     std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_row<S>(scratch, n, n, S(1));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
     std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
   }
 }
@@ -4225,35 +4400,38 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
   }
 }
 
-/// Panels first ... last-1 of B, whose element (k, n) is b[k * stride_k + n * stride_n]; one of the strides is 1.
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
 template <class Tile>
-void bf16_pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // k of a transposed B that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  if (stride_n == 1) {  // two rows at a time, through as many panels as lie in different parts of the cache
-    constexpr Index ahead = 8;  // rows; no prefetcher follows pieces so far apart
-    for (Index left = first; left < last; left += panel_block) {
-      for (Index i = 0; i < depth; i += 2) {
-        const float *even = b + i * stride_k + left * bf16_columns, *odd = even + stride_k;
-        std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-        for (Index j = left; j < std::min(last, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-          fetch(even + ahead * stride_k, bf16_columns), fetch(odd + ahead * stride_k, bf16_columns);
-          const Index columns = n - j * bf16_columns;
-          Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-        }
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
       }
     }
-    return;
   }
-  for (Index j = first; j < last; ++j) {  // a transposed B: read along its rows, a square of lanes at a time
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+template <class Tile>
+void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride_n;
+    const float* in = b + j * bf16_columns * stride;
     const Index columns = n - j * bf16_columns;
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride_n + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -4448,7 +4626,9 @@ struct Bf16Products {
   static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    bf16_pack<Tile>(b, k, n, stride_k, stride_n, 0, bf16_depth(n) / bf16_columns, reinterpret_cast<std::uint16_t*>(panels));
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -4481,7 +4661,8 @@ const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack = &bf16_pack<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -4498,7 +4679,8 @@ const Kernels<S>& table() {
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
-      .pack = &pack<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,

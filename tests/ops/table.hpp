@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <motionlang/core/rng.hpp>
@@ -88,8 +89,8 @@ std::vector<Row<B>> rows() {
   }
   for (int t = 0; t < 4; ++t) {
     const bool ta = (t & 1) != 0, tb = (t & 2) != 0;
-    const std::vector<std::array<Index, 4>> sizes{{1, 1, 1, 1},    {1, 7, 5, 9},    {2, 3, 4, 5},
-                                                  {1, 33, 40, 35}, {1, 5, 1025, 35}, {1, 3, 2048, 35}, {1, 4, 1, 6}};
+    const std::vector<std::array<Index, 4>> sizes{{1, 1, 1, 1},     {1, 7, 5, 9},     {2, 3, 4, 5}, {1, 33, 40, 35},
+                                                  {1, 5, 1025, 35}, {1, 3, 2048, 35}, {1, 4, 1, 6}, {1, 460, 41, 35}};
     for (auto [n, i, k, j] : sizes) {
       const Shape a = ta ? Shape{n, k, i} : Shape{n, i, k}, b = tb ? Shape{n, j, k} : Shape{n, k, j};
       r.push_back({"matmul" + std::string(ta ? " aT " : " ") + to_string(a) + (tb ? " bT " : " ") + to_string(b),
@@ -155,6 +156,16 @@ std::vector<Row<B>> rows() {
                  const auto residual = as<B, 2>(x[2]);
                  return ml::linear<B>(as<B, 2>(x[0]), as<B, 2>(x[1]), nullptr, Activation::gelu, &residual).data();
                }});
+  for (auto [act, rows, width] : {std::tuple{Activation::none, Index{29}, Index{33}}, {Activation::gelu, 150, 70}}) {
+    const ml::Dropout drop{.p = 0.3, .key = 0x123456789ABCDEFu};
+    r.push_back({std::string("linear dropout") + (act == Activation::gelu ? " gelu" : ""),
+                 {{rows, 20}, {width, 20}, {width}, {rows, width}},
+                 [=](In x) {
+                   const auto bias = as<B, 1>(x[2]);
+                   const auto residual = as<B, 2>(x[3]);
+                   return ml::linear(as<B, 2>(x[0]), as<B, 2>(x[1]), &bias, act, &residual, drop).data();
+                 }});
+  }
   for (Index width : {1, 16, 45}) {
     if (width > 1) {
       r.push_back({"layer_norm " + std::to_string(width), {{5, width}, {width}, {width}}, [](In x) {

@@ -284,7 +284,7 @@ TEST_CASE("what train-sinc and train-teach refuse") {
   refused("train-teach", all + std::vector<std::string>{"--set", "data.shortest=3"},
           "data.shortest is 3, network.hist_frames 5");
   refused("train-teach", all + std::vector<std::string>{"--set", "data.longest=20"},
-          "babel.json: nothing to train on (6 left out)");
+          "babel.json: nothing to train on (6 left out: 6 too short, too long, without words or beyond the clip (");
   ml::write_file(w / "few.json", R"({"walk": ["", "", "right leg"]})");
   refused("train-sinc", all + std::vector<std::string>{"--body-parts", "few.json", "--set", "data.proportion=0.5"},
           "--body-parts: no parts of 'wave' (seg-1-1)");

@@ -250,6 +250,21 @@ TEST_CASE("a folder for results that cannot be made is refused before anything i
   CHECK(ml::read_file(w / "two.txt") == timeline_text);
 }
 
+TEST_CASE("a run that fails leaves no empty folder, and takes none away") {
+  const Workplace w;
+  const auto fails = [&](const std::string& out) {
+    CHECK(w.run({"generate", "--model", "none.safetensors", "--text", "walk", "--out", out}).code == 1);
+  };
+  fails("new/folder/");
+  fails("new/" + std::string(300, 'a'));  // longer than a name can be
+  CHECK(!std::filesystem::exists(w / "new"));
+  std::filesystem::create_directories(w / "mine");
+  fails("mine/../mine/new");
+  CHECK(std::filesystem::is_empty(w / "mine"));
+  fails("mine");
+  CHECK(std::filesystem::exists(w / "mine"));
+}
+
 TEST_CASE("check and info show what a file holds") {
   const Workplace w;
   const auto check = w.run({"check", "two.txt"});

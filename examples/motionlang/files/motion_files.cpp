@@ -77,6 +77,22 @@ void make_output_folder(const std::string& option, const std::filesystem::path& 
   if (problem) ml::raise<ml::io_error>(401, option, " ", folder.string(), ": ", problem.message());
 }
 
+OutputFolder::OutputFolder(const std::string& option, const std::filesystem::path& folder) {
+  std::filesystem::path path;
+  for (const auto& name : std::filesystem::absolute(folder)) {
+    std::error_code unknown;  // make_output_folder says it
+    path /= name;
+    if (!name.empty() && !std::filesystem::exists(path, unknown)) made_.paths.push_back(path);
+  }
+  make_output_folder(option, folder);
+}
+OutputFolder::Made::~Made() {
+  for (; !paths.empty(); paths.pop_back()) {
+    std::error_code not_empty;
+    std::filesystem::remove(paths.back(), not_empty);
+  }
+}
+
 bool is_gltf(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);
   return kind == ".glb" || kind == ".gltf" || kind == ".vrm" || kind == ".vrma";

@@ -57,6 +57,21 @@ void require_folder_of(const std::filesystem::path& file);
 void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output);
 /// Makes the folder that an option names, unless it is there: as early. Throws io_error 401 if it cannot be written in.
 void make_output_folder(const std::string& option, const std::filesystem::path& folder);
+/// The same; what it made is removed in the end if nothing has been written there.
+class OutputFolder {
+ public:
+  OutputFolder(const std::string& option, const std::filesystem::path& folder);
+
+ private:
+  struct Made {                                  // of its own, so that it goes as well where the constructor throws
+    std::vector<std::filesystem::path> paths{};  // the innermost last
+
+    Made() = default;
+    Made(const Made&) = delete;
+    Made& operator=(const Made&) = delete;
+    ~Made();
+  } made_;
+};
 
 /// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
 std::string file_name(std::string name);

@@ -186,7 +186,7 @@ std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
 
 void run(const GenerateOptions& o) {
   o.machine.apply();
-  make_output_folder("--out", o.out);
+  const OutputFolder out("--out", o.out);
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   if (o.action && !generator->takes_actions())

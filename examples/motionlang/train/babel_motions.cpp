@@ -74,20 +74,22 @@ ml::SpellingTable spelling_of(const std::filesystem::path& path) {
 /// What is taken of an item, counted as the published programs number their keys: before any is left out.
 class Numbered {
  public:
-  Numbered(BabelItems& out, const std::string& type, const std::string& id)
-      : out_(&out), prefix_(type + "-" + id + "-") {}
+  /// why_not: what items are that are not taken.
+  Numbered(BabelItems& out, const std::string& type, const std::string& id,
+           std::string why_not = "too short or too long")
+      : out_(&out), prefix_(type + "-" + id + "-"), why_not_(std::move(why_not)) {}
 
   void add(bool taken, ml::FrameSlice frames, std::vector<DescribedText> texts) {
     const std::string key = prefix_ + std::to_string(number_++);
     if (taken)
       out_->items.push_back({key, frames, std::move(texts)});
     else
-      ++out_->left_out;
+      out_->left_out.add(why_not_, key);
   }
 
  private:
   BabelItems* out_;
-  std::string prefix_;
+  std::string prefix_, why_not_;
   Index number_ = 0;
 };
 
@@ -162,7 +164,7 @@ BabelReader teach_reader(const TeachDataConfig& config) {
     const ml::TeachLengths lengths{config.shortest,
                                    training ? config.longest : std::max<Index>(config.longest, 100'000)};
     BabelItems out;
-    Numbered numbered(out, "separate_pairs", s.id);
+    Numbered numbered(out, "separate_pairs", s.id, "too short, too long, without words or beyond the clip");
     for_each_pair(s, frames, spelling, [&](const ml::ActionPair& pair, const ml::PairFrames& f) {
       const Index first = f.first.start;
       const bool sound = f.second.size() > 0 && f.second.end <= frames && ml::is_teach_length(f, lengths) &&
@@ -180,8 +182,9 @@ DescribedMotions read_babel_motions(const BabelSources& sources, const std::stri
   const ml::MotionFeatures& maker = ml::motion_features(features);
   const auto spelling = spelling_of(sources.spelling);
   const auto entries = entries_of(sources, lots);
-  DescribedMotions out{maker.width, babel_fps, {}, {}, {}, 0};
+  DescribedMotions out{maker.width, babel_fps, {}, {}, {}};
   std::vector<std::vector<DescribedMotion>> found(entries.size());
+  std::vector<LeftOut> left_out(entries.size());
   std::mutex mutex;
   Index done = 0;
   ml::parallel_for(std::ssize(entries), [&](Index i) {
@@ -195,15 +198,16 @@ DescribedMotions read_babel_motions(const BabelSources& sources, const std::stri
       found[static_cast<std::size_t>(i)].push_back(
           {item.key, e.clip, {rows.begin(), rows.end()}, std::move(item.texts)});
     }
+    left_out[static_cast<std::size_t>(i)] = std::move(items.left_out);
     const std::lock_guard lock(mutex);
-    out.left_out += items.left_out;
     progress(++done, std::ssize(entries));
   });
   for (std::size_t i = 0; i < entries.size(); ++i) {
     for (DescribedMotion& m : found[i]) part_of(out, entries[i].part).push_back(std::move(m));
+    out.left_out.add(left_out[i]);
   }
   if (out.training.empty())
-    ml::raise<ml::io_error>(403, sources.babel.string(), ": nothing to train on (", out.left_out, " left out)");
+    ml::raise<ml::io_error>(403, sources.babel.string(), ": nothing to train on (", out.left_out.told(), ")");
   return out;
 }
 

@@ -39,7 +39,7 @@ struct BabelItem {
 };
 struct BabelItems {
   std::vector<BabelItem> items;
-  ml::Index left_out = 0;  // too short or too long
+  LeftOut left_out{};
 };
 /// The items of a sequence of so many frames.
 using BabelReader = std::function<BabelItems(const ml::BabelSequence& sequence, ml::Index frames,

@@ -11,6 +11,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../files/data_set_form.hpp"
+#include "../formatted.hpp"
 #include "../usage_error.hpp"
 #include "clip_lines.hpp"
 #include "clip_split.hpp"
@@ -39,14 +40,25 @@ std::string key_of(const DataSources& sources, const std::string& id, const std:
   return clip.starts_with("M/") ? clip.substr(2) : clip;
 }
 
-/// Lines with one of the labels that are wanted, or with one label where all are. Returns how many others there were.
-Index keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& actions) {
+// Why something is left out.
+constexpr const char* not_finite = "with numbers that are not finite";
+constexpr const char* few_frames = "of too few frames";
+std::string of_other_length(const DataConfig& c) {
+  return formatted("shorter than %g s or longer than %g s", c.min_seconds, c.max_seconds);
+}
+
+/// Lines with one of the labels that are wanted, or with one label where all are.
+void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& actions, LeftOut& left_out) {
   for (ClipLine& line : lines) {
     std::erase_if(line.texts, [&](const std::string& label) {
       return !actions.empty() && std::find(actions.begin(), actions.end(), label) == actions.end();
     });
   }
-  return static_cast<Index>(std::erase_if(lines, [](const ClipLine& line) { return line.texts.size() != 1; }));
+  std::erase_if(lines, [&](const ClipLine& line) {
+    if (line.texts.size() == 1) return false;
+    left_out.add("without one of the labels, or with several", line.id);
+    return true;
+  });
 }
 
 /// Whether a clip is no features with numbers that are not finite; its reader says if there is none.
@@ -59,7 +71,7 @@ bool can_be_read(const DataSources& sources, const std::string& clip) {
 void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSources& sources,
                 const DataConfig& config, const RowMaker& maker, ml::Progress progress) {
   const bool labels = sources.labelled();
-  if (labels) out.left_out += keep_actions(lines, config.actions);
+  if (labels) keep_actions(lines, config.actions, out.left_out);
   std::vector<std::string> clips, keys;
   std::map<std::string, std::vector<std::size_t>> lines_of;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -69,6 +81,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
   }
   const Split split(sources.splits, config, keys);
   std::vector<std::vector<DescribedMotion>> found(lines.size());
+  std::vector<std::string> why(lines.size(), not_finite);  // none was found
   std::mutex mutex;
   Index done = 0;
   ml::parallel_for(std::ssize(clips), [&](Index c) {
@@ -82,7 +95,9 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
         ClipLine& line = lines[i];
         if (std::isinf(line.end)) line.end = clip.seconds();
         const double seconds = line.end - line.start;
+        why[i] = of_other_length(config);
         if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) continue;
+        why[i] = few_frames;
         if (!sources.annotations.empty() && frames_of(clip, line).length <= fewest_rows) continue;
         const auto motion = segment_of(clip, line, fewest_rows + 1);
         auto add = [&](const ml::Motion& m, bool mirrored) {
@@ -103,7 +118,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const int part = split.of(keys[i]);
     if (part < 0) continue;
-    if (found[i].empty()) ++out.left_out;
+    if (found[i].empty()) out.left_out.add(why[i], lines[i].id);
     for (DescribedMotion& d : found[i]) part_of(out, part).push_back(std::move(d));
   }
 }
@@ -132,12 +147,12 @@ void read_humanml3d(DescribedMotions& out, const DataSources& sources, const Row
     const auto rows = folder.features(id);
     const auto captions = folder.captions(id);
     if (!all_finite(rows)) {
-      ++out.left_out;
+      out.left_out.add(not_finite, id);
       continue;
     }
     Index number = 0;
     const auto items = ml::humanml3d_items(captions, std::ssize(rows) / maker.width, form);
-    if (items.empty()) ++out.left_out;
+    if (items.empty()) out.left_out.add("without a caption of a length that is kept", id);
     for (const auto& item : items) {
       DescribedMotion d{ml::concat_text(id, "_", number++), id, {}, {}};
       d.rows.assign(rows.begin() + item.frames.first * maker.width,
@@ -185,11 +200,11 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
     const auto motion = file.load(id);
     const auto texts =
         ml::training_annotations(motion, part == 2 ? "test" : "train", config.min_seconds, config.max_seconds);
-    out.left_out += std::ssize(motion.annotations) - std::ssize(texts);
+    out.left_out.add(of_other_length(config), id, std::ssize(motion.annotations) - std::ssize(texts));
     if (texts.empty()) continue;
     DescribedMotion d{id, motion.path, rows_of_path(sources, maker, motion), {}};
     if (!all_finite(d.rows)) {
-      out.left_out += std::ssize(texts);
+      out.left_out.add(not_finite, id, std::ssize(texts));
       continue;
     }
     for (const auto& a : texts) {
@@ -197,7 +212,7 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
       if (frames.length >= fewest_rows)
         d.texts.push_back({a.text, frames});
       else
-        ++out.left_out;
+        out.left_out.add(few_frames, id);
     }
     if (!d.texts.empty()) part_of(out, part).push_back(std::move(d));
   }
@@ -231,7 +246,7 @@ std::string ready_made_features(DataSources& sources) {
 
 DescribedMotions read_described_motions(const DataSources& sources, const DataConfig& config, const RowMaker& maker,
                                         ml::Progress progress) {
-  DescribedMotions out{maker.width, maker.fps, {}, {}, {}, 0};
+  DescribedMotions out{maker.width, maker.fps, {}, {}, {}};
   const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
   if (captions && (annotations || !sources.labels.empty()))
     ml::raise<usage_error>(102, "one of --captions, --labels and --annotations, not several");
@@ -259,7 +274,7 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
         102, sources.data.string(),
         " has no new_joint_vecs; clips need a table of captions or labels, or an annotation file");
   if (out.training.empty())
-    ml::raise<ml::io_error>(403, sources.data.string(), ": nothing to train on (", out.left_out, " left out)");
+    ml::raise<ml::io_error>(403, sources.data.string(), ": nothing to train on (", out.left_out.told(), ")");
   return out;
 }
 

@@ -18,6 +18,7 @@
 #include <motionlang/text/tagged_word.hpp>
 
 #include "config_json.hpp"
+#include "left_out.hpp"
 
 namespace program {
 
@@ -46,8 +47,7 @@ struct DescribedMotions {
   ml::Index width = 0;
   double fps = 0;
   std::vector<DescribedMotion> training, validation, test;
-  // texts that are too short or too long, stretches without the one label, features with numbers that are not finite
-  ml::Index left_out = 0;
+  LeftOut left_out{};
 
   std::array<const std::vector<DescribedMotion>*, 3> parts() const { return {&training, &validation, &test}; }
   /// Training, validation or test. Throws config_error 103.

@@ -64,8 +64,8 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
 }
 
 void tell_parts(const DescribedMotions& data) {
-  std::printf("%zu motions to train on, %zu for validation, %zu for tests; %td left out\n", data.training.size(),
-              data.validation.size(), data.test.size(), data.left_out);
+  std::printf("%zu motions to train on, %zu for validation, %zu for tests; %s\n", data.training.size(),
+              data.validation.size(), data.test.size(), data.left_out.told().c_str());
 }
 void tell_results(const TrainingOptions& o, const std::filesystem::path& model) {
   std::printf("model    %s\nlosses   %s\n", model.c_str(), (o.run.out / "loss.svg").c_str());

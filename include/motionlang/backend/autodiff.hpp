@@ -321,33 +321,34 @@ struct Autodiff {
 
   // Fused operations, where the inner backend has their kernels.
 
-  static tensor activate(const tensor& a, Activation act) requires requires(const Value& v) {
-    B::activate_vjp(v, v, act);
+  static tensor activate(const tensor& a, Activation act, const Dropout& drop = {}) requires requires(const Value& v) {
+    B::activate_vjp(v, v, act, drop);
   }
   {
     return record(
-        B::activate(a.value, act),
-        [x = a.value, act](const Value& g, const Sink& s) { s.add(0, B::activate_vjp(x, g, act)); }, a);
+        B::activate(a.value, act, drop),
+        [x = a.value, act, drop](const Value& g, const Sink& s) { s.add(0, B::activate_vjp(x, g, act, drop)); }, a);
   }
   static tensor linear(const tensor& x, const tensor& weight, const tensor* bias, Activation act,
-                       const tensor* residual) requires requires(const Value& v) {
-    B::linear(v, v, &v, act, &v);
+                       const tensor* residual, const Dropout& drop = {}) requires requires(const Value& v) {
+    B::linear(v, v, &v, act, &v, drop);
     B::column_sums(v);
   }
   {
     if (act != Activation::none) {  // the nonlinearity needs its own input for the derivative
-      const tensor y = activate(linear(x, weight, bias, Activation::none, nullptr), act);
+      const tensor y = activate(linear(x, weight, bias, Activation::none, nullptr), act, drop);
       return residual == nullptr ? y : add(y, *residual);
     }
     const tensor none{};
     return record(
         B::linear(x.value, weight.value, bias == nullptr ? nullptr : &bias->value, act,
-                  residual == nullptr ? nullptr : &residual->value),
-        [x = Operand(weight, x), w = value_for(x, weight)](const Value& g, const Sink& s) {
-          if (s.needs(0)) s.add(0, B::matmul(g, w, false, false));
-          if (s.needs(1)) s.add(1, B::matmul(g, x.value(), true, false));
-          if (s.needs(2)) s.add(2, B::column_sums(g));
+                  residual == nullptr ? nullptr : &residual->value, drop),
+        [x = Operand(weight, x), w = value_for(x, weight), drop](const Value& g, const Sink& s) {
           if (s.needs(3)) s.add(3, g);
+          const Value inner = drop.p > 0 ? B::dropout(g, drop) : g;
+          if (s.needs(0)) s.add(0, B::matmul(inner, w, false, false));
+          if (s.needs(1)) s.add(1, B::matmul(inner, x.value(), true, false));
+          if (s.needs(2)) s.add(2, B::column_sums(inner));
         },
         x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
   }

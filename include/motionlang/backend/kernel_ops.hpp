@@ -27,10 +27,10 @@ struct KernelOps {
   /// afterwards.
   static void prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
-                         const Dense<S>* residual);
+                         const Dense<S>* residual, const Dropout& drop = {});
 
-  static Dense<S> activate(const Dense<S>& x, Activation act);
-  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act);
+  static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
+  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
 
   static Dense<S> layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps);
   static Dense<S> add_layer_norm(const Dense<S>& x, const Dense<S>& residual, const Dense<S>& weight,

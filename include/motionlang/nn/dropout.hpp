@@ -9,7 +9,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 /// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
-  if (!(p >= 0 && p < 1)) raise<config_error>(101, "dropout: probability ", p, " is not in [0, 1)");
+  detail::check_dropout({.p = p});
   if (!context.dropout || p == 0) return {};
   const Philox g = context.next_mask();
   return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};

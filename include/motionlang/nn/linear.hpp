@@ -24,10 +24,10 @@ struct Linear {
   Index in() const { return weight.size(1); }
   Index out() const { return weight.size(0); }
 
-  /// x (rows, in) -> act(x W^T + b) + residual, (rows, out)
+  /// x (rows, in) -> dropout(act(x W^T + b)) + residual, (rows, out)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
-                          const Tensor<B, 2>* residual = nullptr) const {
-    return linear(x, weight, &bias, act, residual);
+                          const Tensor<B, 2>* residual = nullptr, const Dropout& drop = {}) const {
+    return linear(x, weight, &bias, act, residual, drop);
   }
   Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
     return x.with((*this)(x.rows, act));

@@ -41,19 +41,20 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected and `residual` added.
+  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability `drop` (where the context
+  /// brings a generator) and added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
-                    const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
-    return attend(project(x), offsets, context, residual, causal);
+                    const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
+    return attend(project(x), offsets, context, residual, causal, drop);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
   Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
   /// `self` behind `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
-                      const Tensor<B, 2>* residual = nullptr, bool causal = false) const {
+                      const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     const auto read = self_attention(std::move(qkv), offsets,
                                      {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
-    return out_proj(read, Activation::none, residual);
+    return out_proj(read, Activation::none, residual, next_dropout(drop, context));
   }
   /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
   /// value.

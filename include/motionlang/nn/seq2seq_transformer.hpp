@@ -82,7 +82,7 @@ struct Seq2SeqAttention {
                     const Context& context = {}) const {
     const auto heard = attention(w_qs(x.rows), keys.rows, values, x.offsets, keys.offsets,
                                  {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
-    return layer_norm(dropout(fc(heard), dropout_p, context), x.rows);
+    return layer_norm(fc(heard, Activation::none, &x.rows, next_dropout(dropout_p, context)));
   }
 };
 
@@ -105,7 +105,7 @@ struct Seq2SeqFeedForward {
         dropout_p(c.dropout) {}
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Context& context = {}) const {
-    return layer_norm(dropout(w_2(w_1(x, Activation::relu)), dropout_p, context), x);
+    return layer_norm(w_2(w_1(x, Activation::relu), Activation::none, &x, next_dropout(dropout_p, context)));
   }
 };
 

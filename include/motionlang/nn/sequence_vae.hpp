@@ -87,9 +87,10 @@ template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
                               const Sequences<B>& x, const Context& context) {
   if (layer.norm_first || layer.causal) raise<config_error>(101, "encoder: layers have to be post-norm, not causal");
-  auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, layer.dropout_p, context); };
-  const auto y = layer.norm1(drop(layer.self_attn.cross(readers.rows, readers.offsets, x, context)), readers.rows);
-  return readers.with(layer.norm2(drop(layer.linear2(drop(layer.linear1(y, layer.activation)))), y));
+  const auto read = layer.self_attn.cross(readers.rows, readers.offsets, x, context);
+  const auto y = layer.norm1(dropout(read, layer.dropout_p, context), readers.rows);
+  return readers.with(
+      layer.norm2(feed_forward(layer.linear1, layer.linear2, layer.activation, y, y, layer.dropout_p, context)));
 }
 
 }  // namespace detail

@@ -85,12 +85,11 @@ struct TransformerDecoderLayer {
   Tensor<B, 2> behind_self(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                            const Context& context = {}) const {
     const auto z = attend_memory(x, offsets, memory, context);
-    auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-    return norm3(drop(linear2(drop(linear1(z, activation)))), z);
+    return norm3(feed_forward(linear1, linear2, activation, z, z, dropout_p, context));
   }
   /// The first third of the layer, LN1(x + SA(x)).
   Tensor<B, 2> attend_self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    return norm1(dropout(self_attn.self(x, offsets, context), dropout_p, context), x);
+    return norm1(self_attn.self(x, offsets, context, &x, false, dropout_p));
   }
   /// The second third, LN2(x + CA(x, memory)).
   Tensor<B, 2> attend_memory(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,

@@ -2,6 +2,7 @@
 /// Transformer encoder over packed sequences, post-norm or pre-norm.
 #pragma once
 
+#include <motionlang/nn/feed_forward.hpp>
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/recompute.hpp>
@@ -60,29 +61,22 @@ struct TransformerEncoderLayer {
 
   /// x (rows, width) -> (rows, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    return context.dropout ? with_dropout(x, offsets, context) : behind_project(x, project(x), offsets);
+    return behind_project(x, project(x), offsets, context);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
   Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
-  /// The layer behind `project`, without dropout.
-  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets) const {
-    const auto attended = self_attn.attend(std::move(qkv), offsets, {}, &x, causal);
-    if (norm_first) return linear2(linear1(norm2(attended), activation), Activation::none, &attended);
+  /// The layer behind `project`.
+  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
+                              const Context& context = {}) const {
+    const auto attended = self_attn.attend(std::move(qkv), offsets, context, &x, causal, dropout_p);
+    if (norm_first) return feed(norm2(attended), attended, context);
     const auto y = norm1(attended);
-    return norm2(linear2(linear1(y, activation), Activation::none, &y));
+    return norm2(feed(y, y, context));
   }
 
  private:
-  Tensor<B, 2> with_dropout(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) const {
-    auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-    auto attend = [&](const Tensor<B, 2>& t) { return drop(self_attn.self(t, offsets, context, nullptr, causal)); };
-    auto feed_forward = [&](const Tensor<B, 2>& t) { return drop(linear2(drop(linear1(t, activation)))); };
-    if (norm_first) {
-      const auto y = x + attend(norm1(x));
-      return y + feed_forward(norm2(y));
-    }
-    const auto y = norm1(attend(x), x);
-    return norm2(feed_forward(y), y);
+  Tensor<B, 2> feed(const Tensor<B, 2>& x, const Tensor<B, 2>& residual, const Context& context) const {
+    return feed_forward(linear1, linear2, activation, x, residual, dropout_p, context);
   }
 };
 

@@ -15,6 +15,28 @@
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+namespace detail {
+
+inline void check_dropout(const Dropout& d) {
+  if (!(d.p >= 0 && d.p < 1)) raise<config_error>(101, "dropout: probability ", d.p, " is not in [0, 1)");
+}
+
+}  // namespace detail
+
+/// x times the mask of core/dropout.hpp; positions are row-major. Throws config_error 101 unless 0 <= p < 1.
+template <Backend B, int R>
+Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
+  detail::check_dropout(d);
+  if (d.p == 0) return x;
+  if constexpr (requires { B::dropout(x.data(), d); }) {
+    return Tensor<B, R>(B::dropout(x.data(), d));
+  } else {
+    std::vector<typename B::scalar> mask(static_cast<std::size_t>(x.count()));
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = static_cast<typename B::scalar>(d.factor(i));
+    return x * Tensor<B, R>::from(mask, x.shape());
+  }
+}
+
 /// Applies a nonlinearity element by element (core/activation.hpp has the formulas).
 template <Backend B, int R>
 Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
@@ -60,20 +82,23 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 
 }  // namespace detail
 
-/// y = act(x W^T + bias) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
-/// Bias and residual may be null. Throws shape_error 201, 204.
+/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
+/// Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
-                    Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr) {
+                    Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
+                    const Dropout& drop = {}) {
   detail::check_linear(x, weight, bias, residual);
+  detail::check_dropout(drop);
   using T = const typename B::tensor*;
-  if constexpr (requires { B::linear(x.data(), weight.data(), T{}, act, T{}); }) {
+  if constexpr (requires { B::linear(x.data(), weight.data(), T{}, act, T{}, drop); }) {
     return Tensor<B, 2>(B::linear(x.data(), weight.data(), bias == nullptr ? nullptr : &bias->data(), act,
-                                  residual == nullptr ? nullptr : &residual->data()));
+                                  residual == nullptr ? nullptr : &residual->data(), drop));
   } else {
     auto y = matmul(x, weight, {.transpose_b = true});
     if (bias != nullptr) y = y + *bias;
     if (act != Activation::none) y = activate(y, act);
+    y = dropout(y, drop);
     return residual == nullptr ? y : y + *residual;
   }
 }
@@ -120,20 +145,6 @@ Tensor<B, 2> softmax(const Tensor<B, 2>& x) {
   } else {
     const auto e = exp(x - reshape<2>(max(x, 1), {x.size(0), 1}));
     return e / reshape<2>(sum(e, 1), {x.size(0), 1});
-  }
-}
-
-/// x times the mask of core/dropout.hpp; positions are row-major.
-template <Backend B, int R>
-Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
-  if (d.p == 0) return x;
-  if (!(d.p > 0 && d.p < 1)) raise<config_error>(101, "dropout: probability ", d.p, " is not in [0, 1)");
-  if constexpr (requires { B::dropout(x.data(), d); }) {
-    return Tensor<B, R>(B::dropout(x.data(), d));
-  } else {
-    std::vector<typename B::scalar> mask(static_cast<std::size_t>(x.count()));
-    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = static_cast<typename B::scalar>(d.factor(i));
-    return x * Tensor<B, R>::from(mask, x.shape());
   }
 }
 

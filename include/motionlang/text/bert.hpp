@@ -116,13 +116,9 @@ struct BertLayer {
                        const Tensor<B, 2>* relative_scores = nullptr, const Context& context = {}) const {
     const auto a = attention(query(rows), key(x), value(x), of_rows, offsets,
                              {.heads = heads, .dropout = next_dropout(dropout_p, context)}, relative_scores);
-    if (context.dropout) {
-      const auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
-      const auto y = attended_norm(Keys::attended_dropout ? drop(attended(a)) : attended(a), rows);
-      return norm(drop(down(up(y, activation))), y);
-    }
-    const auto y = attended_norm(attended(a, Activation::none, &rows));
-    return norm(down(up(y, activation), Activation::none, &y));
+    const auto drop = Keys::attended_dropout ? next_dropout(dropout_p, context) : Dropout{};
+    const auto y = attended_norm(attended(a, Activation::none, &rows, drop));
+    return norm(down(up(y, activation), Activation::none, &y, next_dropout(dropout_p, context)));
   }
 };
 

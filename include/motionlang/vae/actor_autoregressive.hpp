@@ -3,6 +3,7 @@
 /// project: pre-norm layers with ReLU, separate matrices of attention.
 #pragma once
 
+#include <motionlang/nn/feed_forward.hpp>
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/vae/actor_gru.hpp>
 
@@ -72,8 +73,8 @@ struct ActorAutoregressiveLayer {
     const auto a = x.with(x_layer_norm(x.rows));
     const auto h = x.rows + drop(trg_trg_att(a, a, context, true));
     const auto v = h + drop(src_trg_att(x.with(dec_layer_norm(h)), memory, context));
-    const auto inner = drop(feed_forward_in(feed_forward_norm(v), Activation::relu));
-    return x.with(v + drop(feed_forward_out(inner)));
+    return x.with(
+        feed_forward(feed_forward_in, feed_forward_out, Activation::relu, feed_forward_norm(v), v, dropout_p, context));
   }
 };
 

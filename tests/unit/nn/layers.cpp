@@ -27,6 +27,7 @@ TEST_CASE("linear: any leading axes, activation, residual") {
   CHECK(layer(x).to_vector() == Values{13, -1, 12, -4});
   CHECK(layer(x, ml::Activation::relu).to_vector() == Values{13, 0, 12, 0});
   CHECK(layer(x, ml::Activation::none, &x).to_vector() == Values{14, 0, 12, -3});
+  CHECK_ERROR(layer(x, ml::Activation::none, &x, {.p = 1}), "[motionlang.config.101] dropout: probability 1");
   CHECK(layer(ml::reshape<3>(x, {2, 1, 2})).to_vector() == Values{13, -1, 12, -4});
   CHECK(layer(ml::Tensor<B, 1>::from({1, 1}, {2})).to_vector() == Values{13, -1});
   CHECK(layer(ml::Sequences<B>(x, Offsets{1, 1})).offsets == Offsets{1, 1});

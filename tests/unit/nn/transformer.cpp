@@ -83,6 +83,28 @@ TEST_CASE("dropout: only with a generator, the same for the same generator, noth
   }
 }
 
+TEST_CASE("dropout: a layer is its formula, operation by operation, mask by mask") {
+  ml::Philox rng{.seed = 8};
+  const Offsets offsets{3, 17};
+  const auto x = normal<B, 2>({20, 8}, 9);
+  for (bool norm_first : {false, true}) {
+    auto c = small;
+    c.norm_first = norm_first;
+    const ml::TransformerEncoderLayer<B> layer(c, rng);
+    const ml::Context given{.dropout = ml::Philox{.seed = 5}}, again = given;
+    const Matrix y = layer(x, offsets, given);
+
+    const auto drop = [&](const Matrix& t) { return ml::dropout(t, c.dropout, again); };
+    const auto attend = [&](const Matrix& t) { return drop(layer.self_attn.self(t, offsets, again)); };
+    const auto feed = [&](const Matrix& t) { return drop(layer.linear2(drop(layer.linear1(t, c.activation)))); };
+    const Matrix middle = norm_first ? x + attend(layer.norm1(x)) : layer.norm1(x + attend(x));
+    const Matrix wanted = norm_first ? middle + feed(layer.norm2(middle)) : layer.norm2(middle + feed(middle));
+    CHECK(distance(y, wanted) < 1e-13);
+    CHECK(again.drawn == given.drawn);
+    CHECK(again.drawn == 4);
+  }
+}
+
 TEST_CASE("a decoder reads its memory, sequence by sequence") {
   ml::Philox rng{.seed = 1};
   const ml::TransformerDecoder<B> model(small, rng);

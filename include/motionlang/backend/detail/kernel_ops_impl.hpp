@@ -78,17 +78,27 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   const bool bf16 = precision == Precision::bf16;
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
-  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, k * p.width()));
-  parallel_for(parts(p.count(), at_once), [&](Index i) {
-    const Index first = i * at_once, last = std::min(p.count(), first + at_once);
-    if constexpr (std::is_same_v<S, float>) {
-      if (bf16) {
-        auto* out = static_cast<std::uint16_t*>(p.memory.data());
-        return current_bf16_kernels()->pack(b, k, n, stride_k, stride_n, first, last, out);
-      }
+  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
+  const bool as_it_lies = stride_n == 1;
+  const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
+  const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
+  const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, each) / step) * step;
+  const auto pack = [&](const auto& with, auto* out) {
+    parallel_for(parts(count, at_once), [&](Index i) {
+      const Index first = i * at_once, last = std::min(count, first + at_once);
+      if (as_it_lies)
+        with.pack_rows(b, k, n, stride_k, first, last, out);
+      else
+        with.pack_transposed(b, k, n, stride_n, first, last, out);
+    });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (bf16) {
+      pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
+      return p;
     }
-    kernel.pack(b, k, n, stride_k, stride_n, first, last, static_cast<S*>(p.memory.data()));
-  });
+  }
+  pack(kernel, static_cast<S*>(p.memory.data()));
   return p;
 }
 
@@ -100,7 +110,7 @@ void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index 
   const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
                           : rows >= threads * (rows_at_once / 4) ? threads
                                                                  : blocks;
-  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(2 * threads, row_parts));
+  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
   const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
@@ -109,26 +119,34 @@ void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index 
   });
 }
 
-/// g with the right-hand side `p`.
-template <class S>
-void run_gemm(Gemm<S> g, const Panels<S>& p) {
+/// Nothing to be done behind a block of a product.
+struct NothingBehind {
+  void operator()(Index, Index, Index, Index) const {}
+};
+/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
+template <class S, class F = NothingBehind>
+void run_gemm(Gemm<S> g, const Panels<S>& p, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
   const bool small = g.m * g.n * g.k < 100'000;
+  const Index width = p.width();
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, parts(g.n, bf16_columns), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
+      for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
                     [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
                       kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
+                      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
                     });
       return;
     }
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(
-      g.m, parts(g.n, kernel.panel_width), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-      [&](Index r0, Index r1, Index j0, Index j1, S* scratch) { kernel.gemm_block(g, r0, r1, j0, j1, scratch); });
+  for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
+                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
+                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
+                  behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
+                });
 }
 
 template <class S>
@@ -181,6 +199,18 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   parallel_for(parts(n, columns),
                [&](Index i) { kernels<S>().transpose(t, i * columns, std::min(n, (i + 1) * columns)); });
   return y;
+}
+
+/// f(first, n) for pieces of a ... b-1 that stay in the first-level cache while several things are done with them.
+template <class F>
+void pieces_of(Index a, Index b, const F& f) {
+  constexpr Index piece = 2048;
+  for (; a < b; a += piece) f(a, std::min(piece, b - a));
+}
+/// The same for 0 ... count-1, by all threads.
+template <class F>
+void in_pieces(Index count, const F& f) {
+  parallel_ranges(count, 1, [&](Index a, Index b) { pieces_of(a, b, f); });
 }
 
 template <class S>
@@ -241,24 +271,39 @@ void KernelOps<S>::prepare(const Dense<S>& weight) {
 
 template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
-                              const Dense<S>* residual) {
+                              const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
-  const bool last =
-      residual == nullptr || act == Activation::none;  // the kernel applies the nonlinearity after everything
+  // The kernel applies the nonlinearity after everything, and knows no dropout.
+  const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
   const Precision precision = detail::precision_of<S>();
   const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
+  Dense<S> y;
+  const auto finish = [&](Index first, Index count) {
+    const detail::Kernels<S>& kernel = detail::kernels<S>();
+    S* to = y.data() + first;
+    if (drop.p > 0) kernel.dropout(to, count, first, drop, to);
+    if (residual != nullptr)
+      kernel.binary({.op = detail::BinaryOp::add, .a = to, .b = residual->data() + first, .count = count, .y = to});
+  };
+  const auto behind = [&](Index r0, Index r1, Index c0, Index c1) {
+    if (last) return;
+    if (c1 - c0 == n) return detail::pieces_of(r0 * n, r1 * n, finish);
+    for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
+  };
   if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
-    if (wanted != nullptr && last && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
-      return detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
-                                      residual == nullptr ? nullptr : residual->data());
+    if (wanted != nullptr && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+      y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
+                                   residual == nullptr || !last ? nullptr : residual->data());
+      behind(0, m, 0, n);
+      return y;
     }
     packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
     ready = &packed;
   }
-  Dense<S> y(Shape{m, n});
+  y = Dense<S>(Shape{m, n});
   detail::run_gemm(
       detail::Gemm<S>{.m = m,
                       .n = n,
@@ -273,25 +318,26 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready);
-  if (!last) {
-    for (Index i = 0; i < y.count(); ++i) y.data()[i] += residual->data()[i];
-  }
+      *ready, behind);
   return y;
 }
 
 template <Scalar S>
-Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act) {
+Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act, const Dropout& drop) {
   Dense<S> y(x.shape());
-  parallel_ranges(x.count(), 1,
-                  [&](Index a, Index b) { detail::kernels<S>().activate(x.data() + a, b - a, act, y.data() + a); });
+  detail::in_pieces(x.count(), [&](Index a, Index n) {
+    detail::kernels<S>().activate(x.data() + a, n, act, y.data() + a);
+    if (drop.p > 0) detail::kernels<S>().dropout(y.data() + a, n, a, drop, y.data() + a);
+  });
   return y;
 }
 template <Scalar S>
-Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act) {
+Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop) {
   Dense<S> dx(x.shape());
-  parallel_ranges(x.count(), 1, [&](Index a, Index b) {
-    detail::kernels<S>().activate_vjp(x.data() + a, dy.data() + a, b - a, act, dx.data() + a);
+  detail::in_pieces(x.count(), [&](Index a, Index n) {
+    const S* g = dy.data() + a;
+    if (drop.p > 0) detail::kernels<S>().dropout(g, n, a, drop, dx.data() + a), g = dx.data() + a;
+    detail::kernels<S>().activate_vjp(x.data() + a, g, n, act, dx.data() + a);
   });
   return dx;
 }

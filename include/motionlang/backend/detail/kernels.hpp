@@ -110,7 +110,8 @@ struct Kernels {
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
-  void (*pack)(const S* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last, S* panels);
+  void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
+  void (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
@@ -137,8 +138,9 @@ struct Bf16Kernels {
   const char* name;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
-  void (*pack)(const float* b, Index k, Index n, Index stride_k, Index stride_n, Index first, Index last,
-               std::uint16_t* panels);
+  void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
+  void (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);

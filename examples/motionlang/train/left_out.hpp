@@ -1,0 +1,61 @@
+// What a training leaves out, and why.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/shape.hpp>
+
+namespace program {
+
+namespace ml = motionlang;
+
+class LeftOut {
+ public:
+  void add(const std::string& why, const std::string& name, ml::Index times = 1) {
+    if (times == 0) return;
+    Reason& reason = reasons_[why];
+    reason.count += times;
+    reason.name(name);
+  }
+  void add(const LeftOut& other) {
+    for (const auto& [why, theirs] : other.reasons_) {
+      Reason& reason = reasons_[why];
+      reason.count += theirs.count;
+      for (const std::string& name : theirs.names) reason.name(name);
+    }
+  }
+  /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names of each reason; "0 left out".
+  std::string told() const {
+    ml::Index all = 0;
+    std::string reasons;
+    for (const auto& [why, reason] : reasons_) {
+      all += reason.count;
+      std::string names;
+      for (const std::string& name : reason.names) names += (names.empty() ? "" : ", ") + name;
+      reasons += (reasons.empty() ? ": " : ", ") + std::to_string(reason.count) + " " + why + " (" + names +
+                 (reason.more ? ", ...)" : ")");
+    }
+    return std::to_string(all) + " left out" + reasons;
+  }
+
+ private:
+  struct Reason {
+    ml::Index count = 0;
+    std::vector<std::string> names{};  // the first ones, each once
+    bool more = false;
+
+    void name(const std::string& name) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) return;
+      if (names.size() < 5)
+        names.push_back(name);
+      else
+        more = true;
+    }
+  };
+  std::map<std::string, Reason> reasons_;
+};
+
+}  // namespace program
