@@ -81,7 +81,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
   }
   const Split split(sources.splits, config, keys);
   std::vector<std::vector<DescribedMotion>> found(lines.size());
-  std::vector<std::string> why(lines.size(), not_finite);  // none was found
+  std::vector<std::string> why(lines.size(), not_finite);  // is left out, if it is
   std::mutex mutex;
   Index done = 0;
   ml::parallel_for(std::ssize(clips), [&](Index c) {
@@ -95,10 +95,14 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
         ClipLine& line = lines[i];
         if (std::isinf(line.end)) line.end = clip.seconds();
         const double seconds = line.end - line.start;
-        why[i] = of_other_length(config);
-        if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) continue;
-        why[i] = few_frames;
-        if (!sources.annotations.empty() && frames_of(clip, line).length <= fewest_rows) continue;
+        if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) {
+          why[i] = of_other_length(config);
+          continue;
+        }
+        if (!sources.annotations.empty() && frames_of(clip, line).length <= fewest_rows) {
+          why[i] = few_frames;
+          continue;
+        }
         const auto motion = segment_of(clip, line, fewest_rows + 1);
         auto add = [&](const ml::Motion& m, bool mirrored) {
           DescribedMotion d{

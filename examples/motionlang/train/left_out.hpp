@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/core/error.hpp>
 #include <motionlang/core/shape.hpp>
 
 namespace program {
@@ -25,20 +26,18 @@ class LeftOut {
       Reason& reason = reasons_[why];
       reason.count += theirs.count;
       for (const std::string& name : theirs.names) reason.name(name);
+      reason.more = reason.more || theirs.more;
     }
   }
   /// "5 left out: 3 too short (a, b), 2 without a label (d, e)", with the first names of each reason; "0 left out".
   std::string told() const {
     ml::Index all = 0;
-    std::string reasons;
-    for (const auto& [why, reason] : reasons_) {
-      all += reason.count;
-      std::string names;
-      for (const std::string& name : reason.names) names += (names.empty() ? "" : ", ") + name;
-      reasons += (reasons.empty() ? ": " : ", ") + std::to_string(reason.count) + " " + why + " (" + names +
-                 (reason.more ? ", ...)" : ")");
-    }
-    return std::to_string(all) + " left out" + reasons;
+    for (const auto& [why, reason] : reasons_) all += reason.count;
+    const auto told_of = [](const auto& entry) {
+      const auto& [why, reason] = entry;
+      return ml::concat_text(reason.count, " ", why, " (", ml::join_text(reason.names), reason.more ? ", ...)" : ")");
+    };
+    return ml::concat_text(all, " left out", all > 0 ? ": " : "", ml::join_text(reasons_, ", ", told_of));
   }
 
  private:
