@@ -1,18 +1,16 @@
 // What the machine can multiply and add at most, measured: independent multiply-adds that stay in registers, on all threads of
 // the pool. A figure of the moment (the clock changes, neighbours come and go), so it is measured beside everything that is
-// compared with it.
+// compared with it. MOTIONLANG_KERNELS bounds what instructions it is of, as it bounds the kernels.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 
 #if defined(__x86_64__)
-#include <cpuid.h>
 #include <immintrin.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 #endif
 
+#include <motionlang/core/instruction_set.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
 
@@ -21,6 +19,9 @@
 namespace bench {
 
 namespace detail {
+
+using motionlang::detail::Isa;
+inline bool may_use(Isa isa) { return motionlang::detail::wanted_isa() >= isa && motionlang::detail::processor_has(isa); }
 
 /// A piece of work for one thread: so many multiplications and additions.
 struct Piece {
@@ -59,8 +60,8 @@ MOTIONLANG_BENCH_FMA(fma_128, , 16)
 inline Piece fp32_piece() {
   constexpr double lanes = 12 * 2.0 * rounds / 4;  // of a vector of one byte
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f")) return {fma_512, 64 * lanes};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {fma_256, 32 * lanes};
+  if (may_use(Isa::avx512)) return {fma_512, 64 * lanes};
+  if (may_use(Isa::avx2)) return {fma_256, 32 * lanes};
 #endif
   return {fma_128, 16 * lanes};
 }
@@ -108,26 +109,13 @@ __attribute__((target("amx-tile,amx-bf16"), noinline)) inline void tile_products
   if (before[0] == 0) return _tile_release();
   _tile_loadconfig(before);
 }
-
-/// Whether the processor has tiles for bfloat16 and the system lets this process use them.
-inline bool has_tiles() {
-  unsigned a = 0, b = 0, c = 0, d = 0;
-  constexpr unsigned tiles = 1u << 24 | 1u << 22;
-  constexpr long request_permission = 0x1023, tile_data = 18;  // ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA
-  return __get_cpuid_count(7, 0, &a, &b, &c, &d) != 0 && (d & tiles) == tiles &&
-         ::syscall(SYS_arch_prctl, request_permission, tile_data) == 0;
-}
-inline bool has_dot_products() {
-  unsigned a = 0, b = 0, c = 0, d = 0;
-  return __builtin_cpu_supports("avx512f") && __get_cpuid_count(7, 1, &a, &b, &c, &d) != 0 && (a & 1u << 5) != 0;
-}
 #endif
 
 /// bfloat16 factors, float sums: by tiles, by dot products, or as numbers in float.
 inline Piece bf16_piece() {
 #if defined(__x86_64__)
-  if (has_tiles()) return {tile_products, 4 * 2.0 * 16 * 16 * 32 * static_cast<double>(rounds / 10)};
-  if (has_dot_products()) return {dot_products, 12 * 2.0 * 32 * static_cast<double>(rounds)};
+  if (may_use(Isa::amx)) return {tile_products, 4 * 2.0 * 16 * 16 * 32 * static_cast<double>(rounds / 10)};
+  if (may_use(Isa::avx512_bf16)) return {dot_products, 12 * 2.0 * 32 * static_cast<double>(rounds)};
 #endif
   return fp32_piece();
 }

@@ -41,14 +41,24 @@ class Row:
     bar: str = ""          # empty: shown only
     precision: str = "fp32"
     peer_precision: str = ""  # empty: the same
+    kernels: str = ""         # of ours (MOTIONLANG_KERNELS); empty: the best
 
 
-def peaks(work, precision, each, median):
-    return [Row(work, "", "peak", each, precision)] + ([Row(work, "median", "peak", median, precision)] if median else [])
+def peaks(work, precision, each, median, kernels=""):
+    rows = [Row(work, "", "peak", each, precision, kernels=kernels)]
+    return rows + ([Row(work, "median", "peak", median, precision, kernels=kernels)] if median else [])
+
+
+# The bars of products in bfloat16 are shares of the peak of vdpbf16ps. Where the best kernels are those of AMX, they are shown beside it.
+PROCESSOR = pathlib.Path("/proc/cpuinfo")
+HAS_AMX = PROCESSOR.exists() and "amx_bf16" in PROCESSOR.read_text().split()
+PRODUCTS_BF16 = peaks("product", "bf16", ">= 0.90", ">= 0.94", "avx512_bf16" if HAS_AMX else "")
+if HAS_AMX:
+    PRODUCTS_BF16 += peaks("product", "bf16", "", "")
 
 
 TABLE = [
-    *peaks("product", "fp32", ">= 0.90", ">= 0.95"), *peaks("product", "bf16", ">= 0.90", ">= 0.94"),
+    *peaks("product", "fp32", ">= 0.90", ">= 0.95"), *PRODUCTS_BF16,
     Row("product", "", "native"), Row("product", "median", "native", ">= 0.97"),
     *peaks("product_gelu", "fp32", ">= 0.88", ""), *peaks("product_batched", "fp32", "", ""),
     Row("xtensor", "", "eigen", "<= 1.03"),
@@ -119,8 +129,9 @@ class Programs:
         self.bench, self.threads, self.missing, self.torch_environment = build / "tests/bench", threads, {}, {}
         self.arguments = lambda precision: ["--bf16"] if precision == "bf16" else []
 
-    def ours(self, work, precision):
-        return run([self.bench / f"bench_{PROGRAM.get(work, 'denoiser')}", self.threads, *self.arguments(precision), work])
+    def ours(self, work, precision, kernels):
+        command = [self.bench / f"bench_{PROGRAM.get(work, 'denoiser')}", self.threads, *self.arguments(precision), work]
+        return run(command, {"MOTIONLANG_KERNELS": kernels} if kernels else None)
 
     def peer(self, name, work, precision):
         work = WORK_OF_PEER.get((work, name), work)
@@ -175,7 +186,7 @@ def one_round(programs, table, note):
     for row in table:
         if row.peer in programs.missing:
             continue
-        all_of_it = once(ours, (row.work, row.precision), lambda: programs.ours(row.work, row.precision))
+        all_of_it = once(ours, (row.work, row.precision, row.kernels), lambda: programs.ours(row.work, row.precision, row.kernels))
         mine = {config: m for (config, variant), m in all_of_it.items() if variant == "motionlang"}
         if row.peer == "peak":
             theirs = mine
@@ -222,8 +233,8 @@ def gather(table, rounds):
         for config, values in by_config.items():
             value, mine, theirs = (None if values[0][i] is None else statistics.median(v[i] for v in values) for i in range(3))
             bar = "" if row.work.startswith("product") and rows_wide(config) < 32 else row.bar
-            lines.append({"work": row.work, "config": config, "precision": row.precision, "peer": row.peer, "peer_precision": row.peer_precision, "value": value, "ours": mine,
-                          "theirs": theirs, "rounds": [v[0] for v in values], "bar": bar, "met": meets(value, bar) if bar else None})
+            lines.append({"work": row.work, "config": config, "precision": row.precision, "kernels": row.kernels, "peer": row.peer,
+                          "peer_precision": row.peer_precision, "value": value, "ours": mine, "theirs": theirs, "rounds": [v[0] for v in values], "bar": bar, "met": meets(value, bar) if bar else None})
     return lines
 
 
@@ -232,11 +243,11 @@ def title(line):
 
 
 def against(line):
-    return (line["peer"] or "") + (f" {line['peer_precision']}" if line["peer_precision"] else "")
+    return " ".join(word for word in (line["peer"], line["peer_precision"], line["kernels"]) if word)
 
 
 def print_head():
-    print(f"{'work':18} {'shape':48} {'against':10} {'ours':>10} {'theirs':>10} {'value':>7}  bar")
+    print(f"{'work':18} {'shape':48} {'against':16} {'ours':>10} {'theirs':>10} {'value':>7}  bar")
 
 
 def print_lines(lines):
@@ -244,7 +255,7 @@ def print_lines(lines):
     for l in lines:
         ours, theirs = (f"{l[k]:10.2f}" if l[k] is not None else " " * 10 for k in ("ours", "theirs"))
         verdict = {True: "met", False: "missed", None: ""}[l["met"]]
-        print(f"{title(l):18} {l['config']:48} {against(l):10} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}", flush=True)
+        print(f"{title(l):18} {l['config']:48} {against(l):16} {ours} {theirs} {l['value']:7.3f}  {l['bar']:8} {verdict}", flush=True)
 
 
 def svg(lines, about):
