@@ -222,6 +222,7 @@
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/compose/combine.hpp>
+#include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/edits.hpp>
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/intervals.hpp>

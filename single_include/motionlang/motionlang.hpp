@@ -2008,10 +2008,7 @@ class ThreadPool {
     threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
-      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
-        number_ = i;
-        work(seen);
-      });
+      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
       ++workers_;
     }
   }
@@ -2080,6 +2077,12 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
+  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  static void start(ThreadPool* pool, int number, unsigned seen) {
+    number_ = number;
+    pool->work(seen);
+  }
   void work(unsigned seen) {
     inside_ = true;
     for (;;) {
@@ -23006,6 +23009,109 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
+/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are too long.
+///
+///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
+///
+/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+
+#ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
+#define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
+/// Texts cut where what they own changes.
+///
+/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
+/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then without
+/// them, then with its own again; the transitions are where they were.
+///
+///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
+///
+/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
+/// Throws config_error 101 if too many texts lie over each other.
+inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
+  const auto pieces = elementary_pieces(timeline);
+  std::vector<PartOwners> owners;
+  FirstWins ties;
+  for (const Piece& piece : pieces) {
+    owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
+  }
+  least = std::max<Index>(least, 1);
+  Timeline out;
+  for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
+    Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
+    for (std::size_t k = 1; k < pieces.size(); ++k) {
+      const Index cut = pieces[k].start;
+      const bool changes = [&] {
+        for (std::size_t p = 0; p < body_part_count; ++p) {
+          if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
+        }
+        return false;
+      }();
+      if (!changes || cut - rest.start < least || rest.end - cut < least) continue;
+      out.intervals.push_back(rest);
+      out.intervals.back().end = cut;
+      rest.start = cut;
+    }
+    out.intervals.push_back(rest);
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
+/// Long texts in parts.
+///
+/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or turns in the air;
+/// in parts that follow each other it is done all the time.
+///
+///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
+/// Throws config_error 101 unless longest is 1 or more.
+inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
+  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", longest, " frames");
+  Timeline out;
+  for (const Interval& whole : timeline.intervals) {
+    const Index frames = whole.end - whole.start, parts = std::max<Index>(1, (frames + longest - 1) / longest);
+    for (Index i = 0; i < parts; ++i) {
+      Interval part = whole;
+      part.start = whole.start + frames * i / parts;
+      part.end = whole.start + frames * (i + 1) / parts;
+      out.intervals.push_back(std::move(part));
+    }
+  }
+  return out;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops are what a model has
+/// seen least of: ours walks as far in 8 s as in 10.
+inline constexpr double longest_whole_text = 8;
+/// Seconds below which a part would be too short for the denoiser to do what the text says.
+inline constexpr double shortest_part = 0.5;
+
+/// cut_at_handovers, divide_long_texts. Throws what they throw.
+inline Timeline cut_texts(const Timeline& timeline, double fps) {
+  return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
 #define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
 /// What an edit of a timeline can change in its motion, step by step. No tensors here.
@@ -23154,85 +23260,6 @@ class EditSpread {
   bool limited_ = false;
   std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
 };
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
-#define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
-/// Texts cut where what they own changes.
-///
-/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
-/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then without
-/// them, then with its own again; the transitions are where they were.
-///
-///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
-///
-/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
-/// Throws config_error 101 if too many texts lie over each other.
-inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
-  const auto pieces = elementary_pieces(timeline);
-  std::vector<PartOwners> owners;
-  FirstWins ties;
-  for (const Piece& piece : pieces) {
-    owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
-  }
-  least = std::max<Index>(least, 1);
-  Timeline out;
-  for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
-    Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
-    for (std::size_t k = 1; k < pieces.size(); ++k) {
-      const Index cut = pieces[k].start;
-      const bool changes = [&] {
-        for (std::size_t p = 0; p < body_part_count; ++p) {
-          if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
-        }
-        return false;
-      }();
-      if (!changes || cut - rest.start < least || rest.end - cut < least) continue;
-      out.intervals.push_back(rest);
-      out.intervals.back().end = cut;
-      rest.start = cut;
-    }
-    out.intervals.push_back(rest);
-  }
-  return out;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
-#define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
-/// Long texts in parts.
-///
-/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or turns in the air;
-/// in parts that follow each other it is done all the time.
-///
-///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
-/// Throws config_error 101 unless longest is 1 or more.
-inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
-  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", longest, " frames");
-  Timeline out;
-  for (const Interval& whole : timeline.intervals) {
-    const Index frames = whole.end - whole.start, parts = std::max<Index>(1, (frames + longest - 1) / longest);
-    for (Index i = 0; i < parts; ++i) {
-      Interval part = whole;
-      part.start = whole.start + frames * i / parts;
-      part.end = whole.start + frames * (i + 1) / parts;
-      out.intervals.push_back(std::move(part));
-    }
-  }
-  return out;
-}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif

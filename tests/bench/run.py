@@ -234,7 +234,8 @@ def gather(table, rounds):
             value, mine, theirs = (None if values[0][i] is None else statistics.median(v[i] for v in values) for i in range(3))
             bar = "" if row.work.startswith("product") and rows_wide(config) < 32 else row.bar
             lines.append({"work": row.work, "config": config, "precision": row.precision, "kernels": row.kernels, "peer": row.peer,
-                          "peer_precision": row.peer_precision, "value": value, "ours": mine, "theirs": theirs, "rounds": [v[0] for v in values], "bar": bar, "met": meets(value, bar) if bar else None})
+                          "peer_precision": row.peer_precision, "value": value, "ours": mine, "theirs": theirs,
+                          "rounds": [v[0] for v in values], "bar": bar, "met": meets(value, bar) if bar else None})
     return lines
 
 

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/compose/handovers.hpp>
-#include <motionlang/compose/long_texts.hpp>
+#include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/io/file.hpp>
 
@@ -47,26 +46,15 @@ inline std::vector<ml::Timeline> read_timelines(const std::string& path, double 
   return out;
 }
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops are what a model has
-/// seen least of: ours walks as far in 8 s as in 10.
-inline constexpr double longest_text = 8;
-
-/// Texts cut where others borrow body parts from them, and into parts where they are too long, as `generate` does unless told not to.
-/// Stretches below half a second would be too short for the denoiser to do what the text says.
-inline void cut_texts(std::vector<ml::Timeline>& timelines, double fps) {
-  for (ml::Timeline& t : timelines)
-    t = ml::divide_long_texts(ml::cut_at_handovers(t, ml::frame_at(0.5, fps)), ml::frame_at(longest_text, fps));
-}
-
 /// A line about each text that is too long to be done as a whole.
 inline std::string told_long_texts(const std::vector<ml::Timeline>& timelines, double fps) {
   std::string out;
   for (const ml::Timeline& t : timelines) {
     for (const ml::Interval& i : t.intervals) {
-      if (i.end - i.start > ml::frame_at(longest_text, fps))
-        out +=
-            ml::concat_text("'", i.text, "': ", static_cast<double>(i.end - i.start) / fps,
-                            " s are made in parts of at most ", longest_text, " s, which is what models learn from\n");
+      if (i.end - i.start > ml::frame_at(ml::longest_whole_text, fps))
+        out += ml::concat_text("'", i.text, "': ", static_cast<double>(i.end - i.start) / fps,
+                               " s are made in parts of at most ", ml::longest_whole_text,
+                               " s, which is what models learn from\n");
     }
   }
   return out;

@@ -43,10 +43,7 @@ class ThreadPool {
     threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
-      threads_[static_cast<std::size_t>(workers_)] = std::thread([this, i, seen = round_.load()] {
-        number_ = i;
-        work(seen);
-      });
+      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
       ++workers_;
     }
   }
@@ -115,6 +112,12 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
+  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  static void start(ThreadPool* pool, int number, unsigned seen) {
+    number_ = number;
+    pool->work(seen);
+  }
   void work(unsigned seen) {
     inside_ = true;
     for (;;) {

@@ -1,0 +1,15 @@
+# motionlang::c: motionlang_c.h as a shared library, for programs in other languages. Built when something links it, or as target
+# motionlang_c. Included by the repository's CMakeLists.txt and by the installed package.
+include_guard(GLOBAL)
+if(TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)  # not components that the user left out
+  add_library(motionlang_c SHARED EXCLUDE_FROM_ALL ${CMAKE_CURRENT_LIST_DIR}/motionlang_c.cpp)
+  add_library(motionlang::c ALIAS motionlang_c)
+  set_target_properties(motionlang_c PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_link_libraries(motionlang_c PRIVATE motionlang::motionlang)
+  get_filename_component(motionlang_c_include ${CMAKE_CURRENT_LIST_DIR}/../.. ABSOLUTE)
+  target_include_directories(motionlang_c INTERFACE ${motionlang_c_include})
+  target_compile_options(motionlang_c PRIVATE -O3)
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+    target_link_options(motionlang_c PRIVATE LINKER:--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map)
+  endif()
+endif()
