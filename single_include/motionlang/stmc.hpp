@@ -406,7 +406,8 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids` below; every one has a test.
+/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
+/// below; every one has a test.
 
 #include <charconv>          // to_chars: messages without streams and without the locale
 #include <stdexcept>         // runtime_error
@@ -13143,7 +13144,8 @@ void prepare_loaded(M& model) {
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape, numeric_error 301
-/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is another one.
+/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is
+/// another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {

@@ -3,7 +3,8 @@
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids` below; every one has a test.
+/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
+/// below; every one has a test.
 #pragma once
 
 #include <charconv>          // to_chars: messages without streams and without the locale

@@ -281,7 +281,8 @@ void prepare_loaded(M& model) {
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
 /// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape, numeric_error 301
-/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is another one.
+/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is
+/// another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
