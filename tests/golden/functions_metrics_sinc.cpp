@@ -27,7 +27,7 @@ void temos_score(Case& c) {
                                      .d_ff = config["ff_size"].template as<Index>(),
                                      .layers = config["num_layers"].template as<Index>(),
                                      .activation = ml::Activation::gelu},
-                                    5000, rng);
+                                    golden::position_rows, rng);
   ml::load_module(encoder, c.file(), "weights/motionencoder.");
   const ml::Normalizer<B> statistics{golden::tensor<B, 1>(c, "in/mean"), golden::tensor<B, 1>(c, "in/std"),
                                      config["eps"].template as<double>()};

@@ -38,7 +38,7 @@ MdmSmplModel<B> mdm_smpl_model(const Case& c) {
                               .num_heads = config["num_heads"].template as<Index>(),
                               .nb_registers = config["nb_registers"].template as<Index>(),
                               .activation = ml::parse_activation(config["activation"].template as<std::string>()),
-                              .max_len = 5000},
+                              .max_len = position_rows},
                              rng),
       ml::Normalizer<B>::identity(config["nfeats"].template as<Index>()),
       ml::Normalizer<B>::identity(config["tx_dim"].template as<Index>())};
@@ -77,7 +77,7 @@ ml::MdmDenoiser<B> mdm_model(const Case& c) {
                         .activation = ml::parse_activation(config["activation"].as<std::string>()),
                         .mask_frames = config.value_or("mask_frames", false),
                         .crop_frames = config.value_or("crop_frames", Index{0}),
-                        .max_len = 5000},
+                        .max_len = position_rows},
                        rng);
   ml::load_module(m, c.file(), "weights/");
   return m;

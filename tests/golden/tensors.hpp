@@ -11,6 +11,8 @@
 
 namespace golden {
 
+constexpr ml::Index position_rows = 5000;  // of tables of positions, as published
+
 template <ml::Backend B, int R>
 ml::Tensor<B, R> tensor(const Case& c, const std::string& name) {
   return ml::Tensor<B, R>::from(c.values<typename B::scalar>(name), c.shape(name));

@@ -83,8 +83,6 @@ ml::Tensor<B, 2> noise(const Case& c, const std::string& name) {
   return c.has("noise/" + name) ? tensor<B, 2>(c, "noise/" + name) : ml::Tensor<B, 2>();
 }
 
-constexpr Index position_rows = 5000;  // as published
-
 /// Decoders of all systems, and TEMOS' motion encoder, which TEACH and SINC have too: the whole case is of this module.
 template <ml::Backend B>
 ml::SequenceDecoder<B> sequence_decoder(const Case& c) {
