@@ -982,6 +982,7 @@ TEST_CASE("convert and generate put motions on a character") {
   CHECK(ml::GlbFile::open(w / "walk.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
   const auto alone = w.run({"convert", "walk.glb", "alone.glb", "--rig", "rig.glb", "--drop-animations"});
   REQUIRE_MESSAGE(alone.code == 0, alone.text);
+  CHECK_MESSAGE(contains(alone.text, "all joints follow"), alone.text);  // it is on the character's skeleton now
   CHECK(ml::GlbFile::open(w / "alone.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
   CHECK(contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text, "is written to .glb, not '.npz'"));
   CHECK(!std::filesystem::exists(w / "walk.npz"));

@@ -368,17 +368,17 @@ RigWriter rig_writer(const RigOptions& options) {
     if (kind_of(path) != ".glb")
       ml::raise<usage_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path), "'");
     if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no motion");
-    const ml::SkeletonMap map(motions.front().skeleton, rig.skeleton());
+    std::optional<ml::SkeletonMap> map;  // from the first motion's skeleton, unless it is the character's own
+    if (motions.front().skeleton != rig.skeleton()) map.emplace(motions.front().skeleton, rig.skeleton());
     std::vector<ml::Motion> on_rig;
     for (const ml::Motion& m : motions) {
-      on_rig.push_back(m.skeleton == rig.skeleton() ? m
-                       : m.skeleton == map.source() ? ml::retarget(m, map)
-                                                    : ml::retarget(m, rig.skeleton()));
+      on_rig.push_back(m.skeleton == rig.skeleton()         ? m
+                       : map && m.skeleton == map->source() ? ml::retarget(m, *map)
+                                                            : ml::retarget(m, rig.skeleton()));
     }
     ml::write_glb(path, rig, on_rig, {.keep_animations = !options.drop_animations});
-    const bool own = motions.front().skeleton == rig.skeleton();
     return ml::concat_text(path.string(), " on ", options.file, "\n",
-                           own ? "all joints follow: it is the motion's own skeleton" : to_string(map.report()), "\n");
+                           map ? to_string(map->report()) : "all joints follow: it is the motion's own skeleton", "\n");
   };
 }
 
