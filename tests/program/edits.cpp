@@ -115,4 +115,8 @@ TEST_CASE("judge compares numbers of steps in a table") {
     CHECK_MESSAGE(contains(out.text, row), row, " in ", out.text);
   CHECK(contains(out.text, "| 0 | "));  // the first is no distance away from itself
   CHECK(run({"judge", "--compare", "10", "--steps", "4"}, w.path).code == 2);
+  const auto more = run({"judge", "--model", "model.safetensors", "--compare", "4", "13"}, w.path);
+  CHECK(more.code == 2);
+  CHECK_MESSAGE(contains(more.text, "13 steps are asked for, this model has 12"), more.text);
+  CHECK_FALSE(contains(more.text, "| sampler |"));  // before anything is made
 }

@@ -27,7 +27,7 @@ ml::Motion motion_of_features(const ml::MotionFeatures& features, std::span<cons
 std::vector<ml::Motion> EachAlone::run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& settings,
                                        ml::Progress progress) const {
   require_no_noise(settings);
-  if (system() != diffusion_model) require_no_sampling(settings);
+  require_steps(settings, *this);
   std::vector<ml::Motion> motions;
   for (std::size_t m = 0; m < timelines.size(); ++m) {
     motions.push_back(finished(motion(timelines[m], noise_of(settings, m), settings), settings));

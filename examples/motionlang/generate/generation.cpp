@@ -103,9 +103,10 @@ void require_no_sampling(const GenerationSettings& settings) {
         102, "--steps, --sampler, --preset and --guidance are for diffusion models; this one takes no such steps");
 }
 
-void require_steps(const GenerationSettings& settings, ml::Index steps) {
-  if (settings.steps.value_or(0) > steps)
-    ml::raise<usage_error>(105, *settings.steps, " steps are asked for, this model has ", steps);
+void require_steps(const GenerationSettings& settings, const Generator& model) {
+  if (model.steps() == 0) return require_no_sampling(settings);
+  if (settings.steps.value_or(0) > model.steps())
+    ml::raise<usage_error>(105, *settings.steps, " steps are asked for, this model has ", model.steps());
 }
 
 std::filesystem::path model_folder(const std::filesystem::path& path) {

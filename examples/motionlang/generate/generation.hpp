@@ -69,6 +69,8 @@ class Generator {
   virtual double fps() const = 0;
   /// What it is, for messages.
   virtual std::string system() const = 0;
+  /// Steps of its diffusion; 0: it has none.
+  virtual ml::Index steps() const { return 0; }
   /// Whether its texts are names of actions.
   virtual bool takes_actions() const { return false; }
   /// Whether its motions come from latents with noise in them.
@@ -125,7 +127,7 @@ ml::Index action_of(const std::string& text, std::span<const std::string> labels
 void require_no_noise(const GenerationSettings& settings);
 /// Throws usage_error 102 if steps, sampler or guidance are given, for models without diffusion.
 void require_no_sampling(const GenerationSettings& settings);
-/// Throws usage_error 105 if more steps are wanted than the diffusion has.
-void require_steps(const GenerationSettings& settings, ml::Index steps);
+/// The same of a model without diffusion; of others 105 if more steps are wanted than it has.
+void require_steps(const GenerationSettings& settings, const Generator& model);
 
 }  // namespace program

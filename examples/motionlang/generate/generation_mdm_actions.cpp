@@ -16,6 +16,7 @@ class MdmActionGenerator final : public EachAlone {
 
   double fps() const override { return run_.fps; }
   std::string system() const override { return diffusion_model; }
+  ml::Index steps() const override { return run_.model.diffusion.steps(); }
   bool takes_actions() const override { return true; }
 
  private:
@@ -26,7 +27,6 @@ class MdmActionGenerator final : public EachAlone {
     if (frames > c.crop_frames)
       ml::raise<ml::timeline_error>(508, "'", wanted.text, "' has ", frames, " frames, the model makes ",
                                     c.crop_frames);
-    require_steps(s, run_.model.diffusion.steps());
     const std::string sampler = s.sampler.empty() ? "ddpm" : s.sampler;
     const auto made = run_.model.generate(std::span(&action, 1), noise,
                                           {.steps = s.steps.value_or(0), .guidance = s.guidance, .sampler = ml::parse_sampler(sampler)});

@@ -23,7 +23,7 @@ class GeneratorOver final : public Generator {
 
   std::vector<ml::Motion> run(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
                               ml::Progress progress) const override {
-    require_steps(s, model_.diffusion.steps());
+    require_steps(s, *this);
     ml::StmcOptions options;
     options.overlap = ml::frame_at(s.overlap, model_.fps);
     options.hidden = ml::HiddenTexts::ignore;  // the program names them (told_hidden_texts)
@@ -52,6 +52,7 @@ class GeneratorOver final : public Generator {
   }
   double fps() const override { return model_.fps; }
   std::string system() const override { return diffusion_model; }
+  ml::Index steps() const override { return model_.diffusion.steps(); }
   std::vector<std::string> words() const override { return words_; }
   TextLength length_of(const std::string& text) const override {
     if constexpr (std::same_as<

@@ -105,6 +105,7 @@ double distance(const Judgement& a, const Judgement& b, std::size_t shift = 0) {
 
 /// A table in Markdown: what fewer steps cost. The first number of steps is what the others are compared with.
 void compare(const Generator& generator, const JudgeOptions& o) {
+  require_steps({.steps = std::ranges::max(o.compare)}, generator);
   std::printf("| sampler | steps | prompts done | foot skate m/s | jitter m/s^3 | bone lengths +- %% | joints, mm away | processor s per s of motion |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
   std::string scale;
