@@ -114,7 +114,7 @@ TEST_CASE("convert and view: hands stay on the body when the motion is edited") 
   const Outcome page = w.run({"view", "hands.npz", "--body", "smpl.npz"});
   CHECK_MESSAGE(page.code == 0, page.text);
   CHECK(contains(page.text, "left out are left hand, right hand"));
-  CHECK(contains(w.text("hands.html"), "\"triangles\""));
+  CHECK(contains(w.text("hands.npz.html"), "\"triangles\""));
 }
 
 TEST_CASE("convert: a body of SMPL-H gets the hands of MANO") {

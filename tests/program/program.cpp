@@ -467,6 +467,9 @@ TEST_CASE("generate writes every output, and the same bytes for the same seed") 
     CHECK_MESSAGE(a.contains(std::string("two") + extension), extension);
   CHECK(a.size() == 6);
   CHECK(ml::read_bvh_motion(w / "a/two.bvh").frames() == 20);
+  for (const char* command : {"view", "strip"}) CHECK(w.run({command, "a/two.bvh"}).code == 0);
+  for (const char* file : {"a/two.bvh.html", "a/two.bvh.svg"}) CHECK_MESSAGE(std::filesystem::remove(w / file), file);
+  CHECK(w.files("a") == a);  // the page and the strip with the tracks as well
   CHECK(w.run({"info", "a/two.glb"}).code == 0);
   CHECK(contains(w.run({"info", "a/two.npz"}).text, "20 frames"));
   const auto joints = w.run({"info", "a/two.npy"});
@@ -679,8 +682,9 @@ TEST_CASE("convert, strip: whole folders, and the files that fail are named") {
   CHECK_MESSAGE(contains(some.text, "in/broken.bvh: [motionlang."), some.text);
   CHECK_MESSAGE(contains(some.text, "strips: 4 of 5 files converted"), some.text);
   std::filesystem::remove(w / "in/broken.bvh");
-  CHECK(w.run({"strip", "in"}).code == 0);
-  CHECK(ml::read_file(w / "in/a/b/walk.svg").starts_with("<svg"));
+  CHECK(contains(w.run({"strip", "in"}).text, "in: 4 of 4 files converted"));
+  for (const char* strip : {"in/walk.bvh.svg", "in/a/walk.npz.svg", "in/a/b/walk.glb.svg"})
+    CHECK_MESSAGE(ml::read_file(w / strip).starts_with("<svg"), strip);
   const auto set = w.run({"convert", "in", "set", "--features", "guoh3d"});
   CHECK_MESSAGE(contains(set.text, "set: 4 of 4 files converted"), set.text);
   CHECK(ml::read_ids(w / "set/all.txt").size() == 4);
@@ -733,7 +737,7 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
 
   CHECK(w.run({"strip", "walk.bvh"}).code == 0);
   CHECK(w.run({"view", "walk.bvh", "page.html"}).code == 0);
-  CHECK(ml::read_file(w / "walk.svg").starts_with("<svg"));
+  CHECK(ml::read_file(w / "walk.bvh.svg").starts_with("<svg"));
   CHECK(w.run({"strip", "walk.bvh", "-o", "walk.PNG"}).code == 0);
   CHECK(ml::read_file(w / "walk.PNG").starts_with("\x89PNG"));
   ml::write_npz(w / "body.npz", octahedra::arrays());
@@ -808,7 +812,7 @@ TEST_CASE("convert: several motions of a file, of which one that fails stops no 
                 "all go to one file");
   CHECK(ml::GlbFile::open(w / "again.glb").animation_names() == std::vector<std::string>{"walk", "pose", "short walk"});
   CHECK(w.run({"view", "three.glb"}).code == 0);
-  const auto page = ml::read_file(w / "three.html");
+  const auto page = ml::read_file(w / "three.glb.html");
   for (const char* name : {"\"walk\"", "\"pose\"", "\"short walk\""}) CHECK(contains(page, name));
 }
 
@@ -871,7 +875,7 @@ TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are
   CHECK(w.run({"convert", "pair.bvh", "figure.glb"}).code == 0);  // a GLB file has one skeleton
   CHECK(ml::GlbFile::open(w / "figure_b.glb").skeleton().names == second.skeleton.names);
   CHECK(w.run({"view", "pair.bvh"}).code == 0);
-  const auto page = ml::read_file(w / "pair.html");
+  const auto page = ml::read_file(w / "pair.bvh.html");
   for (const char* name : {"\"a\"", "\"b\""}) CHECK_MESSAGE(contains(page, name), name);
   const auto seen = w.run({"info", "pair.bvh"});
   CHECK_MESSAGE((contains(seen.text, told) && contains(seen.text, "2 roots\n  0 a, ")), seen.text);

@@ -33,7 +33,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ConvertOptions {
-  std::string in, out, tensors, store, features;
+  std::string in, out;  // out: "" of a folder: beside each motion
+  std::string tensors, store, features;
   std::string denoise, action;            // a model, and what it is told of the motion
   ModelSources sources;                   // of this model
   std::string as;                         // of a folder: extension of what its files become
@@ -119,6 +120,10 @@ fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& t
   const std::string extension = out.extension().string();
   return unique(out.replace_extension().string() + "_" + file_name(name), taken) + extension;
 }
+
+/// The page or the strip of a motion that is given no name: under the motion's whole name, as NAME.html beside NAME.bvh may be
+/// generate's.
+fs::path beside(const fs::path& motion, const std::string& extension) { return motion.string() + extension; }
 
 /// One file into others. What is told about it is collected, for a caller who wants to show it.
 class Conversion {
@@ -261,7 +266,8 @@ class FolderConversion {
     bar.finish();
     for (const std::string& f : failures_) std::fprintf(stderr, "%s\n", f.c_str());
     tell();
-    std::printf("%s: %zu of %zu files converted\n", o_.out.c_str(), done - failures_.size(), files.size());
+    std::printf("%s: %zu of %zu files converted\n", (o_.out.empty() ? o_.in : o_.out).c_str(), done - failures_.size(),
+                files.size());
     if (done < files.size()) throw ml::cancelled();
     if (!failures_.empty())
       ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", files.size(), " files of ", o_.in,
@@ -285,7 +291,9 @@ class FolderConversion {
       ConvertOptions one = o_;
       one.in = file.string();
       one.read = options_in_folder(o_.read, file);
-      if (o_.data_set == nullptr) {
+      if (o_.out.empty()) {
+        one.out = beside(file, o_.as);
+      } else if (o_.data_set == nullptr) {
         const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
         fs::create_directories(place.parent_path());
         one.out = unique(place.string(), taken_) + o_.as;
@@ -396,14 +404,15 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   const auto o = std::make_shared<ConvertOptions>();
   CLI::App* c = app.add_subcommand(name, about);
   add_input(*c, *o);
-  c->add_option("output,-o,--output", o->out,
-                "The result; of a folder the folder of the results; beside the motion unless given");
+  c->add_option(
+      "output,-o,--output", o->out,
+      "The result, of a folder the folder of the results; walk.bvh" + extension + " beside walk.bvh unless given");
   c->callback([o, extension] {
     if (fs::is_directory(o->in)) {
       if (o->as.empty()) o->as = extension;
-      if (o->out.empty()) o->out = o->in;
+    } else if (o->out.empty()) {
+      o->out = beside(o->in, extension);
     }
-    if (o->out.empty()) o->out = fs::path(o->in).replace_extension(extension).string();
     const std::string kind = kind_of(o->out);
     if (o->as.empty() && kind != extension && !(extension == ".svg" && kind == ".png"))
       throw CLI::ValidationError("output", o->out + " ends in '" + kind + "', not in '" + extension +
