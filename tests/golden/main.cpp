@@ -5,9 +5,15 @@
 // Cases lie in $MOTIONLANG_GOLDEN (default: the project's tests/golden/cases), one folder for each topic; without
 // arguments all are run. One line for each case and variant: largest error relative to its tolerance (at most 1
 // passes), and the output that has it; -v lists every output. Exit status 0 only if everything passed.
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <new>
 
 #include <motionlang/core/parallel.hpp>
 
@@ -20,7 +26,14 @@ namespace ml = motionlang;
 
 struct Tally {
   int passed = 0, failed = 0, skipped = 0;
+  std::size_t cases = 0;  // that are done
 };
+/// One that is shared with processes that fork from this one.
+Tally& shared_tally() {
+  void* memory = mmap(nullptr, sizeof(Tally), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  return *new (memory) Tally;
+}
 
 void print_line(const char* verdict, const golden::Case& c, const std::string& variant, const std::string& remark) {
   std::printf("%-4s %-44s %-20s %s\n", verdict, c.name().c_str(), variant.c_str(), remark.c_str());
@@ -79,6 +92,25 @@ void run_case(const fs::path& path, bool verbose, Tally& tally) {
   }
 }
 
+/// Runs cases in a process of its own: one whose inputs do not fit together may read where nothing is, or divide by no rows. A case that
+/// ends the process has failed, and another process goes on behind it. Returns whether the last one ended well.
+bool run_cases(const std::vector<fs::path>& cases, int threads, bool verbose, Tally& tally) {
+  for (;;) {
+    const pid_t process = fork();
+    if (process == 0) {
+      if (threads > 0) ml::set_thread_count(threads);
+      for (; tally.cases < cases.size(); ++tally.cases) run_case(cases[tally.cases], verbose, tally);
+      std::exit(0);
+    }
+    int status = 0;
+    if (process < 0 || waitpid(process, &status, 0) < 0) return std::perror("golden"), false;
+    if (tally.cases == cases.size()) return status == 0;
+    std::printf("FAIL %s: %s\n", cases[tally.cases].c_str(),
+                WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit");
+    ++tally.failed, ++tally.cases;
+  }
+}
+
 /// Files of a folder or of all folders below it, in alphabetical order.
 std::vector<fs::path> cases_below(const fs::path& folder) {
   std::vector<fs::path> out;
@@ -92,16 +124,18 @@ std::vector<fs::path> cases_below(const fs::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // lines are not lost with a process, nor written by two
   const char* chosen = std::getenv("MOTIONLANG_GOLDEN");
   const fs::path root = chosen != nullptr ? chosen : MOTIONLANG_GOLDEN_DEFAULT;
   bool verbose = false;
+  int threads = 0;  // as many as the machine has
   std::vector<fs::path> cases;
   std::vector<std::string> names(argv + 1, argv + argc);
   verbose = std::erase(names, "-v") > 0;
   try {
     if (const auto t = std::find(names.begin(), names.end(), "-t"); t != names.end()) {
-      if (t + 1 == names.end()) return std::fprintf(stderr, "-t THREADS\n"), 1;
-      ml::set_thread_count(std::atoi((t + 1)->c_str()));
+      if (t + 1 != names.end()) threads = std::atoi((t + 1)->c_str());
+      if (threads < 1) return std::fprintf(stderr, "-t THREADS\n"), 1;
       names.erase(t, t + 2);
     }
     if (names.empty()) cases = cases_below(root);
@@ -114,9 +148,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;
   }
-  Tally tally;
-  for (const fs::path& path : cases) run_case(path, verbose, tally);
+  Tally& tally = shared_tally();
+  const bool ended_well = run_cases(cases, threads, verbose, tally);
   std::printf("%zu cases below %s: %d passed, %d failed", cases.size(), root.c_str(), tally.passed, tally.failed);
   std::printf(tally.skipped > 0 ? " (%d variants did not apply)\n" : "\n", tally.skipped);
-  return tally.failed == 0 && !cases.empty() ? 0 : 1;
+  return ended_well && tally.failed == 0 && !cases.empty() ? 0 : 1;
 }
