@@ -24,9 +24,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
   const auto written = read_timelines(path, fps);
   std::fprintf(stderr, "%s", told_hidden_texts(written, timeline_source(path)).c_str());
   auto timelines = written;
-  for (ml::Timeline& t : timelines) {
-    if (cut) t = ml::cut_texts(t, fps);
-  }
+  if (cut) cut_texts(timelines, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {
     const auto plan = ml::plan_timeline(
         timelines[m],

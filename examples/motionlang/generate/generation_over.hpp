@@ -69,9 +69,7 @@ class GeneratorOver final : public Generator {
   using Features = std::vector<ml::Tensor<B, 2>>;
 
   std::vector<ml::Timeline> cut(std::vector<ml::Timeline> timelines, bool wanted) const {
-    for (ml::Timeline& t : timelines) {
-      if (wanted) t = ml::cut_texts(t, model_.fps);
-    }
+    if (wanted) cut_texts(timelines, model_.fps);
     return timelines;
   }
 

@@ -46,6 +46,11 @@ inline std::vector<ml::Timeline> read_timelines(const std::string& path, double 
   return out;
 }
 
+/// Texts cut, as `generate` does unless told not to.
+inline void cut_texts(std::vector<ml::Timeline>& timelines, double fps) {
+  for (ml::Timeline& t : timelines) t = ml::cut_texts(t, fps);
+}
+
 /// A line about each text that is too long to be done as a whole.
 inline std::string told_long_texts(const std::vector<ml::Timeline>& timelines, double fps) {
   std::string out;

@@ -6,8 +6,8 @@ if(TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)  # not componen
   add_library(motionlang::c ALIAS motionlang_c)
   set_target_properties(motionlang_c PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_link_libraries(motionlang_c PRIVATE motionlang::motionlang)
-  get_filename_component(motionlang_c_include ${CMAKE_CURRENT_LIST_DIR}/../.. ABSOLUTE)
-  target_include_directories(motionlang_c INTERFACE ${motionlang_c_include})
+  target_include_directories(motionlang_c INTERFACE
+                             $<TARGET_PROPERTY:motionlang::motionlang,INTERFACE_INCLUDE_DIRECTORIES>)
   target_compile_options(motionlang_c PRIVATE -O3)
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
     target_link_options(motionlang_c PRIVATE LINKER:--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map)

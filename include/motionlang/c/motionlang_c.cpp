@@ -56,6 +56,16 @@ T& given(T* argument, const char* name) {
   return *argument;
 }
 
+/// done, for what the caller owns from then on: a T of what f makes, NULL if it fails.
+template <class T, class F>
+int made(T** result, const char* name, const F& f) noexcept {
+  return done([&] {
+    T*& out = given(result, name);
+    out = nullptr;
+    out = new T{f()};
+  });
+}
+
 bool ends_with(const char* file, std::string_view ending) { return std::string_view(file).ends_with(ending); }
 
 std::array<double, 3> numbers_of(const ml::Vec3<double>& v) { return {v.x, v.y, v.z}; }
@@ -80,31 +90,20 @@ int motionlang_set_threads(int32_t threads) {
 }
 
 int motionlang_load_model(const char* file, motionlang_model** model) {
-  return done([&] {
-    auto& out = given(model, "model");
-    out = nullptr;
-    out = new motionlang_model{ml::load_stmc<ml::EigenBackend<float>>(&given(file, "file"))};
-  });
+  return made(model, "model", [&] { return ml::load_stmc<ml::EigenBackend<float>>(&given(file, "file")); });
 }
 void motionlang_free_model(motionlang_model* model) { delete model; }
 double motionlang_model_fps(const motionlang_model* model) { return model == nullptr ? 0 : model->stmc.fps; }
 
 motionlang_options motionlang_default_options(void) {
-  return {.seed = 0,
-          .steps = 0,
-          .cut_texts = 1,
-          .smooth = 1,
-          .fix_feet = 1,
-          .guidance = 0,
-          .progress = nullptr,
-          .user = nullptr};
+  motionlang_options o{};
+  o.cut_texts = o.smooth = o.fix_feet = 1;
+  return o;
 }
 
 int motionlang_generate(const motionlang_model* model, const char* timeline, const motionlang_options* options,
                         motionlang_motion** motion) {
-  return done([&] {
-    auto& out = given(motion, "motion");
-    out = nullptr;
+  return made(motion, "motion", [&] {
     const auto& stmc = given(model, "model").stmc;
     const motionlang_options o = options == nullptr ? motionlang_default_options() : *options;
     auto texts = ml::parse_timeline(&given(timeline, "timeline"), {.fps = stmc.fps});
@@ -115,25 +114,19 @@ int motionlang_generate(const motionlang_model* model, const char* timeline, con
     ml::StmcOptions how{.hidden = ml::HiddenTexts::ignore, .progress = progress};
     if (o.steps != 0) how.steps = o.steps;
     if (o.guidance != 0) how.guidance = o.guidance;
-    ml::Motion made = ml::stmc_motion(stmc.generate(texts, ml::Philox{.seed = o.seed}, how), stmc.fps);
-    if (o.smooth != 0) made = ml::smooth_motion(made);
-    if (o.fix_feet != 0) made = ml::fix_feet(made);  // last: feet that stand are to be still
-    out = new motionlang_motion{std::move(made)};
+    ml::Motion out = ml::stmc_motion(stmc.generate(texts, ml::Philox{.seed = o.seed}, how), stmc.fps);
+    if (o.smooth != 0) out = ml::smooth_motion(out);
+    if (o.fix_feet != 0) out = ml::fix_feet(out);  // last: feet that stand are to be still
+    return out;
   });
 }
 
 int motionlang_read_motion(const char* file, motionlang_motion** motion) {
-  return done([&] {
-    auto& out = given(motion, "motion");
-    out = nullptr;
+  return made(motion, "motion", [&] {
     const char* name = &given(file, "file");
-    if (ends_with(name, ".bvh")) {
-      out = new motionlang_motion{ml::read_bvh_motion(name)};
-    } else if (ends_with(name, ".glb") || ends_with(name, ".gltf")) {
-      out = new motionlang_motion{ml::read_glb(name)};
-    } else {
-      ml::raise<ml::config_error>(103, "motionlang_read_motion: ", name, " is none of .bvh, .glb, .gltf");
-    }
+    if (ends_with(name, ".bvh")) return ml::read_bvh_motion(name);
+    if (ends_with(name, ".glb") || ends_with(name, ".gltf")) return ml::read_glb(name);
+    ml::raise<ml::config_error>(103, "motionlang_read_motion: ", name, " is none of .bvh, .glb, .gltf");
   });
 }
 int motionlang_write_motion(const motionlang_motion* motion, const char* file) {
@@ -153,11 +146,8 @@ int motionlang_write_motion(const motionlang_motion* motion, const char* file) {
 }
 int motionlang_retarget(const motionlang_motion* motion, const motionlang_motion* character,
                         motionlang_motion** result) {
-  return done([&] {
-    auto& out = given(result, "result");
-    out = nullptr;
-    out = new motionlang_motion{
-        ml::retarget(given(motion, "motion").motion, given(character, "character").motion.skeleton)};
+  return made(result, "result", [&] {
+    return ml::retarget(given(motion, "motion").motion, given(character, "character").motion.skeleton);
   });
 }
 void motionlang_free_motion(motionlang_motion* motion) { delete motion; }

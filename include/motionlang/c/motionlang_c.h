@@ -79,15 +79,15 @@ MOTIONLANG_C_API double motionlang_fps(const motionlang_motion* motion);
 MOTIONLANG_C_API const char* motionlang_joint_name(const motionlang_motion* motion, int32_t joint);
 MOTIONLANG_C_API int32_t motionlang_joint_parent(const motionlang_motion* motion, int32_t joint);
 
-/* Copies of numbers, into `room` floats. 205 if that is not exactly how many there are. */
-MOTIONLANG_C_API int motionlang_offsets(const motionlang_motion* motion, float* xyz,
-                                        int64_t room); /* (joints, 3): from the parent, in the rest pose */
-MOTIONLANG_C_API int motionlang_root(const motionlang_motion* motion, float* xyz,
-                                     int64_t room); /* (frames, 3): where the root is */
-MOTIONLANG_C_API int motionlang_rotations(const motionlang_motion* motion, float* wxyz,
-                                          int64_t room); /* (frames, joints, 4): against the parent */
-MOTIONLANG_C_API int motionlang_positions(const motionlang_motion* motion, float* xyz,
-                                          int64_t room); /* (frames, joints, 3): in the world */
+/* Copies of numbers, into `room` floats; 205 if that is not exactly how many there are.
+ *   offsets     (joints, 3): from the parent, in the rest pose
+ *   root        (frames, 3): where the root is
+ *   rotations   (frames, joints, 4): against the parent
+ *   positions   (frames, joints, 3): in the world */
+MOTIONLANG_C_API int motionlang_offsets(const motionlang_motion* motion, float* xyz, int64_t room);
+MOTIONLANG_C_API int motionlang_root(const motionlang_motion* motion, float* xyz, int64_t room);
+MOTIONLANG_C_API int motionlang_rotations(const motionlang_motion* motion, float* wxyz, int64_t room);
+MOTIONLANG_C_API int motionlang_positions(const motionlang_motion* motion, float* xyz, int64_t room);
 
 #ifdef __cplusplus
 }

@@ -40,6 +40,12 @@ struct Made {
   Made& operator=(const Made&) = delete;
   ~Made() { motionlang_free_motion(motion); }
 };
+/// The numbers that `copy` gives, of which there are so many.
+std::vector<float> numbers(int (*copy)(const motionlang_motion*, float*, int64_t), const Made& made, int64_t count) {
+  std::vector<float> out(static_cast<std::size_t>(count));
+  CHECK(copy(made.motion, out.data(), count) == 0);
+  return out;
+}
 bool told(const char* part) { return std::string(motionlang_message()).find(part) != std::string::npos; }
 
 }  // namespace
@@ -67,15 +73,10 @@ TEST_CASE("the motion is that of the templates, and so are all its numbers") {
   CHECK(motionlang_joint_name(made.motion, want.skeleton.size()) == nullptr);
   CHECK(motionlang_joint_parent(made.motion, want.skeleton.size()) == -1);
 
-  const auto read = [&](auto copy, std::size_t count) {
-    std::vector<float> numbers(count);
-    CHECK(copy(made.motion, numbers.data(), static_cast<int64_t>(count)) == 0);
-    return numbers;
-  };
-  const auto root = read(motionlang_root, want.root.size() * 3),
-             offsets = read(motionlang_offsets, want.skeleton.offsets.size() * 3);
-  const auto rotations = read(motionlang_rotations, want.local.size() * 4),
-             positions = read(motionlang_positions, want.local.size() * 3);
+  const auto root = numbers(motionlang_root, made, std::ssize(want.root) * 3);
+  const auto offsets = numbers(motionlang_offsets, made, std::ssize(want.skeleton.offsets) * 3);
+  const auto rotations = numbers(motionlang_rotations, made, std::ssize(want.local) * 4);
+  const auto positions = numbers(motionlang_positions, made, std::ssize(want.local) * 3);
   const auto expected = want.positions();
   double worst = 0;
   const auto compare = [&](double a, double b) { worst = std::max(worst, std::abs(a - b)); };
@@ -95,10 +96,7 @@ TEST_CASE("each step of the finish can be left out") {
   const auto positions = [&] {
     Made made;
     REQUIRE(motionlang_generate(model(), timeline, &options, &made.motion) == 0);
-    std::vector<float> numbers(
-        static_cast<std::size_t>(motionlang_frames(made.motion) * motionlang_joints(made.motion) * 3));
-    CHECK(motionlang_positions(made.motion, numbers.data(), std::ssize(numbers)) == 0);
-    return numbers;
+    return numbers(motionlang_positions, made, motionlang_frames(made.motion) * motionlang_joints(made.motion) * 3);
   };
   const auto all = positions();
   CHECK(positions() == all);  // same seed
