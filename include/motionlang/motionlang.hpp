@@ -36,6 +36,7 @@
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/thread_object.hpp>
 #include <motionlang/core/torch_random.hpp>
 #include <motionlang/core/utf8.hpp>
 

@@ -8,9 +8,13 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, so that object files built with different options do not link silently against each other.
-#ifdef MOTIONLANG_DIAGNOSTICS
+/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+#if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
-#else
+#elif defined(MOTIONLANG_DIAGNOSTICS)
+#define MOTIONLANG_ABI v0_diag_no_exceptions
+#elif defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0
+#else
+#define MOTIONLANG_ABI v0_no_exceptions
 #endif

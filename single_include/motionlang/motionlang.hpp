@@ -50,11 +50,15 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, so that object files built with different options do not link silently against each other.
-#ifdef MOTIONLANG_DIAGNOSTICS
+/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+#if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
-#else
+#elif defined(MOTIONLANG_DIAGNOSTICS)
+#define MOTIONLANG_ABI v0_diag_no_exceptions
+#elif defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0
+#else
+#define MOTIONLANG_ABI v0_no_exceptions
 #endif
 #endif
 
@@ -72,6 +76,18 @@ inline float log(float x) { return std::log(x); }
 inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
+
+/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
+/// tables of frequencies: thousands of frames later it decides the fourth digit.
+inline float torch_exp(float x) {
+  const float n = std::rint(x * 1.442695040888963407f);
+  const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
+  constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
+                              0.0416664853692054748535156f, 0.166666671633720397949219f, 0.5f};
+  float p = 0.000198527617612853646278381f;
+  for (const float c : series) p = std::fma(p, f, c);
+  return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
+}
 
 /// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
 /// be NaN where it is not taken if the result is to be differentiated.
@@ -92,7 +108,10 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 
 #ifndef MOTIONLANG_HAS_CORE_ERROR_HPP  // <motionlang/core/error.hpp>
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
-/// Errors: one hierarchy, one id for each kind of failure, one place that throws.
+/// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
+///
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
+/// defined: it gets the exception as an object, and must not return.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -100,10 +119,48 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// below; every one has a test.
 
 #include <charconv>          // to_chars: messages without streams and without the locale
+#include <cstdio>            // fputs
 #include <cstdlib>           // abort
+#include <new>               // bad_alloc
 #include <stdexcept>         // runtime_error
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP  // <motionlang/core/thread_object.hpp>
+#define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
+/// Objects of which every thread has its own.
+
+// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+#if defined(_WIN32) && !defined(__clang__)
+#define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
+extern "C" {
+__declspec(dllimport) unsigned long __stdcall FlsAlloc(void(__stdcall* at_end)(void*));
+__declspec(dllimport) void* __stdcall FlsGetValue(unsigned long key);
+__declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
+}
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+template <class T, class Tag = T>
+T& thread_object() {
+#ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
+  struct AtEnd {
+    static void __stdcall call(void* object) { delete static_cast<T*>(object); }
+  };
+  static const unsigned long key = ::FlsAlloc(&AtEnd::call);
+  void* object = ::FlsGetValue(key);
+  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  return *static_cast<T*>(object);
+#else
+  thread_local T object;
+  return object;
+#endif
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
@@ -302,10 +359,7 @@ inline std::string concat_parts(std::initializer_list<TextPart> parts) {
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() {
-    thread_local std::vector<std::string> path;
-    return path;
-  }
+  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
@@ -368,7 +422,60 @@ struct ModuleScope {
 
 namespace detail {
 
-/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+#ifdef __cpp_exceptions
+inline constexpr bool has_exceptions = true;
+#else
+inline constexpr bool has_exceptions = false;
+#endif
+
+/// The one place that throws.
+template <class E>
+[[noreturn]] void throw_exception(const E& exception) {
+#if defined(MOTIONLANG_THROW)
+  MOTIONLANG_THROW(exception);
+  std::abort();
+#elif defined(__cpp_exceptions)
+  throw exception;
+#else
+  std::fputs(exception.what(), stderr);
+  std::fputs("\n", stderr);
+  std::abort();
+#endif
+}
+[[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
+
+/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
+/// Returns whether f came to its end.
+template <class E, class F, class H>
+bool guard(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (const E& e) {
+    if (!handle(e)) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+/// The same for whatever it throws: handle() sees std::current_exception().
+template <class F, class H>
+bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (...) {
+    if (!handle()) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
@@ -376,12 +483,7 @@ template <class E>
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
-#ifdef MOTIONLANG_THROW
-  MOTIONLANG_THROW(E(id, text));
-  std::abort();
-#else
-  throw E(id, text);
-#endif
+  throw_exception(E(id, text));
 }
 
 }  // namespace detail
@@ -761,7 +863,6 @@ constexpr std::string_view to_string(Activation a) {
 #include <bit>          // bit_width
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
-#include <new>          // bad_alloc
 #include <type_traits>  // is_trivially_copyable
 
 #ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
@@ -772,6 +873,8 @@ constexpr std::string_view to_string(Activation a) {
 
 #if defined(__linux__)
 #include <sys/mman.h>  // mmap, madvise
+#elif defined(_WIN32)
+#include <malloc.h>  // _aligned_malloc
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -786,12 +889,12 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 }  // namespace detail
 
 /// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
-inline void* take_memory(std::size_t bytes, std::size_t used) {
+inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
     const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
     void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (start == MAP_FAILED) throw std::bad_alloc();
+    if (start == MAP_FAILED) detail::raise_bad_alloc();
     const auto address = reinterpret_cast<std::uintptr_t>(start);
     const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
     std::byte* memory = static_cast<std::byte*>(start) + before;
@@ -803,20 +906,28 @@ inline void* take_memory(std::size_t bytes, std::size_t used) {
     return memory;
   }
 #endif
+#if defined(_WIN32)
+  void* memory = ::_aligned_malloc(bytes + 1, 64);
+#else
   void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
-  if (memory == nullptr) throw std::bad_alloc();
+#endif
+  if (memory == nullptr) detail::raise_bad_alloc();
   return memory;
 }
 
 /// Gives back what take_memory(bytes, ...) gave.
-inline void give_memory(void* memory, std::size_t bytes) noexcept {
+inline void give_memory(void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
     ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
     return;
   }
 #endif
+#if defined(_WIN32)
+  ::_aligned_free(memory);
+#else
   std::free(memory);
+#endif
 }
 
 /// Room for `count` numbers, not initialised.
@@ -851,10 +962,7 @@ struct alignas(64) Buffer {
 /// comes from the system and returns to it.
 class BufferPool {
  public:
-  static BufferPool& local() {
-    thread_local BufferPool pool;
-    return pool;
-  }
+  static BufferPool& local() { return thread_object<BufferPool>(); }
 
   /// A buffer of at least so many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
@@ -883,16 +991,15 @@ class BufferPool {
     give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
-  BufferPool(const BufferPool&) = delete;
-  BufferPool& operator=(const BufferPool&) = delete;
-
- private:
   BufferPool() = default;
   ~BufferPool() {
     gone_ = true;
     trim();
   }
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
 
+ private:
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {
@@ -1015,7 +1122,7 @@ class PoolVector {
 
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
-    if (capacity > SIZE_MAX / 2 / sizeof(T)) throw std::bad_alloc();
+    if (capacity > SIZE_MAX / 2 / sizeof(T)) detail::raise_bad_alloc();
     detail::BufferHandle larger(capacity * sizeof(T));
     T* to = static_cast<T*>(larger.data());
     for (std::size_t i = 0; i < size_; ++i) {
@@ -2054,10 +2161,9 @@ class ThreadPool {
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
   ThreadPool() {
-    try {
-      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
-    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
-    }
+    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    guard<std::system_error>(start, no_more);
   }
   ~ThreadPool() { stop(); }
 
@@ -2108,16 +2214,16 @@ class ThreadPool {
     inside_ = outer;
   }
   void take_tasks(Share& from) {
+    const auto stop_with_it = [&] {
+      std::scoped_lock lock(sleep_);
+      if (!failure_) failure_ = std::current_exception();
+      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      return true;
+    };
     while (from.next.load(std::memory_order_relaxed) < from.end) {
       const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
       if (i >= from.end) return;
-      try {
-        task_(context_, i);
-      } catch (...) {
-        std::scoped_lock lock(sleep_);
-        if (!failure_) failure_ = std::current_exception();
-        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      }
+      guard_all([&] { task_(context_, i); }, stop_with_it);
     }
   }
 
@@ -2209,6 +2315,7 @@ inline void set_product_precision(Precision p) { detail::current_product_precisi
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
+/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
 /// Like a pointer: the callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
@@ -2222,7 +2329,7 @@ class Progress {
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
-    if (call_ != nullptr && !call_(object_, done, total)) throw cancelled();
+    if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }
 
  private:
@@ -2621,11 +2728,27 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
+  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a large table is
+  /// not there twice.
+  template <class F>
+  static Tensor written(const Shape& shape, const F& fill) {
+    if constexpr (requires(typename B::tensor t, const Shape& s) {
+                    { t.data() } -> std::same_as<scalar*>;
+                    t = typename B::tensor(s);
+                  }) {
+      typename B::tensor t(checked(shape));
+      fill(t.data());
+      return Tensor(std::move(t));
+    } else {
+      PoolVector<scalar> values(static_cast<std::size_t>(checked(shape).count()));
+      fill(values.data());
+      return from(std::span<const scalar>(values), shape);
+    }
+  }
   /// Standard normal numbers.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
-    std::vector<scalar> values(static_cast<std::size_t>(shape.count()));
-    rng.normal(std::span<scalar>(values));
-    return from(values, shape);
+    return written(shape,
+                   [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
   }
 
   const typename B::tensor& data() const& { return data_; }
@@ -6298,24 +6421,6 @@ struct PosedBody {
 
 namespace detail {
 
-/// A tensor whose numbers fill(S*) writes.
-template <Backend B, int R, class F>
-Tensor<B, R> written_tensor(const Shape& shape, F fill) {
-  using S = typename B::scalar;
-  if constexpr (requires(typename B::tensor t, const Shape& s) {
-                  { t.data() } -> std::same_as<S*>;
-                  t = typename B::tensor(s);
-                }) {
-    typename B::tensor t(shape);
-    fill(t.data());
-    return Tensor<B, R>(std::move(t));
-  } else {
-    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-    fill(values.data());
-    return Tensor<B, R>::from(std::span<const S>(values), shape);
-  }
-}
-
 /// The kinematic chain, joint after joint. rest(j) and local(j) give a joint's rest position and rotation;
 /// put(j, R, p, t) takes its world rotation, its position, and t = p - R rest(j), which skinning needs.
 template <class S, class Rest, class Local, class Put>
@@ -6352,7 +6457,7 @@ Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
   } else {
     using S = typename B::scalar;
     const std::span<const S> from = rotations.span();
-    return detail::written_tensor<B, 3>({n, j, 9}, [&](S* to) {
+    return Tensor<B, 3>::written({n, j, 9}, [&](S* to) {
       parallel_for(n, [&](Index pose) {
         for (Index i = pose * j; i < (pose + 1) * j; ++i) {
           const auto m = matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
@@ -6535,7 +6640,7 @@ struct BodyModel {
   Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
     const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
     const Index n = coefficients.size(0);
-    return detail::written_tensor<B, 3>({n, vertices(), 3}, [&](S* to) {
+    return Tensor<B, 3>::written({n, vertices(), 3}, [&](S* to) {
       parallel_for(blocks() * ((n + block_poses - 1) / block_poses), [&](Index task) {
         const Index i = task % blocks(), top = task / blocks() * block_poses, end = std::min(n, top + block_poses);
         const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
@@ -6603,7 +6708,7 @@ struct BodyModel {
     const Index n = rotations.size(0);
     const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
-    return detail::written_tensor<B, 3>({n, joints(), 3}, [&](S* positions) {
+    return Tensor<B, 3>::written({n, joints(), 3}, [&](S* positions) {
       constexpr Index block = 64;  // poses for a thread at a time: whole groups, whatever the lanes
       parallel_for((n + block - 1) / block, [&](Index part) {
         with_widest_lanes<S>([&]<class L>() {
@@ -9319,7 +9424,7 @@ Tensor<B, R> untouched_zeros(const Shape& shape) {
     return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
   } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
     const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
-    if (zeros == nullptr) throw std::bad_alloc();
+    if (zeros == nullptr) raise_bad_alloc();
     return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
   } else {
     return Tensor<B, R>::zeros(shape);
@@ -9678,6 +9783,9 @@ struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
 
+  Index padded_tokens =
+      0;  // of the batch, if it is padded beyond its longest text, for models that count padding (MDM-SMPL)
+
   Index count() const { return tokens.count(); }
 
   /// From one vector per text.
@@ -9693,6 +9801,7 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
     if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
   }
   out.tokens = detail::some_sequences(text.tokens, which);
+  out.padded_tokens = text.padded_tokens;
   return out;
 }
 
@@ -10605,19 +10714,22 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
-  std::vector<typename B::scalar> table(static_cast<std::size_t>(rows * width));
   std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
-  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
-  auto* at = table.data();
-  for (Index p = 0; p < rows; ++p) {
-    for (const float w : frequencies) {
-      const float angle = static_cast<float>(p) * w;
-      *at++ = static_cast<typename B::scalar>(std::sin(angle));
-      *at++ = static_cast<typename B::scalar>(std::cos(angle));
-    }
-  }
-  return Tensor<B, 2>::from(table, {rows, width});
+  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = torch_exp(static_cast<float>(2 * i) * c);
+  using S = typename B::scalar;
+  return Tensor<B, 2>::written({rows, width}, [&](S* table) {
+    parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
+      S* at = table + first * width;
+      for (Index p = first; p < last; ++p) {
+        for (const float w : frequencies) {
+          const float angle = static_cast<float>(p) * w;
+          *at++ = static_cast<S>(std::sin(angle));
+          *at++ = static_cast<S>(std::cos(angle));
+        }
+      }
+    });
+  });
 }
 
 /// The table of a model: computed from its size, so it is neither saved nor loaded.
@@ -11259,6 +11371,7 @@ struct Seq2SeqConfig {
   Index target_symbols = 4200;  // what is written
   Index target_width = 0;       // of the vectors that the decoder reads; 0: it reads symbols
   Index d_model = 512, d_inner = 2048, heads = 8, head_width = 64;
+  Index value_width = 0;  // of each head; 0: as wide as its queries
   Index encoder_layers = 4, decoder_layers = 4;
   Index source_positions = 100, target_positions = 50;
   bool shared_projection = true;  // what is written goes by the vectors of the symbols that are read
@@ -11270,8 +11383,8 @@ namespace detail {
 constexpr double seq2seq_eps = 1e-6;  // of all norms
 
 template <Backend B>
-LayerNorm<B> seq2seq_norm(Index width) {
-  LayerNorm<B> norm(width);
+motionlang::LayerNorm<B> seq2seq_norm(Index width) {  // not the kernels' LayerNorm
+  motionlang::LayerNorm<B> norm(width);
   norm.eps = seq2seq_eps;
   return norm;
 }
@@ -11280,6 +11393,17 @@ Linear<B> xavier_uniform_linear(Index in, Index out, Rng auto& rng) {
   Linear<B> layer(in, out, rng);
   layer.weight = xavier_uniform<B>({out, in}, rng);
   return layer;
+}
+
+/// Heads of another width, side by side: zeros behind each head, or the first columns of each.
+template <Backend B>
+Tensor<B, 2> resized_heads(const Tensor<B, 2>& x, Index heads, Index width) {
+  const Index own = x.size(1) / heads;
+  if (own == width) return x;
+  const auto each = reshape<2>(x, {x.size(0) * heads, own});
+  return reshape<2>(
+      own < width ? concat(1, each, Tensor<B, 2>::zeros({each.size(0), width - own})) : slice(each, 1, 0, width),
+      {x.size(0), heads * width});
 }
 
 }  // namespace detail
@@ -11301,11 +11425,12 @@ struct Seq2SeqAttention {
   Seq2SeqAttention(const Seq2SeqConfig& c, Rng auto& rng)
       : w_qs(detail::xavier_uniform_linear<B>(c.d_model, c.heads * c.head_width, rng)),
         w_ks(detail::xavier_uniform_linear<B>(c.d_model, c.heads * c.head_width, rng)),
-        w_vs(detail::xavier_uniform_linear<B>(c.d_model, c.heads * c.head_width, rng)),
-        fc(detail::xavier_uniform_linear<B>(c.heads * c.head_width, c.d_model, rng)),
+        w_vs(detail::xavier_uniform_linear<B>(c.d_model, c.heads * value_width(c), rng)),
+        fc(detail::xavier_uniform_linear<B>(c.heads * value_width(c), c.d_model, rng)),
         layer_norm(detail::seq2seq_norm<B>(c.d_model)),
         heads(c.heads),
         dropout_p(c.dropout) {}
+  static Index value_width(const Seq2SeqConfig& c) { return c.value_width > 0 ? c.value_width : c.head_width; }
 
   /// causal: row i reads the memory up to row i.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& memory, bool causal,
@@ -11315,8 +11440,18 @@ struct Seq2SeqAttention {
   /// The same with keys and values that are known.
   Tensor<B, 2> read(const Sequences<B>& x, const Sequences<B>& keys, const Tensor<B, 2>& values, bool causal,
                     const Context& context = {}) const {
-    const auto heard = attention(w_qs(x.rows), keys.rows, values, x.offsets, keys.offsets,
-                                 {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+    const AttentionOptions options{.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)};
+    const auto queries = w_qs(x.rows);
+    // Heads of one width: zeros add nothing to products, and what stands behind the values is cut off again.
+    const Index key = keys.width() / heads, value = values.size(1) / heads, wide = std::max(key, value);
+    const auto heard =
+        key == value ? attention(queries, keys.rows, values, x.offsets, keys.offsets, options)
+                     : detail::resized_heads(
+                           attention(detail::resized_heads(queries, heads, wide) *
+                                         std::sqrt(static_cast<double>(wide) / static_cast<double>(key)),
+                                     detail::resized_heads(keys.rows, heads, wide),
+                                     detail::resized_heads(values, heads, wide), x.offsets, keys.offsets, options),
+                           heads, value);
     return layer_norm(fc(heard, Activation::none, &x.rows, next_dropout(dropout_p, context)));
   }
 };
@@ -12425,20 +12560,27 @@ Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
   return mean(detail::huber(a - b));
 }
 
-/// Sum of squares over the rows, divided by what a padded batch would have divided by: sequences * longest * width.
-///     loss = sum (a - b)^2 / (count * longest * width)
+namespace detail {
+/// Numbers of a batch that is padded to so many frames, or to the longest sequence.
+template <Backend B>
+double padded_count(const Sequences<B>& a, Index frames) {
+  return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
+}
+}  // namespace detail
+
+/// Sum of squares over the rows, divided by what a padded batch would have divided by:
+///     loss = sum (a - b)^2 / (count * frames * width)
+/// frames  that the batch is padded to, if more than the longest sequence has
 /// Source  STMC training (spec diffusion.md, section 9): padding adds nothing to the sum but counts in the mean.
 template <Backend B>
-Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b) {
-  const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
-  return sum(square(a.rows - b)) * (1.0 / n);
+Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
+  return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
 /// smooth_l1 with the same mean over a padded batch. Source  spec temos.md 6.1, tmr.md 6.1
 template <Backend B>
-Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b) {
-  const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
-  return sum(detail::huber(a.rows - b)) * (1.0 / n);
+Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
+  return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
 /// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec teach.md 3
@@ -15484,10 +15626,11 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts
+  LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
-    const Index longest = x.offsets.longest();
-    auto frames = dropped(sequence(x)), padding = dropped(padding_of(x.offsets));
+    const Index longest = std::max(padded_frames, x.offsets.longest());
+    auto frames = dropped(sequence(x)), padding = dropped(padding_of(x.offsets, longest));
     for (const auto& layer : seqTransEncoder.layers) {
       const auto next = frames.with(layer(frames.rows, frames.offsets, context));
       if (padding.offsets.rows() > 0) padding = detail::layer_of_readers(layer, padding, frames, context);
@@ -15499,12 +15642,13 @@ struct ActorAverageEncoder {
   }
 
  private:
-  /// Embedded frames of zeros at the positions behind the end of each sequence.
-  Sequences<B> padding_of(const Offsets& offsets) const {
+  /// Embedded frames of zeros at the positions behind the end of each sequence, up to so many.
+  Sequences<B> padding_of(const Offsets& offsets, Index longest) const {
+    detail::require_positions("ActorAverageEncoder", positions.rows(), longest);
     PoolVector<Index> at, lengths;
     for (Index s = 0; s < offsets.count(); ++s) {
-      for (Index t = offsets.length(s); t < offsets.longest(); ++t) at.push_back(t);
-      lengths.push_back(offsets.longest() - offsets.length(s));
+      for (Index t = offsets.length(s); t < longest; ++t) at.push_back(t);
+      lengths.push_back(longest - offsets.length(s));
     }
     return {gather(positions.rows(), at) + skelEmbedding.bias, Offsets(std::span<const Index>(lengths))};
   }
@@ -15959,6 +16103,7 @@ struct TemosLossOptions {
   bool embedding = true;         // the term between z_T and z_M; a deterministic model always has it
   std::string feats = "jfeats";  // in the names of the reconstructions: "rfeats" for rotations
   ReconstructionMean mean = ReconstructionMean::padded_batch;
+  Index padded_frames = 0;  // of that batch, if it is padded beyond its longest motion
 };
 
 /// recons_F2F, recons_text2F: those that there are frames for.
@@ -15970,7 +16115,7 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
     if (frames.count() == 0) return;
     out.add("recons_" + from + "2" + options.feats, options.recons,
             options.mean == ReconstructionMean::sequences ? smooth_l1_of_sequences(motion, frames)
-                                                          : padded_smooth_l1(motion, frames));
+                                                          : padded_smooth_l1(motion, frames, options.padded_frames));
   };
   if (branches.motion) reconstruct(options.feats, branches.motion->frames);
   reconstruct("text", branches.text.frames);
@@ -16015,6 +16160,7 @@ struct TmrLossOptions {
   double threshold = 0.8;  // of similar texts, see false_negatives; 0: none are filtered
   double margin = 10;
   bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, all of which TMR has
+  Index padded_frames = 0;                         // as in TemosLossOptions
 };
 
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
@@ -16026,8 +16172,10 @@ template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
                          const Tensor<B, 0>* temperature = nullptr) {
-  const auto parts = temos_losses(
-      branches, motion, TemosLossOptions{.cross_modal_kl = options.cross_modal_kl, .gaussian_kl = options.gaussian_kl});
+  const auto parts = temos_losses(branches, motion,
+                                  TemosLossOptions{.cross_modal_kl = options.cross_modal_kl,
+                                                   .gaussian_kl = options.gaussian_kl,
+                                                   .padded_frames = options.padded_frames});
   LossTerms<B> out;
   if (branches.text.frames.count() > 0) out.add("recons", options.recons, parts.sum_of("recons_"));
   if (!branches.text.distribution.deterministic()) out.add("kl", options.kl, parts.sum_of("kl_"));
@@ -16154,6 +16302,7 @@ struct SincTexts {
   Sequences<B> states;                // the last states of the language model, with those of [CLS] and [SEP]
   std::vector<Index> motion{};        // of which motion each text is: 0, ..., 0, 1, ...; empty: one text for each
   std::optional<Tensor<B, 2>> end{};  // (texts, text_dim): see SincTextEncoder::joined
+  Index padded_tokens = 0;            // of the batch, if it is padded beyond its longest text
 
   /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one number for each text.
   Offsets per_motion() const {
@@ -16204,7 +16353,7 @@ struct SincTextEncoder {
   /// Throws       config_error 101 if `texts.end` is needed and not there
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
-    const Index width = text.mu_token.size(0), longest = words.longest();
+    const Index width = text.mu_token.size(0), longest = std::max(words.longest(), texts.padded_tokens);
     const bool cut = legacy_mask && of_motion.longest() > 1 && !(words == Offsets::equal(words.count(), longest));
     if (cut && !texts.end)
       raise<config_error>(101,
@@ -16634,6 +16783,8 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
   auto number = [&](std::string_view digits) {
+    while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
+    while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
     if (error != std::errc{} || end != digits.data() + digits.size() || n < 1) {
@@ -17258,8 +17409,11 @@ struct MdmSmplDenoiser {
   /// The tokens of the texts, which are the same at every step.
   struct EncodedText {
     Sequences<B> tokens;
+    Index padded_tokens = 0;  // as in TextFeatures
+
+    Index places() const { return std::max(padded_tokens, tokens.offsets.longest()); }
   };
-  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text)}; }
+  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
 
   /// What enters the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
@@ -17278,7 +17432,7 @@ struct MdmSmplDenoiser {
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
-                                         {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
+                                         {0, 1 + text.places() + registers.size(0)});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
     return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
@@ -17304,11 +17458,11 @@ struct MdmSmplDenoiser {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
     return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
   }
-  /// What follows a text stands where it would behind the longest text of the batch.
+  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
-    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
+    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), text.places() - texts.length(s)});
     return out;
   }
 };
@@ -17517,7 +17671,7 @@ struct MotionDiffuseDenoiser {
     for (std::size_t s = 0; s < t.size(); ++s) {
       for (Index k = 0; k < half; ++k) {
         const float w =
-            std::exp(static_cast<float>(-std::log(10000.0)) * static_cast<float>(k) / static_cast<float>(half));
+            torch_exp(static_cast<float>(-std::log(10000.0)) * static_cast<float>(k) / static_cast<float>(half));
         const float angle = static_cast<float>(t[s]) * w;
         values[s * static_cast<std::size_t>(2 * half) + static_cast<std::size_t>(k)] = static_cast<S>(std::cos(angle));
         values[s * static_cast<std::size_t>(2 * half) + static_cast<std::size_t>(half + k)] =
@@ -24513,8 +24667,8 @@ double transition_distance(std::span<const Vec3<S>> joints, Index per_frame, Ind
 ///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
 ///         bert-score; spec evaluation-guo.md 6.5
-/// Differs from the package: pairs with padding count as similarity 0 there, which shows only where all similarities of a
-///         token are negative; here there is no padding
+/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are negative: beside padding
+/// (BertPadding) their largest is 0.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -24543,6 +24697,11 @@ struct BertSentence {
   Rows<S> embeddings;
 };
 
+/// Tokens that the sentences of a batch are padded to; 0: none is.
+struct BertPadding {
+  Index candidate = 0, reference = 0;
+};
+
 struct BertScore {
   double precision = 0, recall = 0, f = 0;
 };
@@ -24553,15 +24712,17 @@ inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575}
 /// whose tokens have no weight is 0.
 /// Throws shape_error 204 unless every token has its row and all rows the same width
 template <Scalar S>
-BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights) {
+BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights,
+                     const BertPadding& padding = {}) {
   for (const BertSentence<S>* s : {&candidate, &reference})
     detail::require_same_count("bert_score: tokens against rows", std::ssize(s->ids), s->embeddings.size());
   if (candidate.ids.size() <= 2 || reference.ids.size() <= 2) return {};
   const auto similarity = cosine_similarities(candidate.embeddings, reference.embeddings);
-  auto side = [&](const std::vector<Index>& ids, std::size_t others, auto at) {
+  auto side = [&](const std::vector<Index>& ids, std::size_t others, Index padded, auto at) {
     double sum = 0, all = 0;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       double best = at(i, std::size_t{0});
+      if (static_cast<Index>(others) < padded) best = std::max(best, 0.0);
       for (std::size_t j = 1; j < others; ++j) best = std::max(best, at(i, j));
       sum += weights(ids[i]) * best, all += weights(ids[i]);
     }
@@ -24569,8 +24730,10 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
   };
   const std::size_t n = candidate.ids.size(), m = reference.ids.size();
   BertScore out;
-  out.precision = side(candidate.ids, m, [&](std::size_t i, std::size_t j) { return similarity[i * m + j]; });
-  out.recall = side(reference.ids, n, [&](std::size_t j, std::size_t i) { return similarity[i * m + j]; });
+  out.precision =
+      side(candidate.ids, m, padding.reference, [&](std::size_t i, std::size_t j) { return similarity[i * m + j]; });
+  out.recall =
+      side(reference.ids, n, padding.candidate, [&](std::size_t j, std::size_t i) { return similarity[i * m + j]; });
   const double sum = out.precision + out.recall;
   out.f = sum != 0 ? 2 * out.precision * out.recall / sum : 0;
   return out;
@@ -24579,11 +24742,11 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
 /// Of several references. Throws shape_error 204, numeric_error 302 of none
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
-                     const BertWeights& weights, const BertScore& baseline = {}) {
+                     const BertWeights& weights, const BertScore& baseline = {}, const BertPadding& padding = {}) {
   if (references.empty()) raise<numeric_error>(302, "bert_score: no reference");
-  BertScore out = bert_score(candidate, references.front(), weights);
+  BertScore out = bert_score(candidate, references.front(), weights, padding);
   for (const BertSentence<S>& r : references.subspan(1)) {
-    const BertScore s = bert_score(candidate, r, weights);
+    const BertScore s = bert_score(candidate, r, weights, padding);
     out = {std::max(out.precision, s.precision), std::max(out.recall, s.recall), std::max(out.f, s.f)};
   }
   auto rescaled = [](double x, double b) { return (x - b) / (1 - b); };
@@ -27340,9 +27503,11 @@ struct Actor {
       autoregressive_decoder.emplace(features, classes, t, c.max_len, c.concatenate_time, rng);
   }
 
-  /// x: frames of `actor_frame_features`; one action per motion. Throws shape_error 203 for an action that is no class.
-  LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {}) const {
-    if (average_encoder) return (*average_encoder)(x, context);
+  /// x: frames of `actor_frame_features`; one action per motion. padded_frames: see ActorAverageEncoder.
+  /// Throws shape_error 203 for an action that is no class.
+  LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {},
+                           Index padded_frames = 0) const {
+    if (average_encoder) return (*average_encoder)(x, context, padded_frames);
     if (gru_encoder) return (*gru_encoder)(x, actions);
     if (fc_encoder) return (*fc_encoder)(x, actions, config.num_classes);
     return (*encoder)(x, actions, context);
@@ -29205,7 +29370,7 @@ template <class S>
 struct AdamwStep {
   S *p = nullptr, *m = nullptr, *v = nullptr;
   const S* g = nullptr;
-  S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
+  S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
 /// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
@@ -30331,8 +30496,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -31773,8 +31938,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -33213,8 +33378,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -34175,7 +34340,7 @@ Index KernelOps<S>::rows_in_cache() {
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  thread_local std::weak_ptr<const detail::PreparedPanels<S>> before;
+  auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
       detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>()));
   if (const auto last = before.lock()) {
@@ -34377,17 +34542,20 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
     if (!d->unique()) *d = Dense<S>::from_span(d->span(), d->shape());
   }
   const double step = static_cast<double>(u.step);
-  const detail::AdamwStep<S> t{.p = parameter.data(),
-                               .m = m.data(),
-                               .v = v.data(),
-                               .g = gradient.data(),
-                               .beta1 = static_cast<S>(u.beta1),
-                               .beta2 = static_cast<S>(u.beta2),
-                               .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
-                               .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
-                               .eps = static_cast<S>(u.eps),
-                               .decay = static_cast<S>(1 - u.lr * u.weight_decay),
-                               .gradient_scale = static_cast<S>(u.gradient_scale)};
+  const detail::AdamwStep<S> t{
+      .p = parameter.data(),
+      .m = m.data(),
+      .v = v.data(),
+      .g = gradient.data(),
+      .beta1 = static_cast<S>(u.beta1),
+      .rest1 = static_cast<S>(1 - u.beta1),  // of doubles: of floats it is wrong in the fifth digit
+      .beta2 = static_cast<S>(u.beta2),
+      .rest2 = static_cast<S>(1 - u.beta2),
+      .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
+      .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
+      .eps = static_cast<S>(u.eps),
+      .decay = static_cast<S>(1 - u.lr * u.weight_decay),
+      .gradient_scale = static_cast<S>(u.gradient_scale)};
   parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 

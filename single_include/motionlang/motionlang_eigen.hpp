@@ -309,7 +309,7 @@ template <class S>
 struct AdamwStep {
   S *p = nullptr, *m = nullptr, *v = nullptr;
   const S* g = nullptr;
-  S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
+  S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
 /// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
@@ -1435,8 +1435,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -2877,8 +2877,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -4317,8 +4317,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).

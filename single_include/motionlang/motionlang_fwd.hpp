@@ -42,11 +42,15 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, so that object files built with different options do not link silently against each other.
-#ifdef MOTIONLANG_DIAGNOSTICS
+/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+#if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
-#else
+#elif defined(MOTIONLANG_DIAGNOSTICS)
+#define MOTIONLANG_ABI v0_diag_no_exceptions
+#elif defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0
+#else
+#define MOTIONLANG_ABI v0_no_exceptions
 #endif
 #endif
 
@@ -64,6 +68,18 @@ inline float log(float x) { return std::log(x); }
 inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
+
+/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
+/// tables of frequencies: thousands of frames later it decides the fourth digit.
+inline float torch_exp(float x) {
+  const float n = std::rint(x * 1.442695040888963407f);
+  const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
+  constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
+                              0.0416664853692054748535156f, 0.166666671633720397949219f, 0.5f};
+  float p = 0.000198527617612853646278381f;
+  for (const float c : series) p = std::fma(p, f, c);
+  return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
+}
 
 /// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
 /// be NaN where it is not taken if the result is to be differentiated.
@@ -84,7 +100,10 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 
 #ifndef MOTIONLANG_HAS_CORE_ERROR_HPP  // <motionlang/core/error.hpp>
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
-/// Errors: one hierarchy, one id for each kind of failure, one place that throws.
+/// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
+///
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
+/// defined: it gets the exception as an object, and must not return.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -92,10 +111,48 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// below; every one has a test.
 
 #include <charconv>          // to_chars: messages without streams and without the locale
+#include <cstdio>            // fputs
 #include <cstdlib>           // abort
+#include <new>               // bad_alloc
 #include <stdexcept>         // runtime_error
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP  // <motionlang/core/thread_object.hpp>
+#define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
+/// Objects of which every thread has its own.
+
+// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+#if defined(_WIN32) && !defined(__clang__)
+#define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
+extern "C" {
+__declspec(dllimport) unsigned long __stdcall FlsAlloc(void(__stdcall* at_end)(void*));
+__declspec(dllimport) void* __stdcall FlsGetValue(unsigned long key);
+__declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
+}
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+template <class T, class Tag = T>
+T& thread_object() {
+#ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
+  struct AtEnd {
+    static void __stdcall call(void* object) { delete static_cast<T*>(object); }
+  };
+  static const unsigned long key = ::FlsAlloc(&AtEnd::call);
+  void* object = ::FlsGetValue(key);
+  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  return *static_cast<T*>(object);
+#else
+  thread_local T object;
+  return object;
+#endif
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
@@ -294,10 +351,7 @@ inline std::string concat_parts(std::initializer_list<TextPart> parts) {
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() {
-    thread_local std::vector<std::string> path;
-    return path;
-  }
+  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
@@ -360,7 +414,60 @@ struct ModuleScope {
 
 namespace detail {
 
-/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+#ifdef __cpp_exceptions
+inline constexpr bool has_exceptions = true;
+#else
+inline constexpr bool has_exceptions = false;
+#endif
+
+/// The one place that throws.
+template <class E>
+[[noreturn]] void throw_exception(const E& exception) {
+#if defined(MOTIONLANG_THROW)
+  MOTIONLANG_THROW(exception);
+  std::abort();
+#elif defined(__cpp_exceptions)
+  throw exception;
+#else
+  std::fputs(exception.what(), stderr);
+  std::fputs("\n", stderr);
+  std::abort();
+#endif
+}
+[[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
+
+/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
+/// Returns whether f came to its end.
+template <class E, class F, class H>
+bool guard(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (const E& e) {
+    if (!handle(e)) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+/// The same for whatever it throws: handle() sees std::current_exception().
+template <class F, class H>
+bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (...) {
+    if (!handle()) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
@@ -368,12 +475,7 @@ template <class E>
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
-#ifdef MOTIONLANG_THROW
-  MOTIONLANG_THROW(E(id, text));
-  std::abort();
-#else
-  throw E(id, text);
-#endif
+  throw_exception(E(id, text));
 }
 
 }  // namespace detail

@@ -397,13 +397,112 @@ class JsonCursor {
 #define MOTIONLANG_HAS_IO_FILE_HPP
 /// Whole files: read, map into memory, and write so that a reader never sees half of one.
 
-#include <fcntl.h>     // open
-#include <sys/mman.h>  // mmap
-#include <sys/stat.h>  // fstat
-#include <unistd.h>    // close, fsync, getpid
-
 #include <cerrno>      // errno
-#include <cstdio>      // rename, remove
+
+#ifndef MOTIONLANG_HAS_IO_DETAIL_SYSTEM_FILE_HPP  // <motionlang/io/detail/system_file.hpp>
+#define MOTIONLANG_HAS_IO_DETAIL_SYSTEM_FILE_HPP
+/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. Failures are told by errno.
+
+#include <fcntl.h>     // open
+#include <sys/stat.h>  // fstat, mkdir
+#include <unistd.h>    // read, write, close, getpid
+#if defined(_WIN32)
+#include <io.h>  // _get_osfhandle, _commit
+#else
+#include <sys/mman.h>  // mmap
+#endif
+
+#if defined(_WIN32)
+// As windows.h declares them, which would bring macros named min, max, near and far.
+struct _SECURITY_ATTRIBUTES;
+extern "C" {
+__declspec(dllimport) void* __stdcall CreateFileMappingA(void* file, _SECURITY_ATTRIBUTES*, unsigned long protection,
+                                                         unsigned long size_high, unsigned long size_low,
+                                                         const char* name);
+__declspec(dllimport) void* __stdcall MapViewOfFile(void* mapping, unsigned long access, unsigned long offset_high,
+                                                    unsigned long offset_low, std::size_t size);
+__declspec(dllimport) int __stdcall UnmapViewOfFile(const void* view);
+__declspec(dllimport) int __stdcall CloseHandle(void*);
+__declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
+}
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+
+#if defined(_WIN32)
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
+/// A file that is not there yet, else errno is EEXIST.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
+/// An open file that has no name any more. Windows knows none.
+inline int create_nameless() { return -1; }
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct _stat64 s {};
+  if (::_fstat64(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline bool flush(int file) { return ::_commit(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  constexpr unsigned long page_readonly = 2, file_map_read = 4;
+  void* const mapping =
+      ::CreateFileMappingA(reinterpret_cast<void*>(::_get_osfhandle(file)), nullptr, page_readonly, 0, 0, nullptr);
+  void* const data = mapping == nullptr ? nullptr : ::MapViewOfFile(mapping, file_map_read, 0, 0, size);
+  if (mapping != nullptr) ::CloseHandle(mapping);
+  if (data == nullptr) errno = ENOMEM;
+  return data;
+}
+inline void unmap(void* data, std::size_t) { ::UnmapViewOfFile(data); }
+inline void forget(void*, std::size_t) {}  // the system does it when it needs memory
+inline bool rename_over(const char* from, const char* to) {
+  constexpr unsigned long replace = 1;
+  if (::MoveFileExA(from, to, replace) != 0) return true;
+  errno = EACCES;  // it is open, or mapped
+  return false;
+}
+inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
+
+#else
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
+/// A file that is not there yet, else errno is EEXIST.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+/// An open file that has no name any more; -1 if there is no place for it.
+inline int create_nameless() {
+  std::error_code none;
+  std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+  const int file = none ? -1 : ::mkstemp(name.data());
+  if (file >= 0) ::unlink(name.c_str());
+  return file;
+}
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct stat s {};
+  if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline bool flush(int file) { return ::fsync(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+  return data == MAP_FAILED ? nullptr : data;
+}
+inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
+/// Gives memory of a mapping back: whoever reads it gets it from the file once more.
+inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
+inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
+inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
+
+#endif
+
+inline bool is_folder(const char* path) {
+  struct stat s {};
+  return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail::system
+#endif
 
 #ifndef MOTIONLANG_HAS_IO_FILE_PATH_HPP  // <motionlang/io/file_path.hpp>
 #define MOTIONLANG_HAS_IO_FILE_PATH_HPP
@@ -446,7 +545,8 @@ namespace detail {
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const FilePath& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {
+  /// To read. Throws io_error 401.
+  explicit Descriptor(const FilePath& path) : fd_(system::open_to_read(path.c_str())) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
   }
   ~Descriptor() {
@@ -458,7 +558,7 @@ class Descriptor {
   /// Whether all bytes could be written; errno says why not.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
-      const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+      const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) return false;
       bytes = bytes.subspan(static_cast<std::size_t>(n));
@@ -466,9 +566,9 @@ class Descriptor {
     return true;
   }
   std::size_t size(const FilePath& path) const {
-    struct stat s {};
-    if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
-    return static_cast<std::size_t>(s.st_size);
+    std::uint64_t size = 0;
+    if (!system::is_regular(fd_, size)) raise<io_error>(401, path.string(), " is not a regular file");
+    return static_cast<std::size_t>(size);
   }
 
  private:
@@ -487,15 +587,10 @@ class MappedFile {
   /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
   /// there is no place for it.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
-    std::error_code none;
-    std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-    const int fd = none || bytes.empty() ? -1 : ::mkstemp(name.data());
-    if (fd < 0) return nullptr;
-    const detail::Descriptor file(fd);
-    ::unlink(name.c_str());
-    if (!file.write(bytes)) return nullptr;
+    const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
+    if (file.get() < 0 || !file.write(bytes)) return nullptr;
     auto out = std::shared_ptr<MappedFile>(new MappedFile);
-    return out->map(fd, bytes.size()) ? out : nullptr;
+    return out->map(file.get(), bytes.size()) ? out : nullptr;
   }
   /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes) {
@@ -514,7 +609,7 @@ class MappedFile {
       while (*place != this) place = &(*place)->next_;
       *place = next_;
     }
-    ::munmap(data_, size_);
+    detail::system::unmap(data_, size_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -526,7 +621,7 @@ class MappedFile {
     constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
     const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
                          end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
-    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
   static void forget_if_mapped(std::span<const std::byte> part) {
@@ -535,15 +630,15 @@ class MappedFile {
 
  private:
   explicit MappedFile(const FilePath& path) {
-    const detail::Descriptor file(path, O_RDONLY);
+    const detail::Descriptor file(path);
     const std::size_t size = file.size(path);
     if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
       raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
   }
   MappedFile() = default;
   bool map(int fd, std::size_t size) {
-    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (data == MAP_FAILED) return false;
+    void* const data = detail::system::map(fd, size);
+    if (data == nullptr) return false;
     data_ = data, size_ = size;
     const std::scoped_lock lock(mutex_);
     next_ = std::exchange(first_, this);
@@ -579,19 +674,23 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   int opened = -1;
   do {  // a name that no other thread and no other machine has
     temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
-    opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
     const int reason = errno;
     if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
+  const char* wrong = nullptr;
   {
     const detail::Descriptor file(opened);
-    if (file.get() < 0 || !file.write(contents)) failed("write");
-    if (::fsync(file.get()) != 0) failed("flush");
+    if (file.get() < 0 || !file.write(contents))
+      wrong = "write";
+    else if (!detail::system::flush(file.get()))
+      wrong = "flush";
   }
-  if (std::rename(temporary.c_str(), target.c_str()) != 0) failed("rename to");
+  if (wrong != nullptr) failed(wrong);
+  if (!detail::system::rename_over(temporary.c_str(), target.c_str())) failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
@@ -599,8 +698,7 @@ inline void write_file(const FilePath& path, std::string_view contents) {
 
 /// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
 inline void make_folder(const FilePath& path) {
-  struct stat s {};
-  if (::mkdir(path.c_str(), 0777) == 0 || (::stat(path.c_str(), &s) == 0 && S_ISDIR(s.st_mode))) return;
+  if (detail::system::make_folder(path.c_str()) || detail::system::is_folder(path.c_str())) return;
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 
@@ -1127,14 +1225,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       const auto numbers = direct<S>(view);
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
-    if constexpr (requires(typename C::tensor t) { { t.data() } -> std::same_as<S*>; }) {  // a large table is not there twice
-      typename C::tensor out(Shape(view.shape));
-      copy_values(view, std::span<S>(out.data(), static_cast<std::size_t>(out.count())));
-      return out;
-    } else {
-      const std::vector<S> values = values_of<S>(view);
-      return C::from_span(std::span<const S>(values), view.shape);
-    }
+    const auto copy = [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(tensor.count()))); };
+    return Tensor<C, R>::written(tensor.shape(), copy).data();
   };
   if constexpr (AutodiffBackend<B>) {
     B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();
@@ -1443,20 +1535,24 @@ inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, 
     if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
     return true;
   };
-  try {
-    return nlohmann::json::parse(part, shallow);
-  } catch (const nlohmann::json::parse_error& e) {
+  const auto malformed = [&](const nlohmann::json::parse_error& e) -> bool {
     const std::string_view message = e.what();
     const std::size_t detail = message.rfind(": ");  // behind id and position
     raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
                detail == message.npos ? message : message.substr(detail + 2));
-  } catch (const nlohmann::json::out_of_range& e) {  // ... parsing '1e999'
+  };
+  const auto too_large = [&](const nlohmann::json::out_of_range& e) -> bool {  // ... parsing '1e999'
     const std::string_view message = e.what();
     const std::size_t number = message.find('\'') + 1;
     const std::size_t at = part.find(message.substr(number, message.rfind('\'') - number));
     raise_json(text, begin + std::min(at, size), name, "a number beyond the range of double");
-  }
-  return {};
+  };
+  nlohmann::json document;
+  const auto parse = [&] { document = nlohmann::json::parse(part, shallow, has_exceptions); };
+  guard<nlohmann::json::parse_error>([&] { guard<nlohmann::json::out_of_range>(parse, too_large); }, malformed);
+  if (document.is_discarded())
+    raise_json(text, begin, name, "not JSON, or a number beyond the range of double");  // no exceptions
+  return document;
 }
 
 }  // namespace detail
@@ -5216,14 +5312,12 @@ class WeightReader {
   template <class F>
   void attempt(const std::string& name, F read) {
     constexpr std::uint64_t visits_of_a_failure = 50;
-    try {
-      read();
-    } catch (const io_error& e) {
+    guard<io_error>(read, [&](const io_error& e) {
       visits_left_ -= std::min(visits_left_, visits_of_a_failure);
-      if (selected() && e.id() != 404) throw;
-      if (selected() && options_.strict) throw;
+      if (selected() && (e.id() != 404 || options_.strict)) return false;
       skip(name, "");
-    }
+      return true;
+    });
   }
   void skip(const std::string& name, const char* what) {
     if (options_.strict && selected())
@@ -11063,13 +11157,14 @@ inline void write_model_folder(const FilePath& path, const ModelFolder& model, s
   };
   fs::create_directories(part, problem);
   check("make");
-  try {
+  const auto write = [&] {
     write_safetensors(part / detail::model_weights_file, tensors, {{"format", "motionlang"}});
     write_file(part / detail::model_config_file, std::string_view(config));
-  } catch (...) {
+  };
+  detail::guard_all(write, [&] {
     fs::remove_all(part, problem);
-    throw;
-  }
+    return false;
+  });
   if (!text_encoder_files.empty()) fs::create_directories(part / "text_encoder", problem);
   check("make text_encoder in");
   for (const fs::path& file : text_encoder_files) {
@@ -13295,14 +13390,13 @@ class GlbRig {
     }
     std::string reasons;
     for (Index skin = 0; skin < skins; ++skin) {
-      try {
-        find_joints(skin);
-        return;
-      } catch (const config_error& e) {
-        if (e.id() != 103) throw;
+      const auto find = [&] { find_joints(skin); };
+      const auto not_it = [&](const config_error& e) {
         const std::string_view what = e.what();
         reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
-      }
+        return e.id() == 103;
+      };
+      if (detail::guard<config_error>(find, not_it)) return;
     }
     raise<config_error>(103, file(), ": none of ", skins, " skins is a body that is known", reasons);
   }
@@ -14499,7 +14593,7 @@ struct TokenEntryOptions {
   bool cut_again = false;
 };
 
-/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out.
+/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only those of no length).
 inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions,
                                              TokenLines lines, const TokenEntryOptions& options = {}) {
   std::vector<TokenEntry> out;
@@ -14510,7 +14604,8 @@ inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<co
       continue;
     }
     TokenEntry part{id, {}, {c}};
-    bool any = false;
+    const auto token = [&](double seconds) { return static_cast<Index>(seconds * options.tokens_per_second); };
+    bool any = options.cut_again && token(c.start) < token(c.end);
     for (const auto& line : lines) {
       auto at = [&](double seconds) {
         return line.begin() + static_cast<Index>(std::min(std::max(0.0, seconds * options.tokens_per_second),
@@ -15707,7 +15802,7 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
 #ifndef MOTIONLANG_HAS_IO_VECTOR_GRAPH_HPP  // <motionlang/io/vector_graph.hpp>
 #define MOTIONLANG_HAS_IO_VECTOR_GRAPH_HPP
 /// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of the nearest are
-/// found, in time that grows with the logarithm of the gallery. Without hnswlib every search is exact.
+/// found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions, every search is exact.
 ///
 ///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of so many vectors or more
 ///     write_motion_index("moves.index", index, graphs);
@@ -15720,7 +15815,7 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
 /// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable small world
 ///         graphs" (TPAMI 2020)
 
-#if __has_include(<hnswlib/hnswlib.h>)
+#if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
 #define MOTIONLANG_HAS_HNSWLIB 1
 #ifndef NO_MANUAL_VECTORIZATION
 #define NO_MANUAL_VECTORIZATION  // distances are ours; hnswlib's bring functions that must not stand in two translation units
@@ -15880,11 +15975,11 @@ class VectorGraph : public VectorSearch {
     detail::check_graph(bytes, known, name);
     const detail::ScratchFile file;
     write_file(file.path(), bytes);
-    try {
-      g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
-    } catch (const std::exception& e) {
-      raise<io_error>(403, name, ": ", e.what());
-    }
+    detail::guard<std::exception>(
+        [&] {
+          g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
+        },
+        [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
     g.graph_->num_deleted_ = 0;                                             // hnswlib leaves it open
     g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));  // else every addition draws the same levels
     g.add_from(known, progress);

@@ -54,20 +54,35 @@
 #include <cstddef>      // byte
 #include <cstdint>      // sizes
 #include <memory>       // owner of foreign memory
-#include <new>          // bad_alloc
+#include <new>          // objects in memory that is there
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
-#ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
-#define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
-/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
-/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+#ifndef MOTIONLANG_HAS_CORE_ERROR_HPP  // <motionlang/core/error.hpp>
+#define MOTIONLANG_HAS_CORE_ERROR_HPP
+/// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
+///
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
+/// defined: it gets the exception as an object, and must not return.
+///
+/// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
+/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
+/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
+/// below; every one has a test.
 
-#include <cstdlib>  // aligned_alloc
-#if defined(__linux__)
-#include <sys/mman.h>  // mmap, madvise
-#endif
+#include <charconv>          // to_chars: messages without streams and without the locale
+#include <concepts>          // integral, floating_point
+#include <cstdio>            // fputs
+#include <cstdlib>           // abort
+#include <initializer_list>  // parts of a message
+#include <stdexcept>         // runtime_error
+#include <string>            // string
+#include <string_view>       // string_view
+#include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP  // <motionlang/core/thread_object.hpp>
+#define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
+/// Objects of which every thread has its own.
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
@@ -79,339 +94,49 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, so that object files built with different options do not link silently against each other.
-#ifdef MOTIONLANG_DIAGNOSTICS
+/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+#if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
-#else
+#elif defined(MOTIONLANG_DIAGNOSTICS)
+#define MOTIONLANG_ABI v0_diag_no_exceptions
+#elif defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0
+#else
+#define MOTIONLANG_ABI v0_no_exceptions
 #endif
+#endif
+
+// MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
+#if defined(_WIN32) && !defined(__clang__)
+#define MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
+extern "C" {
+__declspec(dllimport) unsigned long __stdcall FlsAlloc(void(__stdcall* at_end)(void*));
+__declspec(dllimport) void* __stdcall FlsGetValue(unsigned long key);
+__declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
+}
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-namespace detail {
-
-/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
-inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
-
-constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
-
-}  // namespace detail
-
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
-inline void* take_memory(std::size_t bytes, std::size_t used) {
-#if defined(__linux__)
-  if (bytes >= detail::large_page) {
-    const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
-    void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (start == MAP_FAILED) throw std::bad_alloc();
-    const auto address = reinterpret_cast<std::uintptr_t>(start);
-    const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
-    std::byte* memory = static_cast<std::byte*>(start) + before;
-    if (before > 0) ::munmap(start, before);
-    if (after > 0) ::munmap(memory + whole, after);
-    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
-    ::madvise(memory, large, MADV_HUGEPAGE);
-    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
-    return memory;
-  }
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+template <class T, class Tag = T>
+T& thread_object() {
+#ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
+  struct AtEnd {
+    static void __stdcall call(void* object) { delete static_cast<T*>(object); }
+  };
+  static const unsigned long key = ::FlsAlloc(&AtEnd::call);
+  void* object = ::FlsGetValue(key);
+  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  return *static_cast<T*>(object);
+#else
+  thread_local T object;
+  return object;
 #endif
-  void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-/// Gives back what take_memory(bytes, ...) gave.
-inline void give_memory(void* memory, std::size_t bytes) noexcept {
-#if defined(__linux__)
-  if (bytes >= detail::large_page) {
-    ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
-    return;
-  }
-#endif
-  std::free(memory);
-}
-
-/// Room for `count` numbers, not initialised.
-template <class T>
-std::shared_ptr<T[]> large_table(std::size_t count) {
-  const std::size_t bytes = count * sizeof(T);
-  return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-/// Header of a buffer. The data follow it, 64 bytes aligned, or lie elsewhere (memory-mapped weights).
-struct alignas(64) Buffer {
-  std::atomic<std::int64_t> references{1};
-  void* data = nullptr;
-  int bucket = -1;                     // -1: not from a pool
-  std::uint32_t pool = 0;              // number of the pool that made it
-  Buffer* next = nullptr;              // in a free list
-  std::shared_ptr<const void> owner;   // keeps foreign memory alive
-  std::shared_ptr<const void> packed;  // the same numbers in the layout of a kernel (see Dense::attach)
-};
-
-}  // namespace detail
-
-/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
-/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it.
-class BufferPool {
- public:
-  static BufferPool& local() {
-    thread_local BufferPool pool;
-    return pool;
-  }
-
-  /// A buffer of at least so many bytes, and its way back, for the calling thread.
-  static detail::Buffer* take(std::size_t bytes) {
-    const int bucket = bucket_of(bytes);
-    return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
-  }
-  static void give_back(detail::Buffer* b) {
-    if (gone_ || b->pool != local().number_) return release(b);
-    b->packed.reset();
-    b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
-  }
-
-  /// Returns all free buffers to the system.
-  void trim() {
-    for (auto& head : free_) {
-      while (head != nullptr) release(std::exchange(head, head->next));
-    }
-  }
-
-  /// How often this pool had to ask the system. Stands still in a loop that has settled.
-  std::int64_t system_allocations() const { return system_allocations_; }
-
-  static void release(detail::Buffer* b) {
-    const int bucket = b->bucket;
-    b->~Buffer();
-    give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
-  }
-
-  BufferPool(const BufferPool&) = delete;
-  BufferPool& operator=(const BufferPool&) = delete;
-
- private:
-  BufferPool() = default;
-  ~BufferPool() {
-    gone_ = true;
-    trim();
-  }
-
-  detail::Buffer* reuse(int bucket, std::size_t bytes) {
-    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
-    if (head != nullptr) {
-      detail::Buffer* b = std::exchange(head, head->next);
-      b->references.store(1, std::memory_order_relaxed);
-      return b;
-    }
-    ++system_allocations_;
-    return make(bucket, bytes, number_);
-  }
-  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool) {
-    void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
-    auto* b = new (memory) detail::Buffer;
-    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
-    b->bucket = bucket;
-    b->pool = pool;
-    return b;
-  }
-
-  // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
-  static int bucket_of(std::size_t bytes) {
-    const std::size_t units = (bytes + 63) / 64 < 4 ? 4 : (bytes + 63) / 64;
-    const int shift = static_cast<int>(std::bit_width(units)) - 3;
-    const std::size_t quarter = (units + (std::size_t{1} << shift) - 1) >> shift;  // 4 ... 8
-    return shift * 4 + static_cast<int>(quarter) - 4;
-  }
-  static std::size_t bucket_bytes(int bucket) {
-    return static_cast<std::size_t>(64 * (4 + bucket % 4)) << static_cast<unsigned>(bucket / 4);
-  }
-
-  std::array<detail::Buffer*, 4 * 62> free_{};
-  std::int64_t system_allocations_ = 0;
-  std::uint32_t number_ = ++pools_;
-
-  inline static std::atomic<std::uint32_t> pools_{0};
-  inline static thread_local bool gone_ = false;  // a static model may be destroyed after the pool of main's thread
-};
-
-namespace detail {
-
-/// Shared handle of a buffer.
-class BufferHandle {
- public:
-  BufferHandle() = default;
-  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::take(bytes)) {}
-  /// Memory that belongs to somebody else and is only read.
-  BufferHandle(const void* data, std::shared_ptr<const void> owner) : buffer_(new (std::align_val_t{64}) Buffer) {
-    buffer_->data = const_cast<void*>(data);
-    buffer_->owner = std::move(owner);
-  }
-  BufferHandle(const BufferHandle& o) : buffer_(o.buffer_) {
-    if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
-  }
-  BufferHandle(BufferHandle&& o) noexcept : buffer_(std::exchange(o.buffer_, nullptr)) {}
-  BufferHandle& operator=(BufferHandle o) noexcept {
-    std::swap(buffer_, o.buffer_);
-    return *this;
-  }
-  ~BufferHandle() {
-    if (buffer_ == nullptr || buffer_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-    if (buffer_->bucket >= 0)
-      BufferPool::give_back(buffer_);
-    else
-      ::operator delete (destroyed(buffer_), std::align_val_t{64});
-  }
-
-  void* data() const { return buffer_ == nullptr ? nullptr : buffer_->data; }
-  /// Nobody else sees this memory, and it may be written.
-  bool unique() const {
-    return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
-  }
-  std::shared_ptr<const void>& packed() const { return buffer_->packed; }
-  explicit operator bool() const { return buffer_ != nullptr; }
-
- private:
-  static void* destroyed(Buffer* b) {
-    b->~Buffer();
-    return b;
-  }
-  Buffer* buffer_ = nullptr;
-};
-
-}  // namespace detail
-
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
-/// std::vector over an allocator would be compiled with sixty functions for every type).
-template <class T>
-class PoolVector {
-  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
-                "motionlang::PoolVector: values that move without fail, in memory aligned to 64 bytes");
-
- public:
-  using value_type = T;
-
-  PoolVector() = default;
-  explicit PoolVector(std::size_t size, const T& value = T{}) {
-    reserve(size);
-    for (; size_ < size; ++size_) ::new (static_cast<void*>(data_ + size_)) T(value);
-  }
-  PoolVector(PoolVector&& o) noexcept
-      : memory_(std::move(o.memory_)),
-        data_(std::exchange(o.data_, nullptr)),
-        size_(std::exchange(o.size_, 0)),
-        capacity_(std::exchange(o.capacity_, 0)) {}
-  PoolVector& operator=(PoolVector&&) = delete;
-  ~PoolVector() {
-    for (std::size_t i = 0; i < size_; ++i) data_[i].~T();
-  }
-
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  T* data() { return data_; }
-  const T* data() const { return data_; }
-  T* begin() { return data_; }
-  const T* begin() const { return data_; }
-  T* end() { return data_ + size_; }
-  const T* end() const { return data_ + size_; }
-  T& operator[](std::size_t i) { return data_[i]; }
-  const T& operator[](std::size_t i) const { return data_[i]; }
-
-  void reserve(std::size_t capacity) {
-    if (capacity <= capacity_) return;
-    if (capacity > SIZE_MAX / 2 / sizeof(T)) throw std::bad_alloc();
-    detail::BufferHandle larger(capacity * sizeof(T));
-    T* to = static_cast<T*>(larger.data());
-    for (std::size_t i = 0; i < size_; ++i) {
-      ::new (static_cast<void*>(to + i)) T(std::move(data_[i]));
-      data_[i].~T();
-    }
-    memory_ = std::move(larger);
-    data_ = to;
-    capacity_ = capacity;
-  }
-  void push_back(T value) {
-    if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
-    ::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
-  }
-
- private:
-  detail::BufferHandle memory_;
-  T* data_ = nullptr;
-  std::size_t size_ = 0, capacity_ = 0;
-};
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
-#define MOTIONLANG_HAS_CORE_CONCEPTS_HPP
-/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
-/// model in tests/laws), and the models.
-
-#include <concepts>     // same_as, convertible_to
-#include <string_view>  // names of random streams
-
-#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
-#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
-/// The elementary functions of `ScalarLike` types, for the built-in ones.
-///
-/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
-/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
-
-#include <cmath>  // the functions themselves
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-inline double sqrt(double x) { return std::sqrt(x); }
-inline double exp(double x) { return std::exp(x); }
-inline double log(double x) { return std::log(x); }
-inline double sin(double x) { return std::sin(x); }
-inline double cos(double x) { return std::cos(x); }
-inline double atan2(double y, double x) { return std::atan2(y, x); }
-inline float sqrt(float x) { return std::sqrt(x); }
-inline float exp(float x) { return std::exp(x); }
-inline float log(float x) { return std::log(x); }
-inline float sin(float x) { return std::sin(x); }
-inline float cos(float x) { return std::cos(x); }
-inline float atan2(float y, float x) { return std::atan2(y, x); }
-
-/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
-/// be NaN where it is not taken if the result is to be differentiated.
-constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
-constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_CORE_SHAPE_HPP  // <motionlang/core/shape.hpp>
-#define MOTIONLANG_HAS_CORE_SHAPE_HPP
-/// Sizes of a tensor, stored inline, and the broadcasting rule.
-
-#include <initializer_list>  // Shape{2, 3}
-#include <string>            // to_string
-
-#ifndef MOTIONLANG_HAS_CORE_ERROR_HPP  // <motionlang/core/error.hpp>
-#define MOTIONLANG_HAS_CORE_ERROR_HPP
-/// Errors: one hierarchy, one id for each kind of failure, one place that throws.
-///
-/// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
-/// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
-/// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
-/// below; every one has a test.
-
-#include <charconv>          // to_chars: messages without streams and without the locale
-#include <stdexcept>         // runtime_error
-#include <vector>            // diagnostics path
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
@@ -610,10 +335,7 @@ inline std::string concat_parts(std::initializer_list<TextPart> parts) {
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() {
-    thread_local std::vector<std::string> path;
-    return path;
-  }
+  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
@@ -676,7 +398,60 @@ struct ModuleScope {
 
 namespace detail {
 
-/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+#ifdef __cpp_exceptions
+inline constexpr bool has_exceptions = true;
+#else
+inline constexpr bool has_exceptions = false;
+#endif
+
+/// The one place that throws.
+template <class E>
+[[noreturn]] void throw_exception(const E& exception) {
+#if defined(MOTIONLANG_THROW)
+  MOTIONLANG_THROW(exception);
+  std::abort();
+#elif defined(__cpp_exceptions)
+  throw exception;
+#else
+  std::fputs(exception.what(), stderr);
+  std::fputs("\n", stderr);
+  std::abort();
+#endif
+}
+[[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
+
+/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
+/// Returns whether f came to its end.
+template <class E, class F, class H>
+bool guard(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (const E& e) {
+    if (!handle(e)) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+/// The same for whatever it throws: handle() sees std::current_exception().
+template <class F, class H>
+bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (...) {
+    if (!handle()) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
@@ -684,12 +459,7 @@ template <class E>
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
-#ifdef MOTIONLANG_THROW
-  MOTIONLANG_THROW(E(id, text));
-  std::abort();
-#else
-  throw E(id, text);
-#endif
+  throw_exception(E(id, text));
 }
 
 }  // namespace detail
@@ -702,6 +472,341 @@ template <class E, class... T>
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
+
+#ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
+#define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
+/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
+/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+
+#if defined(__linux__)
+#include <sys/mman.h>  // mmap, madvise
+#elif defined(_WIN32)
+#include <malloc.h>  // _aligned_malloc
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
+
+constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
+
+}  // namespace detail
+
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
+inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
+    void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (start == MAP_FAILED) detail::raise_bad_alloc();
+    const auto address = reinterpret_cast<std::uintptr_t>(start);
+    const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
+    std::byte* memory = static_cast<std::byte*>(start) + before;
+    if (before > 0) ::munmap(start, before);
+    if (after > 0) ::munmap(memory + whole, after);
+    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    ::madvise(memory, large, MADV_HUGEPAGE);
+    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
+    return memory;
+  }
+#endif
+#if defined(_WIN32)
+  void* memory = ::_aligned_malloc(bytes + 1, 64);
+#else
+  void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
+#endif
+  if (memory == nullptr) detail::raise_bad_alloc();
+  return memory;
+}
+
+/// Gives back what take_memory(bytes, ...) gave.
+inline void give_memory(void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
+    return;
+  }
+#endif
+#if defined(_WIN32)
+  ::_aligned_free(memory);
+#else
+  std::free(memory);
+#endif
+}
+
+/// Room for `count` numbers, not initialised.
+template <class T>
+std::shared_ptr<T[]> large_table(std::size_t count) {
+  const std::size_t bytes = count * sizeof(T);
+  return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Header of a buffer. The data follow it, 64 bytes aligned, or lie elsewhere (memory-mapped weights).
+struct alignas(64) Buffer {
+  std::atomic<std::int64_t> references{1};
+  void* data = nullptr;
+  int bucket = -1;                     // -1: not from a pool
+  std::uint32_t pool = 0;              // number of the pool that made it
+  Buffer* next = nullptr;              // in a free list
+  std::shared_ptr<const void> owner;   // keeps foreign memory alive
+  std::shared_ptr<const void> packed;  // the same numbers in the layout of a kernel (see Dense::attach)
+};
+
+}  // namespace detail
+
+/// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
+/// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
+/// comes from the system and returns to it.
+class BufferPool {
+ public:
+  static BufferPool& local() { return thread_object<BufferPool>(); }
+
+  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  static detail::Buffer* take(std::size_t bytes) {
+    const int bucket = bucket_of(bytes);
+    return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
+  }
+  static void give_back(detail::Buffer* b) {
+    if (gone_ || b->pool != local().number_) return release(b);
+    b->packed.reset();
+    b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
+  }
+
+  /// Returns all free buffers to the system.
+  void trim() {
+    for (auto& head : free_) {
+      while (head != nullptr) release(std::exchange(head, head->next));
+    }
+  }
+
+  /// How often this pool had to ask the system. Stands still in a loop that has settled.
+  std::int64_t system_allocations() const { return system_allocations_; }
+
+  static void release(detail::Buffer* b) {
+    const int bucket = b->bucket;
+    b->~Buffer();
+    give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
+  }
+
+  BufferPool() = default;
+  ~BufferPool() {
+    gone_ = true;
+    trim();
+  }
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
+
+ private:
+  detail::Buffer* reuse(int bucket, std::size_t bytes) {
+    detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
+    if (head != nullptr) {
+      detail::Buffer* b = std::exchange(head, head->next);
+      b->references.store(1, std::memory_order_relaxed);
+      return b;
+    }
+    ++system_allocations_;
+    return make(bucket, bytes, number_);
+  }
+  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool) {
+    void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
+    auto* b = new (memory) detail::Buffer;
+    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
+    b->bucket = bucket;
+    b->pool = pool;
+    return b;
+  }
+
+  // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
+  static int bucket_of(std::size_t bytes) {
+    const std::size_t units = (bytes + 63) / 64 < 4 ? 4 : (bytes + 63) / 64;
+    const int shift = static_cast<int>(std::bit_width(units)) - 3;
+    const std::size_t quarter = (units + (std::size_t{1} << shift) - 1) >> shift;  // 4 ... 8
+    return shift * 4 + static_cast<int>(quarter) - 4;
+  }
+  static std::size_t bucket_bytes(int bucket) {
+    return static_cast<std::size_t>(64 * (4 + bucket % 4)) << static_cast<unsigned>(bucket / 4);
+  }
+
+  std::array<detail::Buffer*, 4 * 62> free_{};
+  std::int64_t system_allocations_ = 0;
+  std::uint32_t number_ = ++pools_;
+
+  inline static std::atomic<std::uint32_t> pools_{0};
+  inline static thread_local bool gone_ = false;  // a static model may be destroyed after the pool of main's thread
+};
+
+namespace detail {
+
+/// Shared handle of a buffer.
+class BufferHandle {
+ public:
+  BufferHandle() = default;
+  explicit BufferHandle(std::size_t bytes) : buffer_(BufferPool::take(bytes)) {}
+  /// Memory that belongs to somebody else and is only read.
+  BufferHandle(const void* data, std::shared_ptr<const void> owner) : buffer_(new (std::align_val_t{64}) Buffer) {
+    buffer_->data = const_cast<void*>(data);
+    buffer_->owner = std::move(owner);
+  }
+  BufferHandle(const BufferHandle& o) : buffer_(o.buffer_) {
+    if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
+  }
+  BufferHandle(BufferHandle&& o) noexcept : buffer_(std::exchange(o.buffer_, nullptr)) {}
+  BufferHandle& operator=(BufferHandle o) noexcept {
+    std::swap(buffer_, o.buffer_);
+    return *this;
+  }
+  ~BufferHandle() {
+    if (buffer_ == nullptr || buffer_->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    if (buffer_->bucket >= 0)
+      BufferPool::give_back(buffer_);
+    else
+      ::operator delete (destroyed(buffer_), std::align_val_t{64});
+  }
+
+  void* data() const { return buffer_ == nullptr ? nullptr : buffer_->data; }
+  /// Nobody else sees this memory, and it may be written.
+  bool unique() const {
+    return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
+  }
+  std::shared_ptr<const void>& packed() const { return buffer_->packed; }
+  explicit operator bool() const { return buffer_ != nullptr; }
+
+ private:
+  static void* destroyed(Buffer* b) {
+    b->~Buffer();
+    return b;
+  }
+  Buffer* buffer_ = nullptr;
+};
+
+}  // namespace detail
+
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
+/// std::vector over an allocator would be compiled with sixty functions for every type).
+template <class T>
+class PoolVector {
+  static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
+                "motionlang::PoolVector: values that move without fail, in memory aligned to 64 bytes");
+
+ public:
+  using value_type = T;
+
+  PoolVector() = default;
+  explicit PoolVector(std::size_t size, const T& value = T{}) {
+    reserve(size);
+    for (; size_ < size; ++size_) ::new (static_cast<void*>(data_ + size_)) T(value);
+  }
+  PoolVector(PoolVector&& o) noexcept
+      : memory_(std::move(o.memory_)),
+        data_(std::exchange(o.data_, nullptr)),
+        size_(std::exchange(o.size_, 0)),
+        capacity_(std::exchange(o.capacity_, 0)) {}
+  PoolVector& operator=(PoolVector&&) = delete;
+  ~PoolVector() {
+    for (std::size_t i = 0; i < size_; ++i) data_[i].~T();
+  }
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T* begin() { return data_; }
+  const T* begin() const { return data_; }
+  T* end() { return data_ + size_; }
+  const T* end() const { return data_ + size_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+
+  void reserve(std::size_t capacity) {
+    if (capacity <= capacity_) return;
+    if (capacity > SIZE_MAX / 2 / sizeof(T)) detail::raise_bad_alloc();
+    detail::BufferHandle larger(capacity * sizeof(T));
+    T* to = static_cast<T*>(larger.data());
+    for (std::size_t i = 0; i < size_; ++i) {
+      ::new (static_cast<void*>(to + i)) T(std::move(data_[i]));
+      data_[i].~T();
+    }
+    memory_ = std::move(larger);
+    data_ = to;
+    capacity_ = capacity;
+  }
+  void push_back(T value) {
+    if (size_ == capacity_) reserve(size_ < 32 ? 64 : 2 * size_);
+    ::new (static_cast<void*>(data_ + size_++)) T(std::move(value));
+  }
+
+ private:
+  detail::BufferHandle memory_;
+  T* data_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
+};
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
+#define MOTIONLANG_HAS_CORE_CONCEPTS_HPP
+/// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
+/// model in tests/laws), and the models.
+
+#ifndef MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP  // <motionlang/core/scalar_math.hpp>
+#define MOTIONLANG_HAS_CORE_SCALAR_MATH_HPP
+/// The elementary functions of `ScalarLike` types, for the built-in ones.
+///
+/// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
+/// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
+
+#include <cmath>  // the functions themselves
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+inline double sqrt(double x) { return std::sqrt(x); }
+inline double exp(double x) { return std::exp(x); }
+inline double log(double x) { return std::log(x); }
+inline double sin(double x) { return std::sin(x); }
+inline double cos(double x) { return std::cos(x); }
+inline double atan2(double y, double x) { return std::atan2(y, x); }
+inline float sqrt(float x) { return std::sqrt(x); }
+inline float exp(float x) { return std::exp(x); }
+inline float log(float x) { return std::log(x); }
+inline float sin(float x) { return std::sin(x); }
+inline float cos(float x) { return std::cos(x); }
+inline float atan2(float y, float x) { return std::atan2(y, x); }
+
+/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
+/// tables of frequencies: thousands of frames later it decides the fourth digit.
+inline float torch_exp(float x) {
+  const float n = std::rint(x * 1.442695040888963407f);
+  const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
+  constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
+                              0.0416664853692054748535156f, 0.166666671633720397949219f, 0.5f};
+  float p = 0.000198527617612853646278381f;
+  for (const float c : series) p = std::fma(p, f, c);
+  return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
+}
+
+/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
+/// be NaN where it is not taken if the result is to be differentiated.
+constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
+constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SHAPE_HPP  // <motionlang/core/shape.hpp>
+#define MOTIONLANG_HAS_CORE_SHAPE_HPP
+/// Sizes of a tensor, stored inline, and the broadcasting rule.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -1326,11 +1431,27 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
+  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a large table is
+  /// not there twice.
+  template <class F>
+  static Tensor written(const Shape& shape, const F& fill) {
+    if constexpr (requires(typename B::tensor t, const Shape& s) {
+                    { t.data() } -> std::same_as<scalar*>;
+                    t = typename B::tensor(s);
+                  }) {
+      typename B::tensor t(checked(shape));
+      fill(t.data());
+      return Tensor(std::move(t));
+    } else {
+      PoolVector<scalar> values(static_cast<std::size_t>(checked(shape).count()));
+      fill(values.data());
+      return from(std::span<const scalar>(values), shape);
+    }
+  }
   /// Standard normal numbers.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
-    std::vector<scalar> values(static_cast<std::size_t>(shape.count()));
-    rng.normal(std::span<scalar>(values));
-    return from(values, shape);
+    return written(shape,
+                   [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
   }
 
   const typename B::tensor& data() const& { return data_; }
@@ -2480,7 +2601,7 @@ template <class S>
 struct AdamwStep {
   S *p = nullptr, *m = nullptr, *v = nullptr;
   const S* g = nullptr;
-  S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
+  S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
 /// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.
@@ -3606,8 +3727,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -5048,8 +5169,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -6488,8 +6609,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 template <class S>
 MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * (S(1) - t.beta1);
-  v = v * t.beta2 + g * g * (S(1) - t.beta2);
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
   return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
 }
 /// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
@@ -7223,10 +7344,9 @@ class ThreadPool {
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
   ThreadPool() {
-    try {
-      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
-    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
-    }
+    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    guard<std::system_error>(start, no_more);
   }
   ~ThreadPool() { stop(); }
 
@@ -7277,16 +7397,16 @@ class ThreadPool {
     inside_ = outer;
   }
   void take_tasks(Share& from) {
+    const auto stop_with_it = [&] {
+      std::scoped_lock lock(sleep_);
+      if (!failure_) failure_ = std::current_exception();
+      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      return true;
+    };
     while (from.next.load(std::memory_order_relaxed) < from.end) {
       const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
       if (i >= from.end) return;
-      try {
-        task_(context_, i);
-      } catch (...) {
-        std::scoped_lock lock(sleep_);
-        if (!failure_) failure_ = std::current_exception();
-        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      }
+      guard_all([&] { task_(context_, i); }, stop_with_it);
     }
   }
 
@@ -7616,7 +7736,7 @@ Index KernelOps<S>::rows_in_cache() {
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  thread_local std::weak_ptr<const detail::PreparedPanels<S>> before;
+  auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
       detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>()));
   if (const auto last = before.lock()) {
@@ -7818,17 +7938,20 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
     if (!d->unique()) *d = Dense<S>::from_span(d->span(), d->shape());
   }
   const double step = static_cast<double>(u.step);
-  const detail::AdamwStep<S> t{.p = parameter.data(),
-                               .m = m.data(),
-                               .v = v.data(),
-                               .g = gradient.data(),
-                               .beta1 = static_cast<S>(u.beta1),
-                               .beta2 = static_cast<S>(u.beta2),
-                               .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
-                               .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
-                               .eps = static_cast<S>(u.eps),
-                               .decay = static_cast<S>(1 - u.lr * u.weight_decay),
-                               .gradient_scale = static_cast<S>(u.gradient_scale)};
+  const detail::AdamwStep<S> t{
+      .p = parameter.data(),
+      .m = m.data(),
+      .v = v.data(),
+      .g = gradient.data(),
+      .beta1 = static_cast<S>(u.beta1),
+      .rest1 = static_cast<S>(1 - u.beta1),  // of doubles: of floats it is wrong in the fifth digit
+      .beta2 = static_cast<S>(u.beta2),
+      .rest2 = static_cast<S>(1 - u.beta2),
+      .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
+      .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
+      .eps = static_cast<S>(u.eps),
+      .decay = static_cast<S>(1 - u.lr * u.weight_decay),
+      .gradient_scale = static_cast<S>(u.gradient_scale)};
   parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 
@@ -8867,6 +8990,8 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
   auto number = [&](std::string_view digits) {
+    while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
+    while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
     if (error != std::errc{} || end != digits.data() + digits.size() || n < 1) {
@@ -9199,6 +9324,9 @@ struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
 
+  Index padded_tokens =
+      0;  // of the batch, if it is padded beyond its longest text, for models that count padding (MDM-SMPL)
+
   Index count() const { return tokens.count(); }
 
   /// From one vector per text.
@@ -9214,6 +9342,7 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
     if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
   }
   out.tokens = detail::some_sequences(text.tokens, which);
+  out.padded_tokens = text.padded_tokens;
   return out;
 }
 
@@ -9289,6 +9418,206 @@ auto encoded_text(const D& denoiser, TextFeatures<B> text) {
 #define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
 /// Sinusoidal positions.
 
+#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
+#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
+/// A small pool of threads and `parallel_for`.
+///
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
+
+#include <condition_variable>  // sleeping workers
+#include <exception>           // exception_ptr: errors in tasks reach the caller
+#include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
+#include <thread>              // workers
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+class ThreadPool {
+ public:
+  static ThreadPool& instance() {
+    static ThreadPool pool;
+    return pool;
+  }
+
+  int size() const { return workers_ + 1; }
+  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  int width() const { return inside_ ? 1 : size(); }
+  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
+  static int number() { return number_; }
+
+  void resize(int threads) {
+    stop();
+    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    stopping_ = false;
+    for (int i = 1; i < threads; ++i) {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
+      ++workers_;
+    }
+  }
+
+  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+  void run(Index count, void (*task)(const void*, Index), const void* context) {
+    if (count == 1 || workers_ == 0 || inside_) {
+      for (Index i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::scoped_lock only_one_caller(caller_);
+    task_ = task;
+    context_ = context;
+    for (int t = 0; t < size(); ++t) {
+      share(t).next.store(count * t / size(), std::memory_order_relaxed);
+      share(t).end = count * (t + 1) / size();
+    }
+    pending_.store(workers_, std::memory_order_relaxed);
+    {
+      std::scoped_lock lock(sleep_);
+      round_.fetch_add(1, std::memory_order_release);
+    }
+    if (asleep_.load() > 0) wake_.notify_all();
+    take_tasks();
+    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+ private:
+  static constexpr int spins_before_sleep = 20000;
+
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
+  struct alignas(64) Share {
+    std::atomic<Index> next{0};
+    Index end = 0;
+  };
+
+  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
+
+  ThreadPool() {
+    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    guard<std::system_error>(start, no_more);
+  }
+  ~ThreadPool() { stop(); }
+
+  static void pause(int spins) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
+  }
+
+  void stop() {
+    {
+      std::scoped_lock lock(sleep_);
+      stopping_ = true;
+      round_.fetch_add(1);
+    }
+    wake_.notify_all();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
+  }
+
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
+  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  static void start(ThreadPool* pool, int number, unsigned seen) {
+    number_ = number;
+    pool->work(seen);
+  }
+  void work(unsigned seen) {
+    inside_ = true;
+    for (;;) {
+      int spins = 0;
+      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
+      if (round_.load(std::memory_order_acquire) == seen) {
+        std::unique_lock lock(sleep_);
+        ++asleep_;
+        wake_.wait(lock, [&] { return round_.load() != seen; });
+        --asleep_;
+      }
+      ++seen;
+      if (stopping_) return;
+      take_tasks();
+      pending_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  void take_tasks() {
+    const bool outer = std::exchange(inside_, true);
+    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
+    inside_ = outer;
+  }
+  void take_tasks(Share& from) {
+    const auto stop_with_it = [&] {
+      std::scoped_lock lock(sleep_);
+      if (!failure_) failure_ = std::current_exception();
+      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      return true;
+    };
+    while (from.next.load(std::memory_order_relaxed) < from.end) {
+      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
+      if (i >= from.end) return;
+      guard_all([&] { task_(context_, i); }, stop_with_it);
+    }
+  }
+
+  inline static thread_local int number_ = 0;
+  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
+  std::mutex caller_, sleep_;
+  std::condition_variable wake_;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0}, asleep_{0};
+  std::atomic<bool> stopping_{false};
+  void (*task_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  std::exception_ptr failure_;
+};
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Threads that `parallel_for` uses here: one inside a task.
+inline int parallel_width() { return detail::ThreadPool::instance().width(); }
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+inline int thread_number() { return detail::ThreadPool::number(); }
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+inline void set_thread_count(int threads) {
+  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
+  detail::ThreadPool::instance().resize(threads);
+}
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::ThreadPool::instance().run(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
@@ -9297,19 +9626,22 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
-  std::vector<typename B::scalar> table(static_cast<std::size_t>(rows * width));
   std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
-  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
-  auto* at = table.data();
-  for (Index p = 0; p < rows; ++p) {
-    for (const float w : frequencies) {
-      const float angle = static_cast<float>(p) * w;
-      *at++ = static_cast<typename B::scalar>(std::sin(angle));
-      *at++ = static_cast<typename B::scalar>(std::cos(angle));
-    }
-  }
-  return Tensor<B, 2>::from(table, {rows, width});
+  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = torch_exp(static_cast<float>(2 * i) * c);
+  using S = typename B::scalar;
+  return Tensor<B, 2>::written({rows, width}, [&](S* table) {
+    parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
+      S* at = table + first * width;
+      for (Index p = first; p < last; ++p) {
+        for (const float w : frequencies) {
+          const float angle = static_cast<float>(p) * w;
+          *at++ = static_cast<S>(std::sin(angle));
+          *at++ = static_cast<S>(std::cos(angle));
+        }
+      }
+    });
+  });
 }
 
 /// The table of a model: computed from its size, so it is neither saved nor loaded.
@@ -9416,7 +9748,7 @@ Tensor<B, R> untouched_zeros(const Shape& shape) {
     return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
   } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
     const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
-    if (zeros == nullptr) throw std::bad_alloc();
+    if (zeros == nullptr) raise_bad_alloc();
     return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
   } else {
     return Tensor<B, R>::zeros(shape);
@@ -9933,207 +10265,6 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 #define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
 /// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
 
-#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
-#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`.
-///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
-
-#include <condition_variable>  // sleeping workers
-#include <exception>           // exception_ptr: errors in tasks reach the caller
-#include <mutex>               // sleeping workers
-#include <system_error>        // no more threads
-#include <thread>              // workers
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-class ThreadPool {
- public:
-  static ThreadPool& instance() {
-    static ThreadPool pool;
-    return pool;
-  }
-
-  int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
-  int width() const { return inside_ ? 1 : size(); }
-  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
-  static int number() { return number_; }
-
-  void resize(int threads) {
-    stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
-    stopping_ = false;
-    for (int i = 1; i < threads; ++i) {
-      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
-      ++workers_;
-    }
-  }
-
-  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
-  void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_ == 0 || inside_) {
-      for (Index i = 0; i < count; ++i) task(context, i);
-      return;
-    }
-    std::scoped_lock only_one_caller(caller_);
-    task_ = task;
-    context_ = context;
-    for (int t = 0; t < size(); ++t) {
-      share(t).next.store(count * t / size(), std::memory_order_relaxed);
-      share(t).end = count * (t + 1) / size();
-    }
-    pending_.store(workers_, std::memory_order_relaxed);
-    {
-      std::scoped_lock lock(sleep_);
-      round_.fetch_add(1, std::memory_order_release);
-    }
-    if (asleep_.load() > 0) wake_.notify_all();
-    take_tasks();
-    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-
-  ThreadPool(const ThreadPool&) = delete;
-  ThreadPool& operator=(const ThreadPool&) = delete;
-
- private:
-  static constexpr int spins_before_sleep = 20000;
-
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
-  struct alignas(64) Share {
-    std::atomic<Index> next{0};
-    Index end = 0;
-  };
-
-  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
-
-  ThreadPool() {
-    try {
-      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
-    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
-    }
-  }
-  ~ThreadPool() { stop(); }
-
-  static void pause(int spins) {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
-  }
-
-  void stop() {
-    {
-      std::scoped_lock lock(sleep_);
-      stopping_ = true;
-      round_.fetch_add(1);
-    }
-    wake_.notify_all();
-    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
-  }
-
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
-  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
-  static void start(ThreadPool* pool, int number, unsigned seen) {
-    number_ = number;
-    pool->work(seen);
-  }
-  void work(unsigned seen) {
-    inside_ = true;
-    for (;;) {
-      int spins = 0;
-      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
-      if (round_.load(std::memory_order_acquire) == seen) {
-        std::unique_lock lock(sleep_);
-        ++asleep_;
-        wake_.wait(lock, [&] { return round_.load() != seen; });
-        --asleep_;
-      }
-      ++seen;
-      if (stopping_) return;
-      take_tasks();
-      pending_.fetch_sub(1, std::memory_order_release);
-    }
-  }
-
-  void take_tasks() {
-    const bool outer = std::exchange(inside_, true);
-    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
-    inside_ = outer;
-  }
-  void take_tasks(Share& from) {
-    while (from.next.load(std::memory_order_relaxed) < from.end) {
-      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
-      if (i >= from.end) return;
-      try {
-        task_(context_, i);
-      } catch (...) {
-        std::scoped_lock lock(sleep_);
-        if (!failure_) failure_ = std::current_exception();
-        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      }
-    }
-  }
-
-  inline static thread_local int number_ = 0;
-  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
-  std::unique_ptr<std::thread[]> threads_;
-  int workers_ = 0;  // threads that run
-  std::mutex caller_, sleep_;
-  std::condition_variable wake_;
-  std::atomic<unsigned> round_{0};
-  std::atomic<int> pending_{0}, asleep_{0};
-  std::atomic<bool> stopping_{false};
-  void (*task_)(const void*, Index) = nullptr;
-  const void* context_ = nullptr;
-  std::exception_ptr failure_;
-};
-
-}  // namespace detail
-
-/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
-inline int thread_count() { return detail::ThreadPool::instance().size(); }
-
-/// Threads that `parallel_for` uses here: one inside a task.
-inline int parallel_width() { return detail::ThreadPool::instance().width(); }
-
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
-inline int thread_number() { return detail::ThreadPool::number(); }
-
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
-inline void set_thread_count(int threads) {
-  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
-  detail::ThreadPool::instance().resize(threads);
-}
-
-/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
-/// caller (the first one). Inside a task it runs serially.
-template <class F>
-void parallel_for(Index count, const F& f) {
-  if (count <= 0) return;
-  detail::ThreadPool::instance().run(
-      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
-}
-
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
-template <class F>
-void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
 /// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
@@ -10490,8 +10621,11 @@ struct MdmSmplDenoiser {
   /// The tokens of the texts, which are the same at every step.
   struct EncodedText {
     Sequences<B> tokens;
+    Index padded_tokens = 0;  // as in TextFeatures
+
+    Index places() const { return std::max(padded_tokens, tokens.offsets.longest()); }
   };
-  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text)}; }
+  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
 
   /// What enters the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
@@ -10510,7 +10644,7 @@ struct MdmSmplDenoiser {
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
-                                         {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
+                                         {0, 1 + text.places() + registers.size(0)});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
     return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
@@ -10536,11 +10670,11 @@ struct MdmSmplDenoiser {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
     return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
   }
-  /// What follows a text stands where it would behind the longest text of the batch.
+  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
-    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
+    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), text.places() - texts.length(s)});
     return out;
   }
 };
@@ -10564,6 +10698,7 @@ struct MdmSmplDenoiser {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
+/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
 /// Like a pointer: the callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
@@ -10577,7 +10712,7 @@ class Progress {
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
-    if (call_ != nullptr && !call_(object_, done, total)) throw cancelled();
+    if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }
 
  private:
@@ -12180,14 +12315,113 @@ class JsonCursor {
 #define MOTIONLANG_HAS_IO_FILE_HPP
 /// Whole files: read, map into memory, and write so that a reader never sees half of one.
 
-#include <fcntl.h>     // open
-#include <sys/mman.h>  // mmap
-#include <sys/stat.h>  // fstat
-#include <unistd.h>    // close, fsync, getpid
-
 #include <cerrno>      // errno
-#include <cstdio>      // rename, remove
-#include <filesystem>  // folder of temporary files
+#include <filesystem>  // symbolic links
+
+#ifndef MOTIONLANG_HAS_IO_DETAIL_SYSTEM_FILE_HPP  // <motionlang/io/detail/system_file.hpp>
+#define MOTIONLANG_HAS_IO_DETAIL_SYSTEM_FILE_HPP
+/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. Failures are told by errno.
+
+#include <fcntl.h>     // open
+#include <sys/stat.h>  // fstat, mkdir
+#include <unistd.h>    // read, write, close, getpid
+#if defined(_WIN32)
+#include <io.h>  // _get_osfhandle, _commit
+#else
+#include <sys/mman.h>  // mmap
+#endif
+
+#if defined(_WIN32)
+// As windows.h declares them, which would bring macros named min, max, near and far.
+struct _SECURITY_ATTRIBUTES;
+extern "C" {
+__declspec(dllimport) void* __stdcall CreateFileMappingA(void* file, _SECURITY_ATTRIBUTES*, unsigned long protection,
+                                                         unsigned long size_high, unsigned long size_low,
+                                                         const char* name);
+__declspec(dllimport) void* __stdcall MapViewOfFile(void* mapping, unsigned long access, unsigned long offset_high,
+                                                    unsigned long offset_low, std::size_t size);
+__declspec(dllimport) int __stdcall UnmapViewOfFile(const void* view);
+__declspec(dllimport) int __stdcall CloseHandle(void*);
+__declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
+}
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+
+#if defined(_WIN32)
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
+/// A file that is not there yet, else errno is EEXIST.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
+/// An open file that has no name any more. Windows knows none.
+inline int create_nameless() { return -1; }
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct _stat64 s {};
+  if (::_fstat64(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline bool flush(int file) { return ::_commit(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  constexpr unsigned long page_readonly = 2, file_map_read = 4;
+  void* const mapping =
+      ::CreateFileMappingA(reinterpret_cast<void*>(::_get_osfhandle(file)), nullptr, page_readonly, 0, 0, nullptr);
+  void* const data = mapping == nullptr ? nullptr : ::MapViewOfFile(mapping, file_map_read, 0, 0, size);
+  if (mapping != nullptr) ::CloseHandle(mapping);
+  if (data == nullptr) errno = ENOMEM;
+  return data;
+}
+inline void unmap(void* data, std::size_t) { ::UnmapViewOfFile(data); }
+inline void forget(void*, std::size_t) {}  // the system does it when it needs memory
+inline bool rename_over(const char* from, const char* to) {
+  constexpr unsigned long replace = 1;
+  if (::MoveFileExA(from, to, replace) != 0) return true;
+  errno = EACCES;  // it is open, or mapped
+  return false;
+}
+inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
+
+#else
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
+/// A file that is not there yet, else errno is EEXIST.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+/// An open file that has no name any more; -1 if there is no place for it.
+inline int create_nameless() {
+  std::error_code none;
+  std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+  const int file = none ? -1 : ::mkstemp(name.data());
+  if (file >= 0) ::unlink(name.c_str());
+  return file;
+}
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct stat s {};
+  if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline bool flush(int file) { return ::fsync(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+  return data == MAP_FAILED ? nullptr : data;
+}
+inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
+/// Gives memory of a mapping back: whoever reads it gets it from the file once more.
+inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
+inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
+inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
+
+#endif
+
+inline bool is_folder(const char* path) {
+  struct stat s {};
+  return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail::system
+#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -12197,7 +12431,8 @@ namespace detail {
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const FilePath& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {
+  /// To read. Throws io_error 401.
+  explicit Descriptor(const FilePath& path) : fd_(system::open_to_read(path.c_str())) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
   }
   ~Descriptor() {
@@ -12209,7 +12444,7 @@ class Descriptor {
   /// Whether all bytes could be written; errno says why not.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
-      const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+      const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) return false;
       bytes = bytes.subspan(static_cast<std::size_t>(n));
@@ -12217,9 +12452,9 @@ class Descriptor {
     return true;
   }
   std::size_t size(const FilePath& path) const {
-    struct stat s {};
-    if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
-    return static_cast<std::size_t>(s.st_size);
+    std::uint64_t size = 0;
+    if (!system::is_regular(fd_, size)) raise<io_error>(401, path.string(), " is not a regular file");
+    return static_cast<std::size_t>(size);
   }
 
  private:
@@ -12238,15 +12473,10 @@ class MappedFile {
   /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
   /// there is no place for it.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
-    std::error_code none;
-    std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-    const int fd = none || bytes.empty() ? -1 : ::mkstemp(name.data());
-    if (fd < 0) return nullptr;
-    const detail::Descriptor file(fd);
-    ::unlink(name.c_str());
-    if (!file.write(bytes)) return nullptr;
+    const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
+    if (file.get() < 0 || !file.write(bytes)) return nullptr;
     auto out = std::shared_ptr<MappedFile>(new MappedFile);
-    return out->map(fd, bytes.size()) ? out : nullptr;
+    return out->map(file.get(), bytes.size()) ? out : nullptr;
   }
   /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes) {
@@ -12265,7 +12495,7 @@ class MappedFile {
       while (*place != this) place = &(*place)->next_;
       *place = next_;
     }
-    ::munmap(data_, size_);
+    detail::system::unmap(data_, size_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -12277,7 +12507,7 @@ class MappedFile {
     constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
     const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
                          end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
-    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
   static void forget_if_mapped(std::span<const std::byte> part) {
@@ -12286,15 +12516,15 @@ class MappedFile {
 
  private:
   explicit MappedFile(const FilePath& path) {
-    const detail::Descriptor file(path, O_RDONLY);
+    const detail::Descriptor file(path);
     const std::size_t size = file.size(path);
     if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
       raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
   }
   MappedFile() = default;
   bool map(int fd, std::size_t size) {
-    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (data == MAP_FAILED) return false;
+    void* const data = detail::system::map(fd, size);
+    if (data == nullptr) return false;
     data_ = data, size_ = size;
     const std::scoped_lock lock(mutex_);
     next_ = std::exchange(first_, this);
@@ -12330,19 +12560,23 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   int opened = -1;
   do {  // a name that no other thread and no other machine has
     temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
-    opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
     const int reason = errno;
     if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
+  const char* wrong = nullptr;
   {
     const detail::Descriptor file(opened);
-    if (file.get() < 0 || !file.write(contents)) failed("write");
-    if (::fsync(file.get()) != 0) failed("flush");
+    if (file.get() < 0 || !file.write(contents))
+      wrong = "write";
+    else if (!detail::system::flush(file.get()))
+      wrong = "flush";
   }
-  if (std::rename(temporary.c_str(), target.c_str()) != 0) failed("rename to");
+  if (wrong != nullptr) failed(wrong);
+  if (!detail::system::rename_over(temporary.c_str(), target.c_str())) failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
@@ -12350,8 +12584,7 @@ inline void write_file(const FilePath& path, std::string_view contents) {
 
 /// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
 inline void make_folder(const FilePath& path) {
-  struct stat s {};
-  if (::mkdir(path.c_str(), 0777) == 0 || (::stat(path.c_str(), &s) == 0 && S_ISDIR(s.st_mode))) return;
+  if (detail::system::make_folder(path.c_str()) || detail::system::is_folder(path.c_str())) return;
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 
@@ -12922,14 +13155,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       const auto numbers = direct<S>(view);
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
-    if constexpr (requires(typename C::tensor t) { { t.data() } -> std::same_as<S*>; }) {  // a large table is not there twice
-      typename C::tensor out(Shape(view.shape));
-      copy_values(view, std::span<S>(out.data(), static_cast<std::size_t>(out.count())));
-      return out;
-    } else {
-      const std::vector<S> values = values_of<S>(view);
-      return C::from_span(std::span<const S>(values), view.shape);
-    }
+    const auto copy = [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(tensor.count()))); };
+    return Tensor<C, R>::written(tensor.shape(), copy).data();
   };
   if constexpr (AutodiffBackend<B>) {
     B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();

@@ -3,6 +3,7 @@
 #   - a folder includes only itself and folders of a lower level
 #   - a third-party package is named only by the header that wraps it; core/ is spared <iostream> and std::function
 #   - motionlang.hpp includes every public header that needs no package
+#   - core/error.hpp alone throws and catches
 #   - what fwd.hpp declares is defined somewhere
 cmake_minimum_required(VERSION 3.24)
 
@@ -67,6 +68,13 @@ foreach(header ${headers})
       check_other_include(${header} ${folder} ${CMAKE_MATCH_1})
     endif()
   endforeach()
+endforeach()
+
+foreach(header ${headers})
+  file(STRINGS ${INCLUDE}/motionlang/${header} lines REGEX "^[^/\"]*(throw;|throw [a-z_:]+\\(|catch \\([a-z.])")
+  if(lines AND NOT header MATCHES "^core/error.hpp$|^io/detail/viewer_page.hpp$")  # the latter has JavaScript
+    problem("${header}: ${lines}")
+  endif()
 endforeach()
 
 file(STRINGS ${INCLUDE}/motionlang/motionlang.hpp umbrella REGEX "^#include <motionlang/")

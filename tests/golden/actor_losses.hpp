@@ -45,7 +45,7 @@ void losses(Case& c) {
   const auto model = ml::convert<A>(golden::loaded(c, ml::Actor<B>(golden::actor_config(c), zeros)));
   const auto x = golden::motions<A>(c);
   const auto y = c.values<Index>("in/y");
-  const auto latent = model.encode(x, y);
+  const auto latent = model.encode(x, y, {}, c.shape("in/x")[3]);
   const auto written = model.decode(latent.sample(tensor<A, 2>(c, "noise/eps")), y, x.offsets);
   const auto lambdas = c.config()["lambdas"];
   auto used = [&](const char* name) { return lambdas.contains(name) ? 1.0 : 0.0; };

@@ -22,6 +22,7 @@ std::string type_name(ml::DType t) {
 
 /// A value of the case, and the one that was read: equal, and of a kind that holds it.
 void expect_value(const nlohmann::json& want, const ml::FileValue* got, const std::string& path) {
+  if (want.is_null()) return expect(got == nullptr, path);
   expect(got != nullptr, "no value at " + path);
   if (want.is_boolean())
     expect(std::get<bool>(got->value) == want.get<bool>(), path);
@@ -46,7 +47,6 @@ void container_read(Case& c) {
   if (config.contains("path")) options.path = config["path"].as<std::string>();
   const auto file = ml::open_weights(path, options);
   expect(file.format() == config["format"].as<std::string>(), "format " + file.format());
-  expect(ml::open_weights(path).names() == file.names(), "without a path other tensors are found");
   for (const ml::TensorView& t : file.tensors()) {
     expect(type_name(t.dtype) == config["dtypes"].value_or(t.name, "nothing"), t.name + " is " + to_string(t.dtype));
     if (t.dtype == ml::DType::U32)

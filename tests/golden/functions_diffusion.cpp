@@ -340,7 +340,7 @@ void training_loss(Case& c) {
   const auto target = ml::from_padded(x0, std::span<const unsigned char>(mask));
   const auto predicted = ml::from_padded(output, std::span<const unsigned char>(mask));
   const auto per_sample = ml::mse_per_sequence(target, predicted.rows);
-  c.out_scalar("loss_stmc_x0", static_cast<double>(ml::padded_mse(target, predicted.rows).item()));
+  c.out_scalar("loss_stmc_x0", static_cast<double>(ml::padded_mse(target, predicted.rows, x0.size(1)).item()));
   golden::out(c, "loss_mdm_per_sample", per_sample);
   c.out_scalar("loss_mdm", static_cast<double>(ml::mean(per_sample).item()));
 }

@@ -84,17 +84,18 @@ void bert_score(Case& c) {
   c.out("idf_ref", c.shape("in/ref_ids"), all_weights(reference_ids));
 
   const auto b = c.config()["baseline"].as<std::vector<double>>();
+  const ml::BertPadding padded{c.shape("in/cand_ids")[1], shape[2]};
   std::vector<double> raw, precision, recall, f;
   for (Index i = 0; i < count; ++i) {
-    const auto candidate = sentence(candidate_ids, candidate_rows, c.shape("in/cand_ids")[1], i);
+    const auto candidate = sentence(candidate_ids, candidate_rows, padded.candidate, i);
     std::vector<ml::BertSentence<S>> own;
     for (Index r = 0; r < references; ++r) {
       own.push_back(reference(i * references + r));
-      const auto s = ml::bert_score(candidate, own.back(), weights);
+      const auto s = ml::bert_score(candidate, own.back(), weights, padded);
       raw.insert(raw.end(), {s.precision, s.recall, s.f});
     }
-    const auto s =
-        ml::bert_score(candidate, std::span<const ml::BertSentence<S>>(own), weights, {b.at(0), b.at(1), b.at(2)});
+    const auto s = ml::bert_score(candidate, std::span<const ml::BertSentence<S>>(own), weights,
+                                  {b.at(0), b.at(1), b.at(2)}, padded);
     precision.push_back(s.precision), recall.push_back(s.recall), f.push_back(s.f);
   }
   c.out("raw_per_reference", {count, references, 3}, raw);

@@ -51,17 +51,18 @@ ml::ChainSkeleton skeleton_of(const Case& c) {
   return skeleton;
 }
 template <class S>
-std::vector<S> features_of(const Case& c, const Vectors<S>& joints) {
-  return ml::mtt_features(skeleton_of(c), std::span<const ml::Vec3<S>>(joints), 24, c.config()["z_up"].as<bool>());
+std::vector<S> features_of(const Case& c, const Vectors<S>& joints, Index count) {
+  return ml::mtt_features(skeleton_of(c), std::span<const ml::Vec3<S>>(joints), count, c.config()["z_up"].as<bool>());
 }
 /// Features of all motions that stand behind each other.
 template <class S>
 std::vector<std::vector<S>> all_features(const Case& c, const std::string& name) {
   const auto joints = vectors<S>(c, name);
   const auto ptr = c.values<Index>("in/" + name + "_ptr");
+  const Index count = c.shape("in/" + name)[1];
   std::vector<std::vector<S>> out;
   for (std::size_t m = 0; m + 1 < ptr.size(); ++m) {
-    out.push_back(features_of<S>(c, {joints.begin() + 24 * ptr[m], joints.begin() + 24 * ptr[m + 1]}));
+    out.push_back(features_of<S>(c, {joints.begin() + count * ptr[m], joints.begin() + count * ptr[m + 1]}, count));
   }
   return out;
 }
@@ -79,7 +80,7 @@ std::vector<ml::Timeline> timelines_of(const Case& c) {
 
 template <class S>
 void features(Case& c) {
-  const auto out = features_of(c, vectors<S>(c, "joints"));
+  const auto out = features_of(c, vectors<S>(c, "joints"), c.shape("in/joints")[1]);
   c.out("features", {std::ssize(out) / 263, 263}, out);
 }
 template <class S>

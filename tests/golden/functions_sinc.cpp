@@ -115,7 +115,7 @@ void generation(Case& c) {
   const auto normalizer = golden::statistics<B>(c, ml::sinc_eps);
   const auto eps = golden::all_noise<B>(c);
   const ml::Offsets length{c.config()["length"].template as<Index>()};
-  if (c.config()["baseline"].template as<std::string>() == "none") {
+  if (c.config()["baseline"].template as<std::string>() != "gpt") {
     ml::SincTexts<B> texts{golden::all_texts<B>(c)};
     texts.motion.assign(static_cast<std::size_t>(texts.states.count()), 0);
     const auto features = model.generate(texts, length, eps).rows;

@@ -19,17 +19,18 @@ void temos_losses(Case& c) {
   const auto m = ml::convert<A>(golden::temos_model<B>(c));
   const auto motion = golden::packed<A>(c, "features", "mask"), text = golden::packed<A>(c, "text_x", "text_mask");
   const auto both = m.branches(text, motion, {golden::noise<A>(c, "eps_text"), golden::noise<A>(c, "eps_motion")});
+  const Index frames = golden::padded_frames(c);
   const auto terms =
       ml::temos_losses(both, motion,
                        {.recons = config["lmd_recons"].template as<double>(),
                         .kl = config["lmd_kl"].template as<double>(),
                         .latent = config["lmd_latent"].template as<double>(),
                         .embedding = config["loss_on_both"].template as<bool>(),
-                        .feats = config["mode"].template as<std::string>() == "xyz" ? "jfeats" : "rfeats"});
+                        .feats = config["mode"].template as<std::string>() == "xyz" ? "jfeats" : "rfeats",
+                        .padded_frames = frames});
   for (const auto& term : terms.terms) golden::out(c, term.name, term.value);
   golden::out(c, "latent_text", both.text.z);
   golden::out(c, "latent_motion", both.motion->z);
-  const Index frames = golden::padded_frames(c);
   golden::out_padded(c, "features_text", motion.with(both.text.frames), frames, Layout::batch_first);
   golden::out_padded(c, "features_motion", motion.with(both.motion->frames), frames, Layout::batch_first);
   const auto loss = terms.total();

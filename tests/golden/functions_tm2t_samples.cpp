@@ -43,9 +43,9 @@ void training_sample(Case& c) {
     for (const auto& line : entry.lines) lengths.push_back(std::ssize(line));
     const auto n = std::to_string(i);
     const auto& line = entry.lines.at(c.scalar<std::size_t>("noise/line" + n));
-    const auto drop = c.scalar<int>("noise/drop" + n) == 0        ? ml::TokenDrop::none
-                      : c.scalar<int>("noise/drop_last" + n) != 0 ? ml::TokenDrop::last
-                                                                  : ml::TokenDrop::first;
+    const auto drop = line.empty() || c.scalar<int>("noise/drop" + n) == 0 ? ml::TokenDrop::none
+                      : c.scalar<int>("noise/drop_last" + n) != 0          ? ml::TokenDrop::last
+                                                                           : ml::TokenDrop::first;
     const auto motion = ml::marked_tokens(line, vocabulary, drop);
     c.out("motion_ids" + n, padded(motion, tokens, vocabulary.pad()));
     c.out("motion_len" + n, {}, std::vector<Index>{std::ssize(motion) - 2});

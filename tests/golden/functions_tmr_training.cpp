@@ -60,6 +60,7 @@ struct Batch {
     if (c.has("in/sent_emb")) sentences = tensor<A, 2>(c, "in/sent_emb");
     const auto config = c.config(), weights = config["lmd"];
     fact = config.value_or("fact", 1.0);
+    options.padded_frames = c.shape("in/motion_mask")[1];
     options.recons = weights["recons"].as<double>();
     options.kl = weights.value_or("kl", 0.0);
     options.latent = weights["latent"].as<double>();

@@ -112,7 +112,7 @@ ml::TextFeatures<B> text_features(const Case& c, const std::string& text = "in/t
   const auto x = tensor<B, 3>(c, text);
   if (!c.has(mask)) return {ml::from_equal(x)};
   const auto valid = c.values<unsigned char>(mask);
-  return {ml::from_padded(x, std::span<const unsigned char>(valid))};
+  return {.tokens = ml::from_padded(x, std::span<const unsigned char>(valid)), .padded_tokens = x.size(1)};
 }
 /// What an MDM is conditioned by: in/text, one-hot rows of in/action (they pick a learned vector), or as many rows
 /// that nobody reads.

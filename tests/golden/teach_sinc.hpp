@@ -61,6 +61,7 @@ ml::SincTexts<B> sinc_texts(const Case& c) {
   ml::SincTexts<B> texts{packed<B>(c, "text_hidden", "text_mask")};
   if (c.has("in/sample_of_text")) texts.motion = c.values<Index>("in/sample_of_text");
   texts.end = ml::last_row(ml::from_equal(states));
+  texts.padded_tokens = states.size(1);
   return texts;
 }
 

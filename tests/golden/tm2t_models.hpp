@@ -46,6 +46,7 @@ inline ml::Seq2SeqConfig seq2seq_config(const ml::JsonView& config) {
           .d_inner = config["d_inner"].as<Index>(),
           .heads = config["n_head"].as<Index>(),
           .head_width = config["d_k"].as<Index>(),
+          .value_width = config.value_or("d_v", Index{0}),
           .encoder_layers = config["n_enc_layers"].as<Index>(),
           .decoder_layers = config["n_dec_layers"].as<Index>(),
           .source_positions = config["n_src_position"].as<Index>(),

@@ -292,7 +292,7 @@ class FolderConversion {
       one.in = file.string();
       one.read = options_in_folder(o_.read, file);
       if (o_.out.empty()) {
-        one.out = beside(file, o_.as);
+        one.out = beside(file, o_.as).string();
       } else if (o_.data_set == nullptr) {
         const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
         fs::create_directories(place.parent_path());
@@ -411,7 +411,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
     if (fs::is_directory(o->in)) {
       if (o->as.empty()) o->as = extension;
     } else if (o->out.empty()) {
-      o->out = beside(o->in, extension);
+      o->out = beside(o->in, extension).string();
     }
     const std::string kind = kind_of(o->out);
     if (o->as.empty() && kind != extension && !(extension == ".svg" && kind == ".png"))

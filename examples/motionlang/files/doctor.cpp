@@ -49,7 +49,7 @@ class Doctor {
     say();
     if (o_.report.empty()) return;
     ml::write_file(o_.report, ml::inspection_html(found_, "motionlang doctor: " + o_.folder));
-    std::printf("Open %s in a browser to see them.\n", fs::absolute(o_.report).c_str());
+    std::printf("Open %s in a browser to see them.\n", fs::absolute(o_.report).string().c_str());
   }
 
  private:

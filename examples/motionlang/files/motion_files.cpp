@@ -73,7 +73,7 @@ void require_other_file(const std::filesystem::path& input, const std::filesyste
 void make_output_folder(const std::string& option, const std::filesystem::path& folder) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
-  if (!problem && ::access(folder.c_str(), W_OK) != 0) problem = {errno, std::generic_category()};
+  if (!problem && ::access(folder.string().c_str(), W_OK) != 0) problem = {errno, std::generic_category()};
   if (problem) ml::raise<ml::io_error>(401, option, " ", folder.string(), ": ", problem.message());
 }
 
@@ -91,6 +91,10 @@ OutputFolder::Made::~Made() {
     std::error_code not_empty;
     std::filesystem::remove(paths.back(), not_empty);
   }
+}
+
+static const char* about_fbx(std::string_view kind) {
+  return kind == ".fbx" ? ": Blender makes FBX of GLB and GLB of FBX, the README has the command" : "";
 }
 
 bool is_gltf(const std::filesystem::path& path) {
@@ -233,7 +237,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else
     ml::raise<ml::config_error>(103, path.string(),
                                 ": motions are read from .bvh, .amc, .npz, .npy, .glb, .gltf, .vrm and .vrma, not '",
-                                kind, "'");
+                                kind, "'", about_fbx(kind));
   std::set<std::string> taken;
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
@@ -261,13 +265,14 @@ std::string write_motion(const std::filesystem::path& path, const ml::Motion& mo
   else
     ml::raise<usage_error>(103, path.string(),
                            ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'",
-                           kind == ".obj" ? ": .obj shows a body, --body says which" : "");
+                           kind == ".obj" ? ": .obj shows a body, --body says which" : about_fbx(kind));
   return line_about(path, motion);
 }
 
 std::string line_about(const std::filesystem::path& path, const ml::Motion& motion) {
-  return formatted("%s: %s at %g per second, %.2f s, %s\n", path.c_str(), counted(motion.frames(), "frame").c_str(),
-                   motion.fps, motion.seconds(), counted(motion.skeleton.size(), "joint").c_str());
+  return formatted("%s: %s at %g per second, %.2f s, %s\n", path.string().c_str(),
+                   counted(motion.frames(), "frame").c_str(), motion.fps, motion.seconds(),
+                   counted(motion.skeleton.size(), "joint").c_str());
 }
 
 std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, const MotionReadOptions& options) {
@@ -277,7 +282,7 @@ std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path
     const ml::Index frames = ml::detect_t_pose_lead_in(m);
     if (frames == 0) continue;
     m = ml::crop(m, frames, m.frames());
-    told += formatted("%s: left out %s an inserted T-pose at the start%s\n", path.c_str(),
+    told += formatted("%s: left out %s an inserted T-pose at the start%s\n", path.string().c_str(),
                       frames == 1 ? "is 1 frame of" : formatted("are %td frames of", frames).c_str(),
                       motions.size() == 1 ? "" : (" of " + m.name).c_str());
   }
@@ -329,8 +334,8 @@ std::string write_features(const std::filesystem::path& path, const ml::Motion& 
   const ml::MotionFeatures& f = ml::motion_features(features);
   const FeatureRows made = feature_rows(motion, f, fps);
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(made.values), {made.rows, f.width}));
-  return formatted("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.c_str(), made.rows, f.width, made.fps,
-                   static_cast<double>(made.rows) / made.fps);
+  return formatted("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.string().c_str(), made.rows, f.width,
+                   made.fps, static_cast<double>(made.rows) / made.fps);
 }
 
 std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
@@ -357,8 +362,8 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
   ml::write_humanml3d_clip(folder, clip, form.form);
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
   ml::write_ids(list, ids);
-  return formatted("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.c_str(), id.c_str(), clip.frames, made.fps,
-                   clip.captions.size());
+  return formatted("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.string().c_str(), id.c_str(),
+                   clip.frames, made.fps, clip.captions.size());
 }
 
 RigWriter rig_writer(const RigOptions& options) {

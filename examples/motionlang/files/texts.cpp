@@ -63,7 +63,8 @@ std::string convert_texts(const std::filesystem::path& in, const std::filesystem
     ml::write_annotations(out, motions);
   std::size_t texts = 0;
   for (const ml::AnnotatedMotion& m : motions) texts += m.annotations.size();
-  return formatted("%s: %zu texts of %zu motions\n", (folder ? out / "texts" : out).c_str(), texts, motions.size());
+  return formatted("%s: %zu texts of %zu motions\n", (folder ? out / "texts" : out).string().c_str(), texts,
+                   motions.size());
 }
 
 }  // namespace program

@@ -48,7 +48,7 @@ bool holds_joints(const std::filesystem::path& npy) {
 
 void show_weights(const std::filesystem::path& path) {
   const auto file = ml::open_weights(path);
-  std::printf("%s: %s\n", path.c_str(), summary(file).c_str());
+  std::printf("%s: %s\n", path.string().c_str(), summary(file).c_str());
   if (std::filesystem::is_directory(path)) std::printf("%s", describe_folder(path).c_str());
   for (const ml::FileValue& v : file.values()) {
     const std::string text = to_string(v);
@@ -85,7 +85,7 @@ void convert_weights(const std::filesystem::path& in, const std::filesystem::pat
   const auto rounded = store.views();
   tensors.insert(tensors.end(), rounded.begin(), rounded.end());
   ml::write_safetensors(out, tensors, metadata);
-  std::printf("%s: %s\n", out.c_str(), summary(ml::open_weights(out)).c_str());
+  std::printf("%s: %s\n", out.string().c_str(), summary(ml::open_weights(out)).c_str());
   show_skipped(file);
 }
 

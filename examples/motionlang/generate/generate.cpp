@@ -224,7 +224,7 @@ void run(const GenerateOptions& o) {
                                 : "noise " + std::filesystem::path(settings.noise_file).filename().string();
   const auto page = std::filesystem::path(o.out) / (name + ".html");
   ml::write_viewer(page, made, {.title = name, .info = drawn + ", model " + model.filename().string()});
-  std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).c_str());
+  std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).string().c_str());
 }
 
 }  // namespace

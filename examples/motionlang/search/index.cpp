@@ -164,7 +164,8 @@ class Indexer {
     LicenseFiles licenses(folder);
     licenses_ = &licenses;
     const auto files = file_states(folder);
-    if (files.empty()) std::fprintf(stderr, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below %s\n", folder.c_str());
+    if (files.empty())
+      std::fprintf(stderr, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below %s\n", folder.string().c_str());
     const auto fresh = changed_files(files, folder);
     bool stopped = false;
     {
@@ -187,7 +188,7 @@ class Indexer {
     for (const auto& [clip, lines] : lines_of_)
       if (!named_.contains(clip))
         std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), ml::printable(clip).c_str(),
-                     folder.c_str());
+                     folder.string().c_str());
   }
 
   void open_model() {

@@ -129,7 +129,8 @@ class Search {
     const std::string summary = ml::concat_text(
         "The nearest ", kind(), " of ", gallery(), " in ", o_.index);
     ml::write_file(o_.html, ml::search_html(found_, query_text(), summary));
-    if (!o_.json) std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).c_str());
+    if (!o_.json)
+      std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).string().c_str());
   }
   ml::Motion motion_of(const ml::FoundMotion& f) const {
     for (const ml::Motion& m : read_motions(f.clip.path, options_in_folder(o_.read, f.clip.path))) {

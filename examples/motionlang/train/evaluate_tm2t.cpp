@@ -95,7 +95,7 @@ class BertJudge {
               ml::raise<ml::config_error>(101, "--bert-layer ", layers, ": ", folder.string(), " has ", all, " layers");
             if (layers > 0) network.layers.resize(static_cast<std::size_t>(layers));
             std::printf("BERTScore by layer %td of %td of %s, without a baseline\n", std::ssize(network.layers), all,
-                        folder.c_str());
+                        folder.string().c_str());
           } else {
             ml::raise<ml::config_error>(102, "--bert ", folder.string(),
                                         " is CLIP; BERTScore needs one of the BERT family");

@@ -65,8 +65,8 @@ void run(const TrainOptions& o) {
                 {known_words_entry, listed_words(data.all_captions())},
                 {"version", MOTIONLANG_VERSION}});
   trainer.task().export_model(weights, about);
-  std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n", weights.c_str(),
-              curve.c_str(), weights.c_str());
+  std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n",
+              weights.string().c_str(), curve.string().c_str(), weights.string().c_str());
 }
 
 }  // namespace

@@ -195,7 +195,7 @@ class Trainer {
       if (!go_on) {
         bar.finish();
         std::fprintf(stderr, "stopped at step %td; the same command goes on from %s\n", steps_done(),
-                     checkpoint.c_str());
+                     checkpoint.string().c_str());
         throw ml::cancelled();
       }
     }

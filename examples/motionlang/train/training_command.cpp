@@ -68,7 +68,7 @@ void tell_parts(const DescribedMotions& data) {
               data.validation.size(), data.test.size(), data.left_out.told().c_str());
 }
 void tell_results(const TrainingOptions& o, const std::filesystem::path& model) {
-  std::printf("model    %s\nlosses   %s\n", model.c_str(), (o.run.out / "loss.svg").c_str());
+  std::printf("model    %s\nlosses   %s\n", model.string().c_str(), (o.run.out / "loss.svg").string().c_str());
 }
 
 DescribedMotions read_data(const TrainingOptions&, const DataSources& sources, const DataConfig& config,

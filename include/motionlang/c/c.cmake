@@ -8,7 +8,7 @@ if(TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)  # not componen
   target_link_libraries(motionlang_c PRIVATE motionlang::motionlang)
   target_include_directories(motionlang_c INTERFACE
                              $<TARGET_PROPERTY:motionlang::motionlang,INTERFACE_INCLUDE_DIRECTORIES>)
-  target_compile_options(motionlang_c PRIVATE -O3)
+  target_compile_options(motionlang_c PRIVATE -O3 -fexceptions)  # what is thrown ends in it, so it may serve programs without exceptions
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
     target_link_options(motionlang_c PRIVATE LINKER:--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map)
   endif()

@@ -14,7 +14,9 @@
 
 #include <stdint.h>
 
-#if defined(MOTIONLANG_C_BUILD)
+#if defined(MOTIONLANG_C_BUILD) && defined(_WIN32)
+#define MOTIONLANG_C_API __declspec(dllexport)
+#elif defined(MOTIONLANG_C_BUILD)
 #define MOTIONLANG_C_API __attribute__((visibility("default")))
 #else
 #define MOTIONLANG_C_API

@@ -12,12 +12,13 @@
 #include <cstdint>      // sizes
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
-#include <new>          // bad_alloc
+#include <new>          // objects in memory that is there
 #include <type_traits>  // is_trivially_copyable
 #include <utility>      // exchange
 
+#include <motionlang/core/error.hpp>
 #include <motionlang/core/large_memory.hpp>
-#include <motionlang/version.hpp>
+#include <motionlang/core/thread_object.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -41,10 +42,7 @@ struct alignas(64) Buffer {
 /// comes from the system and returns to it.
 class BufferPool {
  public:
-  static BufferPool& local() {
-    thread_local BufferPool pool;
-    return pool;
-  }
+  static BufferPool& local() { return thread_object<BufferPool>(); }
 
   /// A buffer of at least so many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
@@ -73,16 +71,15 @@ class BufferPool {
     give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
-  BufferPool(const BufferPool&) = delete;
-  BufferPool& operator=(const BufferPool&) = delete;
-
- private:
   BufferPool() = default;
   ~BufferPool() {
     gone_ = true;
     trim();
   }
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
 
+ private:
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {
@@ -205,7 +202,7 @@ class PoolVector {
 
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
-    if (capacity > SIZE_MAX / 2 / sizeof(T)) throw std::bad_alloc();
+    if (capacity > SIZE_MAX / 2 / sizeof(T)) detail::raise_bad_alloc();
     detail::BufferHandle larger(capacity * sizeof(T));
     T* to = static_cast<T*>(larger.data());
     for (std::size_t i = 0; i < size_; ++i) {

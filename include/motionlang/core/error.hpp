@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Errors: one hierarchy, one id for each kind of failure, one place that throws.
+/// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
+///
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
+/// defined: it gets the exception as an object, and must not return.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -9,14 +12,17 @@
 
 #include <charconv>          // to_chars: messages without streams and without the locale
 #include <concepts>          // integral, floating_point
+#include <cstdio>            // fputs
 #include <cstdlib>           // abort
 #include <initializer_list>  // parts of a message
+#include <new>               // bad_alloc
 #include <stdexcept>         // runtime_error
 #include <string>            // string
 #include <string_view>       // string_view
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
 
+#include <motionlang/core/thread_object.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/version.hpp>
 
@@ -149,10 +155,7 @@ inline std::string concat_parts(std::initializer_list<TextPart> parts) {
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() {
-    thread_local std::vector<std::string> path;
-    return path;
-  }
+  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
@@ -215,7 +218,60 @@ struct ModuleScope {
 
 namespace detail {
 
-/// The one place that throws an `error`. Define MOTIONLANG_THROW(exception) to replace it where exceptions are disabled.
+#ifdef __cpp_exceptions
+inline constexpr bool has_exceptions = true;
+#else
+inline constexpr bool has_exceptions = false;
+#endif
+
+/// The one place that throws.
+template <class E>
+[[noreturn]] void throw_exception(const E& exception) {
+#if defined(MOTIONLANG_THROW)
+  MOTIONLANG_THROW(exception);
+  std::abort();
+#elif defined(__cpp_exceptions)
+  throw exception;
+#else
+  std::fputs(exception.what(), stderr);
+  std::fputs("\n", stderr);
+  std::abort();
+#endif
+}
+[[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
+
+/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
+/// Returns whether f came to its end.
+template <class E, class F, class H>
+bool guard(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (const E& e) {
+    if (!handle(e)) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+/// The same for whatever it throws: handle() sees std::current_exception().
+template <class F, class H>
+bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
+#ifdef __cpp_exceptions
+  try {
+    f();
+  } catch (...) {
+    if (!handle()) throw;
+    return false;
+  }
+#else
+  f();
+#endif
+  return true;
+}
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
@@ -223,12 +279,7 @@ template <class E>
   const auto& path = ModulePath::names();
   for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
 #endif
-#ifdef MOTIONLANG_THROW
-  MOTIONLANG_THROW(E(id, text));
-  std::abort();
-#else
-  throw E(id, text);
-#endif
+  throw_exception(E(id, text));
 }
 
 }  // namespace detail

@@ -7,13 +7,14 @@
 #include <cstddef>  // sizes
 #include <cstdlib>  // aligned_alloc
 #include <memory>   // shared_ptr
-#include <new>      // bad_alloc
 #if defined(__linux__)
 #include <cstdint>     // addresses
 #include <sys/mman.h>  // mmap, madvise
+#elif defined(_WIN32)
+#include <malloc.h>  // _aligned_malloc
 #endif
 
-#include <motionlang/version.hpp>
+#include <motionlang/core/error.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -27,12 +28,12 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 }  // namespace detail
 
 /// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
-inline void* take_memory(std::size_t bytes, std::size_t used) {
+inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
     const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
     void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (start == MAP_FAILED) throw std::bad_alloc();
+    if (start == MAP_FAILED) detail::raise_bad_alloc();
     const auto address = reinterpret_cast<std::uintptr_t>(start);
     const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
     std::byte* memory = static_cast<std::byte*>(start) + before;
@@ -44,20 +45,28 @@ inline void* take_memory(std::size_t bytes, std::size_t used) {
     return memory;
   }
 #endif
+#if defined(_WIN32)
+  void* memory = ::_aligned_malloc(bytes + 1, 64);
+#else
   void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
-  if (memory == nullptr) throw std::bad_alloc();
+#endif
+  if (memory == nullptr) detail::raise_bad_alloc();
   return memory;
 }
 
 /// Gives back what take_memory(bytes, ...) gave.
-inline void give_memory(void* memory, std::size_t bytes) noexcept {
+inline void give_memory(void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
     ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
     return;
   }
 #endif
+#if defined(_WIN32)
+  ::_aligned_free(memory);
+#else
   std::free(memory);
+#endif
 }
 
 /// Room for `count` numbers, not initialised.

@@ -88,10 +88,9 @@ class ThreadPool {
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
   ThreadPool() {
-    try {
-      resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256));
-    } catch (const std::system_error&) {  // the system gives no more threads: those that began will do
-    }
+    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    guard<std::system_error>(start, no_more);
   }
   ~ThreadPool() { stop(); }
 
@@ -142,16 +141,16 @@ class ThreadPool {
     inside_ = outer;
   }
   void take_tasks(Share& from) {
+    const auto stop_with_it = [&] {
+      std::scoped_lock lock(sleep_);
+      if (!failure_) failure_ = std::current_exception();
+      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      return true;
+    };
     while (from.next.load(std::memory_order_relaxed) < from.end) {
       const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
       if (i >= from.end) return;
-      try {
-        task_(context_, i);
-      } catch (...) {
-        std::scoped_lock lock(sleep_);
-        if (!failure_) failure_ = std::current_exception();
-        for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      }
+      guard_all([&] { task_(context_, i); }, stop_with_it);
     }
   }
 

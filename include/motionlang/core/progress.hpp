@@ -10,6 +10,7 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
+/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
 /// Like a pointer: the callable must outlive it, so a temporary one does not compile.
 class Progress {
  public:
@@ -23,7 +24,7 @@ class Progress {
 
   /// Throws `cancelled` if the caller answers false.
   void operator()(Index done, Index total) const {
-    if (call_ != nullptr && !call_(object_, done, total)) throw cancelled();
+    if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }
 
  private:

@@ -24,6 +24,18 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
+/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
+/// tables of frequencies: thousands of frames later it decides the fourth digit.
+inline float torch_exp(float x) {
+  const float n = std::rint(x * 1.442695040888963407f);
+  const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
+  constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
+                              0.0416664853692054748535156f, 0.166666671633720397949219f, 0.5f};
+  float p = 0.000198527617612853646278381f;
+  for (const float c : series) p = std::fma(p, f, c);
+  return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
+}
+
 /// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
 /// be NaN where it is not taken if the result is to be differentiated.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }

@@ -89,8 +89,11 @@ struct MdmSmplDenoiser {
   /// The tokens of the texts, which are the same at every step.
   struct EncodedText {
     Sequences<B> tokens;
+    Index padded_tokens = 0;  // as in TextFeatures
+
+    Index places() const { return std::max(padded_tokens, tokens.offsets.longest()); }
   };
-  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text)}; }
+  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
 
   /// What enters the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
@@ -109,7 +112,7 @@ struct MdmSmplDenoiser {
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
-                                         {0, 1 + text.tokens.offsets.longest() + registers.size(0)});
+                                         {0, 1 + text.places() + registers.size(0)});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
     return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
@@ -135,11 +138,11 @@ struct MdmSmplDenoiser {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
     return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
   }
-  /// What follows a text stands where it would behind the longest text of the batch.
+  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
-    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), texts.longest() - texts.length(s)});
+    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), text.places() - texts.length(s)});
     return out;
   }
 };

@@ -203,7 +203,7 @@ struct MotionDiffuseDenoiser {
     for (std::size_t s = 0; s < t.size(); ++s) {
       for (Index k = 0; k < half; ++k) {
         const float w =
-            std::exp(static_cast<float>(-std::log(10000.0)) * static_cast<float>(k) / static_cast<float>(half));
+            torch_exp(static_cast<float>(-std::log(10000.0)) * static_cast<float>(k) / static_cast<float>(half));
         const float angle = static_cast<float>(t[s]) * w;
         values[s * static_cast<std::size_t>(2 * half) + static_cast<std::size_t>(k)] = static_cast<S>(std::cos(angle));
         values[s * static_cast<std::size_t>(2 * half) + static_cast<std::size_t>(half + k)] =

@@ -36,6 +36,8 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
   auto number = [&](std::string_view digits) {
+    while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
+    while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
     if (error != std::errc{} || end != digits.data() + digits.size() || n < 1) {

@@ -2,20 +2,14 @@
 /// Whole files: read, map into memory, and write so that a reader never sees half of one.
 #pragma once
 
-#include <fcntl.h>     // open
-#include <sys/mman.h>  // mmap
-#include <sys/stat.h>  // fstat
-#include <unistd.h>    // close, fsync, getpid
-
 #include <algorithm>   // min, max
 #include <atomic>      // numbers of temporary files
 #include <cerrno>      // errno
 #include <cstddef>     // byte
 #include <cstdint>     // addresses
-#include <cstdio>      // rename, remove
-#include <cstdlib>     // mkstemp
+#include <cstdio>      // remove
 #include <cstring>     // strerror
-#include <filesystem>  // folder of temporary files
+#include <filesystem>  // symbolic links
 #include <memory>      // shared_ptr
 #include <mutex>       // list of mapped files
 #include <span>        // contents
@@ -23,6 +17,7 @@
 #include <utility>     // exchange
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/io/detail/system_file.hpp>
 #include <motionlang/io/file_path.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -33,7 +28,8 @@ namespace detail {
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const FilePath& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {
+  /// To read. Throws io_error 401.
+  explicit Descriptor(const FilePath& path) : fd_(system::open_to_read(path.c_str())) {
     if (fd_ < 0) raise<io_error>(401, "cannot open ", path.string(), ": ", std::strerror(errno));
   }
   ~Descriptor() {
@@ -45,7 +41,7 @@ class Descriptor {
   /// Whether all bytes could be written; errno says why not.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
-      const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+      const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) return false;
       bytes = bytes.subspan(static_cast<std::size_t>(n));
@@ -53,9 +49,9 @@ class Descriptor {
     return true;
   }
   std::size_t size(const FilePath& path) const {
-    struct stat s {};
-    if (::fstat(fd_, &s) != 0 || !S_ISREG(s.st_mode)) raise<io_error>(401, path.string(), " is not a regular file");
-    return static_cast<std::size_t>(s.st_size);
+    std::uint64_t size = 0;
+    if (!system::is_regular(fd_, size)) raise<io_error>(401, path.string(), " is not a regular file");
+    return static_cast<std::size_t>(size);
   }
 
  private:
@@ -74,15 +70,10 @@ class MappedFile {
   /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
   /// there is no place for it.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
-    std::error_code none;
-    std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-    const int fd = none || bytes.empty() ? -1 : ::mkstemp(name.data());
-    if (fd < 0) return nullptr;
-    const detail::Descriptor file(fd);
-    ::unlink(name.c_str());
-    if (!file.write(bytes)) return nullptr;
+    const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
+    if (file.get() < 0 || !file.write(bytes)) return nullptr;
     auto out = std::shared_ptr<MappedFile>(new MappedFile);
-    return out->map(fd, bytes.size()) ? out : nullptr;
+    return out->map(file.get(), bytes.size()) ? out : nullptr;
   }
   /// The one in which these bytes lie, or nothing. It lasts as long as whoever keeps the bytes.
   static const MappedFile* that_holds(std::span<const std::byte> bytes) {
@@ -101,7 +92,7 @@ class MappedFile {
       while (*place != this) place = &(*place)->next_;
       *place = next_;
     }
-    ::munmap(data_, size_);
+    detail::system::unmap(data_, size_);
   }
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -113,7 +104,7 @@ class MappedFile {
     constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
     const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
                          end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
-    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
   static void forget_if_mapped(std::span<const std::byte> part) {
@@ -122,15 +113,15 @@ class MappedFile {
 
  private:
   explicit MappedFile(const FilePath& path) {
-    const detail::Descriptor file(path, O_RDONLY);
+    const detail::Descriptor file(path);
     const std::size_t size = file.size(path);
     if (size > 0 && !map(file.get(), size))  // an empty mapping is an error of mmap
       raise<io_error>(401, "cannot map ", path.string(), ": ", std::strerror(errno));
   }
   MappedFile() = default;
   bool map(int fd, std::size_t size) {
-    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (data == MAP_FAILED) return false;
+    void* const data = detail::system::map(fd, size);
+    if (data == nullptr) return false;
     data_ = data, size_ = size;
     const std::scoped_lock lock(mutex_);
     next_ = std::exchange(first_, this);
@@ -166,19 +157,23 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   int opened = -1;
   do {  // a name that no other thread and no other machine has
     temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
-    opened = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
   auto failed = [&](const char* what) {
     const int reason = errno;
     if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
+  const char* wrong = nullptr;
   {
     const detail::Descriptor file(opened);
-    if (file.get() < 0 || !file.write(contents)) failed("write");
-    if (::fsync(file.get()) != 0) failed("flush");
+    if (file.get() < 0 || !file.write(contents))
+      wrong = "write";
+    else if (!detail::system::flush(file.get()))
+      wrong = "flush";
   }
-  if (std::rename(temporary.c_str(), target.c_str()) != 0) failed("rename to");
+  if (wrong != nullptr) failed(wrong);
+  if (!detail::system::rename_over(temporary.c_str(), target.c_str())) failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
@@ -186,8 +181,7 @@ inline void write_file(const FilePath& path, std::string_view contents) {
 
 /// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
 inline void make_folder(const FilePath& path) {
-  struct stat s {};
-  if (::mkdir(path.c_str(), 0777) == 0 || (::stat(path.c_str(), &s) == 0 && S_ISDIR(s.st_mode))) return;
+  if (detail::system::make_folder(path.c_str()) || detail::system::is_folder(path.c_str())) return;
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 

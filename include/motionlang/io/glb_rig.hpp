@@ -36,14 +36,13 @@ class GlbRig {
     }
     std::string reasons;
     for (Index skin = 0; skin < skins; ++skin) {
-      try {
-        find_joints(skin);
-        return;
-      } catch (const config_error& e) {
-        if (e.id() != 103) throw;
+      const auto find = [&] { find_joints(skin); };
+      const auto not_it = [&](const config_error& e) {
         const std::string_view what = e.what();
         reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
-      }
+        return e.id() == 103;
+      };
+      if (detail::guard<config_error>(find, not_it)) return;
     }
     raise<config_error>(103, file(), ": none of ", skins, " skins is a body that is known", reasons);
   }

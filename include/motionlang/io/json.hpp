@@ -46,20 +46,24 @@ inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, 
     if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
     return true;
   };
-  try {
-    return nlohmann::json::parse(part, shallow);
-  } catch (const nlohmann::json::parse_error& e) {
+  const auto malformed = [&](const nlohmann::json::parse_error& e) -> bool {
     const std::string_view message = e.what();
     const std::size_t detail = message.rfind(": ");  // behind id and position
     raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
                detail == message.npos ? message : message.substr(detail + 2));
-  } catch (const nlohmann::json::out_of_range& e) {  // ... parsing '1e999'
+  };
+  const auto too_large = [&](const nlohmann::json::out_of_range& e) -> bool {  // ... parsing '1e999'
     const std::string_view message = e.what();
     const std::size_t number = message.find('\'') + 1;
     const std::size_t at = part.find(message.substr(number, message.rfind('\'') - number));
     raise_json(text, begin + std::min(at, size), name, "a number beyond the range of double");
-  }
-  return {};
+  };
+  nlohmann::json document;
+  const auto parse = [&] { document = nlohmann::json::parse(part, shallow, has_exceptions); };
+  guard<nlohmann::json::parse_error>([&] { guard<nlohmann::json::out_of_range>(parse, too_large); }, malformed);
+  if (document.is_discarded())
+    raise_json(text, begin, name, "not JSON, or a number beyond the range of double");  // no exceptions
+  return document;
 }
 
 }  // namespace detail

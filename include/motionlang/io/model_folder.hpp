@@ -120,13 +120,14 @@ inline void write_model_folder(const FilePath& path, const ModelFolder& model, s
   };
   fs::create_directories(part, problem);
   check("make");
-  try {
+  const auto write = [&] {
     write_safetensors(part / detail::model_weights_file, tensors, {{"format", "motionlang"}});
     write_file(part / detail::model_config_file, std::string_view(config));
-  } catch (...) {
+  };
+  detail::guard_all(write, [&] {
     fs::remove_all(part, problem);
-    throw;
-  }
+    return false;
+  });
   if (!text_encoder_files.empty()) fs::create_directories(part / "text_encoder", problem);
   check("make text_encoder in");
   for (const fs::path& file : text_encoder_files) {

@@ -59,14 +59,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
       const auto numbers = direct<S>(view);
       if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
     }
-    if constexpr (requires(typename C::tensor t) { { t.data() } -> std::same_as<S*>; }) {  // a large table is not there twice
-      typename C::tensor out(Shape(view.shape));
-      copy_values(view, std::span<S>(out.data(), static_cast<std::size_t>(out.count())));
-      return out;
-    } else {
-      const std::vector<S> values = values_of<S>(view);
-      return C::from_span(std::span<const S>(values), view.shape);
-    }
+    const auto copy = [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(tensor.count()))); };
+    return Tensor<C, R>::written(tensor.shape(), copy).data();
   };
   if constexpr (AutodiffBackend<B>) {
     B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();

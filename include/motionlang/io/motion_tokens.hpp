@@ -66,7 +66,7 @@ struct TokenEntryOptions {
   bool cut_again = false;
 };
 
-/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out.
+/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only those of no length).
 inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions,
                                              TokenLines lines, const TokenEntryOptions& options = {}) {
   std::vector<TokenEntry> out;
@@ -77,7 +77,8 @@ inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<co
       continue;
     }
     TokenEntry part{id, {}, {c}};
-    bool any = false;
+    const auto token = [&](double seconds) { return static_cast<Index>(seconds * options.tokens_per_second); };
+    bool any = options.cut_again && token(c.start) < token(c.end);
     for (const auto& line : lines) {
       auto at = [&](double seconds) {
         return line.begin() + static_cast<Index>(std::min(std::max(0.0, seconds * options.tokens_per_second),

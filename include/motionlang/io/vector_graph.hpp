@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of the nearest are
-/// found, in time that grows with the logarithm of the gallery. Without hnswlib every search is exact.
+/// found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions, every search is exact.
 ///
 ///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of so many vectors or more
 ///     write_motion_index("moves.index", index, graphs);
@@ -19,7 +19,7 @@
 #include <motionlang/io/motion_index_file.hpp>
 #include <motionlang/search/motion_search.hpp>
 
-#if __has_include(<hnswlib/hnswlib.h>)
+#if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
 #define MOTIONLANG_HAS_HNSWLIB 1
 #ifndef NO_MANUAL_VECTORIZATION
 #define NO_MANUAL_VECTORIZATION  // distances are ours; hnswlib's bring functions that must not stand in two translation units
@@ -179,11 +179,11 @@ class VectorGraph : public VectorSearch {
     detail::check_graph(bytes, known, name);
     const detail::ScratchFile file;
     write_file(file.path(), bytes);
-    try {
-      g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
-    } catch (const std::exception& e) {
-      raise<io_error>(403, name, ": ", e.what());
-    }
+    detail::guard<std::exception>(
+        [&] {
+          g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
+        },
+        [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
     g.graph_->num_deleted_ = 0;                                             // hnswlib leaves it open
     g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));  // else every addition draws the same levels
     g.add_from(known, progress);

@@ -268,14 +268,12 @@ class WeightReader {
   template <class F>
   void attempt(const std::string& name, F read) {
     constexpr std::uint64_t visits_of_a_failure = 50;
-    try {
-      read();
-    } catch (const io_error& e) {
+    guard<io_error>(read, [&](const io_error& e) {
       visits_left_ -= std::min(visits_left_, visits_of_a_failure);
-      if (selected() && e.id() != 404) throw;
-      if (selected() && options_.strict) throw;
+      if (selected() && (e.id() != 404 || options_.strict)) return false;
       skip(name, "");
-    }
+      return true;
+    });
   }
   void skip(const std::string& name, const char* what) {
     if (options_.strict && selected())

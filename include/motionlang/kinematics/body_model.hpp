@@ -37,24 +37,6 @@ struct PosedBody {
 
 namespace detail {
 
-/// A tensor whose numbers fill(S*) writes.
-template <Backend B, int R, class F>
-Tensor<B, R> written_tensor(const Shape& shape, F fill) {
-  using S = typename B::scalar;
-  if constexpr (requires(typename B::tensor t, const Shape& s) {
-                  { t.data() } -> std::same_as<S*>;
-                  t = typename B::tensor(s);
-                }) {
-    typename B::tensor t(shape);
-    fill(t.data());
-    return Tensor<B, R>(std::move(t));
-  } else {
-    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
-    fill(values.data());
-    return Tensor<B, R>::from(std::span<const S>(values), shape);
-  }
-}
-
 /// The kinematic chain, joint after joint. rest(j) and local(j) give a joint's rest position and rotation;
 /// put(j, R, p, t) takes its world rotation, its position, and t = p - R rest(j), which skinning needs.
 template <class S, class Rest, class Local, class Put>
@@ -91,7 +73,7 @@ Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
   } else {
     using S = typename B::scalar;
     const std::span<const S> from = rotations.span();
-    return detail::written_tensor<B, 3>({n, j, 9}, [&](S* to) {
+    return Tensor<B, 3>::written({n, j, 9}, [&](S* to) {
       parallel_for(n, [&](Index pose) {
         for (Index i = pose * j; i < (pose + 1) * j; ++i) {
           const auto m = matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
@@ -274,7 +256,7 @@ struct BodyModel {
   Tensor<B, 3> surface(const Tensor<B, 2>& coefficients, const S* transforms) const {
     const std::shared_ptr<const Surface> made = packed ? packed : std::make_shared<const Surface>(empty_surface());
     const Index n = coefficients.size(0);
-    return detail::written_tensor<B, 3>({n, vertices(), 3}, [&](S* to) {
+    return Tensor<B, 3>::written({n, vertices(), 3}, [&](S* to) {
       parallel_for(blocks() * ((n + block_poses - 1) / block_poses), [&](Index task) {
         const Index i = task % blocks(), top = task / blocks() * block_poses, end = std::min(n, top + block_poses);
         const auto b = packed ? made->blocks[static_cast<std::size_t>(i)] : block(i);
@@ -342,7 +324,7 @@ struct BodyModel {
     const Index n = rotations.size(0);
     const auto j = parents.size();
     const S *rest_at = rest.span().data(), *rotation_at = rotations.span().data(), *tau_at = translation.span().data();
-    return detail::written_tensor<B, 3>({n, joints(), 3}, [&](S* positions) {
+    return Tensor<B, 3>::written({n, joints(), 3}, [&](S* positions) {
       constexpr Index block = 64;  // poses for a thread at a time: whole groups, whatever the lanes
       parallel_for((n + block - 1) / block, [&](Index part) {
         with_widest_lanes<S>([&]<class L>() {

@@ -2,6 +2,8 @@
 /// Losses that compare numbers with numbers.
 #pragma once
 
+#include <algorithm>  // max
+
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
@@ -34,20 +36,27 @@ Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
   return mean(detail::huber(a - b));
 }
 
-/// Sum of squares over the rows, divided by what a padded batch would have divided by: sequences * longest * width.
-///     loss = sum (a - b)^2 / (count * longest * width)
+namespace detail {
+/// Numbers of a batch that is padded to so many frames, or to the longest sequence.
+template <Backend B>
+double padded_count(const Sequences<B>& a, Index frames) {
+  return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
+}
+}  // namespace detail
+
+/// Sum of squares over the rows, divided by what a padded batch would have divided by:
+///     loss = sum (a - b)^2 / (count * frames * width)
+/// frames  that the batch is padded to, if more than the longest sequence has
 /// Source  STMC training (spec diffusion.md, section 9): padding adds nothing to the sum but counts in the mean.
 template <Backend B>
-Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b) {
-  const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
-  return sum(square(a.rows - b)) * (1.0 / n);
+Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
+  return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
 /// smooth_l1 with the same mean over a padded batch. Source  spec temos.md 6.1, tmr.md 6.1
 template <Backend B>
-Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b) {
-  const double n = static_cast<double>(a.count() * a.offsets.longest() * a.width());
-  return sum(detail::huber(a.rows - b)) * (1.0 / n);
+Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
+  return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
 /// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec teach.md 3

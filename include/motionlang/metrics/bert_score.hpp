@@ -12,8 +12,8 @@
 ///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
 ///         bert-score; spec evaluation-guo.md 6.5
-/// Differs from the package: pairs with padding count as similarity 0 there, which shows only where all similarities of a
-///         token are negative; here there is no padding
+/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are negative: beside padding
+/// (BertPadding) their largest is 0.
 #pragma once
 
 #include <algorithm>  // max
@@ -49,6 +49,11 @@ struct BertSentence {
   Rows<S> embeddings;
 };
 
+/// Tokens that the sentences of a batch are padded to; 0: none is.
+struct BertPadding {
+  Index candidate = 0, reference = 0;
+};
+
 struct BertScore {
   double precision = 0, recall = 0, f = 0;
 };
@@ -59,15 +64,17 @@ inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575}
 /// whose tokens have no weight is 0.
 /// Throws shape_error 204 unless every token has its row and all rows the same width
 template <Scalar S>
-BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights) {
+BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights,
+                     const BertPadding& padding = {}) {
   for (const BertSentence<S>* s : {&candidate, &reference})
     detail::require_same_count("bert_score: tokens against rows", std::ssize(s->ids), s->embeddings.size());
   if (candidate.ids.size() <= 2 || reference.ids.size() <= 2) return {};
   const auto similarity = cosine_similarities(candidate.embeddings, reference.embeddings);
-  auto side = [&](const std::vector<Index>& ids, std::size_t others, auto at) {
+  auto side = [&](const std::vector<Index>& ids, std::size_t others, Index padded, auto at) {
     double sum = 0, all = 0;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       double best = at(i, std::size_t{0});
+      if (static_cast<Index>(others) < padded) best = std::max(best, 0.0);
       for (std::size_t j = 1; j < others; ++j) best = std::max(best, at(i, j));
       sum += weights(ids[i]) * best, all += weights(ids[i]);
     }
@@ -75,8 +82,10 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
   };
   const std::size_t n = candidate.ids.size(), m = reference.ids.size();
   BertScore out;
-  out.precision = side(candidate.ids, m, [&](std::size_t i, std::size_t j) { return similarity[i * m + j]; });
-  out.recall = side(reference.ids, n, [&](std::size_t j, std::size_t i) { return similarity[i * m + j]; });
+  out.precision =
+      side(candidate.ids, m, padding.reference, [&](std::size_t i, std::size_t j) { return similarity[i * m + j]; });
+  out.recall =
+      side(reference.ids, n, padding.candidate, [&](std::size_t j, std::size_t i) { return similarity[i * m + j]; });
   const double sum = out.precision + out.recall;
   out.f = sum != 0 ? 2 * out.precision * out.recall / sum : 0;
   return out;
@@ -85,11 +94,11 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
 /// Of several references. Throws shape_error 204, numeric_error 302 of none
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
-                     const BertWeights& weights, const BertScore& baseline = {}) {
+                     const BertWeights& weights, const BertScore& baseline = {}, const BertPadding& padding = {}) {
   if (references.empty()) raise<numeric_error>(302, "bert_score: no reference");
-  BertScore out = bert_score(candidate, references.front(), weights);
+  BertScore out = bert_score(candidate, references.front(), weights, padding);
   for (const BertSentence<S>& r : references.subspan(1)) {
-    const BertScore s = bert_score(candidate, r, weights);
+    const BertScore s = bert_score(candidate, r, weights, padding);
     out = {std::max(out.precision, s.precision), std::max(out.recall, s.recall), std::max(out.f, s.f)};
   }
   auto rescaled = [](double x, double b) { return (x - b) / (1 - b); };

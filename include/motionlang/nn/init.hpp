@@ -35,7 +35,7 @@ Tensor<B, R> untouched_zeros(const Shape& shape) {
     return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
   } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
     const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
-    if (zeros == nullptr) throw std::bad_alloc();
+    if (zeros == nullptr) raise_bad_alloc();
     return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
   } else {
     return Tensor<B, R>::zeros(shape);

@@ -2,9 +2,11 @@
 /// Sinusoidal positions.
 #pragma once
 
-#include <cmath>  // exp, sin, cos
+#include <cmath>  // sin, cos
 
 #include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/scalar_math.hpp>
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
@@ -16,19 +18,22 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Backend B>
 Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
   if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
-  std::vector<typename B::scalar> table(static_cast<std::size_t>(rows * width));
   std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
   const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
-  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = std::exp(static_cast<float>(2 * i) * c);
-  auto* at = table.data();
-  for (Index p = 0; p < rows; ++p) {
-    for (const float w : frequencies) {
-      const float angle = static_cast<float>(p) * w;
-      *at++ = static_cast<typename B::scalar>(std::sin(angle));
-      *at++ = static_cast<typename B::scalar>(std::cos(angle));
-    }
-  }
-  return Tensor<B, 2>::from(table, {rows, width});
+  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = torch_exp(static_cast<float>(2 * i) * c);
+  using S = typename B::scalar;
+  return Tensor<B, 2>::written({rows, width}, [&](S* table) {
+    parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
+      S* at = table + first * width;
+      for (Index p = first; p < last; ++p) {
+        for (const float w : frequencies) {
+          const float angle = static_cast<float>(p) * w;
+          *at++ = static_cast<S>(std::sin(angle));
+          *at++ = static_cast<S>(std::cos(angle));
+        }
+      }
+    });
+  });
 }
 
 /// The table of a model: computed from its size, so it is neither saved nor loaded.

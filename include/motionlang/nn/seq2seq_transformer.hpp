@@ -8,6 +8,8 @@
 /// Differs from nn/transformer_decoder.hpp in the names and number of the projections, and in the eps of the norms
 #pragma once
 
+#include <cmath>  // sqrt
+
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/nn/pooling.hpp>
@@ -24,6 +26,7 @@ struct Seq2SeqConfig {
   Index target_symbols = 4200;  // what is written
   Index target_width = 0;       // of the vectors that the decoder reads; 0: it reads symbols
   Index d_model = 512, d_inner = 2048, heads = 8, head_width = 64;
+  Index value_width = 0;  // of each head; 0: as wide as its queries
   Index encoder_layers = 4, decoder_layers = 4;
   Index source_positions = 100, target_positions = 50;
   bool shared_projection = true;  // what is written goes by the vectors of the symbols that are read
@@ -35,8 +38,8 @@ namespace detail {
 constexpr double seq2seq_eps = 1e-6;  // of all norms
 
 template <Backend B>
-LayerNorm<B> seq2seq_norm(Index width) {
-  LayerNorm<B> norm(width);
+motionlang::LayerNorm<B> seq2seq_norm(Index width) {  // not the kernels' LayerNorm
+  motionlang::LayerNorm<B> norm(width);
   norm.eps = seq2seq_eps;
   return norm;
 }
@@ -45,6 +48,17 @@ Linear<B> xavier_uniform_linear(Index in, Index out, Rng auto& rng) {
   Linear<B> layer(in, out, rng);
   layer.weight = xavier_uniform<B>({out, in}, rng);
   return layer;
+}
+
+/// Heads of another width, side by side: zeros behind each head, or the first columns of each.
+template <Backend B>
+Tensor<B, 2> resized_heads(const Tensor<B, 2>& x, Index heads, Index width) {
+  const Index own = x.size(1) / heads;
+  if (own == width) return x;
+  const auto each = reshape<2>(x, {x.size(0) * heads, own});
+  return reshape<2>(
+      own < width ? concat(1, each, Tensor<B, 2>::zeros({each.size(0), width - own})) : slice(each, 1, 0, width),
+      {x.size(0), heads * width});
 }
 
 }  // namespace detail
@@ -66,11 +80,12 @@ struct Seq2SeqAttention {
   Seq2SeqAttention(const Seq2SeqConfig& c, Rng auto& rng)
       : w_qs(detail::xavier_uniform_linear<B>(c.d_model, c.heads * c.head_width, rng)),
         w_ks(detail::xavier_uniform_linear<B>(c.d_model, c.heads * c.head_width, rng)),
-        w_vs(detail::xavier_uniform_linear<B>(c.d_model, c.heads * c.head_width, rng)),
-        fc(detail::xavier_uniform_linear<B>(c.heads * c.head_width, c.d_model, rng)),
+        w_vs(detail::xavier_uniform_linear<B>(c.d_model, c.heads * value_width(c), rng)),
+        fc(detail::xavier_uniform_linear<B>(c.heads * value_width(c), c.d_model, rng)),
         layer_norm(detail::seq2seq_norm<B>(c.d_model)),
         heads(c.heads),
         dropout_p(c.dropout) {}
+  static Index value_width(const Seq2SeqConfig& c) { return c.value_width > 0 ? c.value_width : c.head_width; }
 
   /// causal: row i reads the memory up to row i.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& memory, bool causal,
@@ -80,8 +95,18 @@ struct Seq2SeqAttention {
   /// The same with keys and values that are known.
   Tensor<B, 2> read(const Sequences<B>& x, const Sequences<B>& keys, const Tensor<B, 2>& values, bool causal,
                     const Context& context = {}) const {
-    const auto heard = attention(w_qs(x.rows), keys.rows, values, x.offsets, keys.offsets,
-                                 {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+    const AttentionOptions options{.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)};
+    const auto queries = w_qs(x.rows);
+    // Heads of one width: zeros add nothing to products, and what stands behind the values is cut off again.
+    const Index key = keys.width() / heads, value = values.size(1) / heads, wide = std::max(key, value);
+    const auto heard =
+        key == value ? attention(queries, keys.rows, values, x.offsets, keys.offsets, options)
+                     : detail::resized_heads(
+                           attention(detail::resized_heads(queries, heads, wide) *
+                                         std::sqrt(static_cast<double>(wide) / static_cast<double>(key)),
+                                     detail::resized_heads(keys.rows, heads, wide),
+                                     detail::resized_heads(values, heads, wide), x.offsets, keys.offsets, options),
+                           heads, value);
     return layer_norm(fc(heard, Activation::none, &x.rows, next_dropout(dropout_p, context)));
   }
 };

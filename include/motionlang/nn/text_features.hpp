@@ -11,6 +11,9 @@ struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
 
+  Index padded_tokens =
+      0;  // of the batch, if it is padded beyond its longest text, for models that count padding (MDM-SMPL)
+
   Index count() const { return tokens.count(); }
 
   /// From one vector per text.
@@ -26,6 +29,7 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
     if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
   }
   out.tokens = detail::some_sequences(text.tokens, which);
+  out.padded_tokens = text.padded_tokens;
   return out;
 }
 

@@ -84,9 +84,11 @@ struct Actor {
       autoregressive_decoder.emplace(features, classes, t, c.max_len, c.concatenate_time, rng);
   }
 
-  /// x: frames of `actor_frame_features`; one action per motion. Throws shape_error 203 for an action that is no class.
-  LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {}) const {
-    if (average_encoder) return (*average_encoder)(x, context);
+  /// x: frames of `actor_frame_features`; one action per motion. padded_frames: see ActorAverageEncoder.
+  /// Throws shape_error 203 for an action that is no class.
+  LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {},
+                           Index padded_frames = 0) const {
+    if (average_encoder) return (*average_encoder)(x, context, padded_frames);
     if (gru_encoder) return (*gru_encoder)(x, actions);
     if (fc_encoder) return (*fc_encoder)(x, actions, config.num_classes);
     return (*encoder)(x, actions, context);

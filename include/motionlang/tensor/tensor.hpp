@@ -5,9 +5,11 @@
 /// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 #pragma once
 
+#include <concepts>     // tensors that can be written
 #include <type_traits>  // is_arithmetic
 #include <vector>       // values
 
+#include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/rng.hpp>
 
@@ -47,11 +49,27 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
+  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a large table is
+  /// not there twice.
+  template <class F>
+  static Tensor written(const Shape& shape, const F& fill) {
+    if constexpr (requires(typename B::tensor t, const Shape& s) {
+                    { t.data() } -> std::same_as<scalar*>;
+                    t = typename B::tensor(s);
+                  }) {
+      typename B::tensor t(checked(shape));
+      fill(t.data());
+      return Tensor(std::move(t));
+    } else {
+      PoolVector<scalar> values(static_cast<std::size_t>(checked(shape).count()));
+      fill(values.data());
+      return from(std::span<const scalar>(values), shape);
+    }
+  }
   /// Standard normal numbers.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
-    std::vector<scalar> values(static_cast<std::size_t>(shape.count()));
-    rng.normal(std::span<scalar>(values));
-    return from(values, shape);
+    return written(shape,
+                   [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
   }
 
   const typename B::tensor& data() const& { return data_; }

@@ -72,10 +72,11 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts
+  LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
-    const Index longest = x.offsets.longest();
-    auto frames = dropped(sequence(x)), padding = dropped(padding_of(x.offsets));
+    const Index longest = std::max(padded_frames, x.offsets.longest());
+    auto frames = dropped(sequence(x)), padding = dropped(padding_of(x.offsets, longest));
     for (const auto& layer : seqTransEncoder.layers) {
       const auto next = frames.with(layer(frames.rows, frames.offsets, context));
       if (padding.offsets.rows() > 0) padding = detail::layer_of_readers(layer, padding, frames, context);
@@ -87,12 +88,13 @@ struct ActorAverageEncoder {
   }
 
  private:
-  /// Embedded frames of zeros at the positions behind the end of each sequence.
-  Sequences<B> padding_of(const Offsets& offsets) const {
+  /// Embedded frames of zeros at the positions behind the end of each sequence, up to so many.
+  Sequences<B> padding_of(const Offsets& offsets, Index longest) const {
+    detail::require_positions("ActorAverageEncoder", positions.rows(), longest);
     PoolVector<Index> at, lengths;
     for (Index s = 0; s < offsets.count(); ++s) {
-      for (Index t = offsets.length(s); t < offsets.longest(); ++t) at.push_back(t);
-      lengths.push_back(offsets.longest() - offsets.length(s));
+      for (Index t = offsets.length(s); t < longest; ++t) at.push_back(t);
+      lengths.push_back(longest - offsets.length(s));
     }
     return {gather(positions.rows(), at) + skelEmbedding.bias, Offsets(std::span<const Index>(lengths))};
   }

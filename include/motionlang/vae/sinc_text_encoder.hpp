@@ -16,6 +16,7 @@ struct SincTexts {
   Sequences<B> states;                // the last states of the language model, with those of [CLS] and [SEP]
   std::vector<Index> motion{};        // of which motion each text is: 0, ..., 0, 1, ...; empty: one text for each
   std::optional<Tensor<B, 2>> end{};  // (texts, text_dim): see SincTextEncoder::joined
+  Index padded_tokens = 0;            // of the batch, if it is padded beyond its longest text
 
   /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one number for each text.
   Offsets per_motion() const {
@@ -66,7 +67,7 @@ struct SincTextEncoder {
   /// Throws       config_error 101 if `texts.end` is needed and not there
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
-    const Index width = text.mu_token.size(0), longest = words.longest();
+    const Index width = text.mu_token.size(0), longest = std::max(words.longest(), texts.padded_tokens);
     const bool cut = legacy_mask && of_motion.longest() > 1 && !(words == Offsets::equal(words.count(), longest));
     if (cut && !texts.end)
       raise<config_error>(101,

@@ -69,6 +69,7 @@ struct TemosLossOptions {
   bool embedding = true;         // the term between z_T and z_M; a deterministic model always has it
   std::string feats = "jfeats";  // in the names of the reconstructions: "rfeats" for rotations
   ReconstructionMean mean = ReconstructionMean::padded_batch;
+  Index padded_frames = 0;  // of that batch, if it is padded beyond its longest motion
 };
 
 /// recons_F2F, recons_text2F: those that there are frames for.
@@ -80,7 +81,7 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
     if (frames.count() == 0) return;
     out.add("recons_" + from + "2" + options.feats, options.recons,
             options.mean == ReconstructionMean::sequences ? smooth_l1_of_sequences(motion, frames)
-                                                          : padded_smooth_l1(motion, frames));
+                                                          : padded_smooth_l1(motion, frames, options.padded_frames));
   };
   if (branches.motion) reconstruct(options.feats, branches.motion->frames);
   reconstruct("text", branches.text.frames);
@@ -125,6 +126,7 @@ struct TmrLossOptions {
   double threshold = 0.8;  // of similar texts, see false_negatives; 0: none are filtered
   double margin = 10;
   bool cross_modal_kl = true, gaussian_kl = true;  // of the four divergences of TEMOS, all of which TMR has
+  Index padded_frames = 0;                         // as in TemosLossOptions
 };
 
 /// recons and kl (the sums of TEMOS' terms), latent, contrastive; those that model and options have.
@@ -136,8 +138,10 @@ template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
                          const Tensor<B, 0>* temperature = nullptr) {
-  const auto parts = temos_losses(
-      branches, motion, TemosLossOptions{.cross_modal_kl = options.cross_modal_kl, .gaussian_kl = options.gaussian_kl});
+  const auto parts = temos_losses(branches, motion,
+                                  TemosLossOptions{.cross_modal_kl = options.cross_modal_kl,
+                                                   .gaussian_kl = options.gaussian_kl,
+                                                   .padded_frames = options.padded_frames});
   LossTerms<B> out;
   if (branches.text.frames.count() > 0) out.add("recons", options.recons, parts.sum_of("recons_"));
   if (!branches.text.distribution.deterministic()) out.add("kl", options.kl, parts.sum_of("kl_"));

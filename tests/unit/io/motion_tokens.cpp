@@ -18,7 +18,8 @@ TEST_CASE("token lines: there and back, and what is refused with its line") {
 
 TEST_CASE("entries: parts by their seconds, the whole clip with all of its tokens, unless as published") {
   const auto captions = ml::parse_captions(
-      "all#all/NOUN#0.0#0.0\nlate#late/ADV#1.0#9.0\nearly#early/ADV#0.0#0.4\nnothing#nothing/NOUN#5.0#6.0\n");
+      "all#all/NOUN#0.0#0.0\nlate#late/ADV#1.0#9.0\nearly#early/ADV#0.0#0.4\nnothing#nothing/NOUN#5.0#6.0\n"
+      "instant#instant/NOUN#0.2#0.3\n");
   const TokenLines lines{{0, 1, 2, 3, 4, 5, 6, 7}};
   const auto entries = ml::token_entries("c", captions, lines);
   REQUIRE(entries.size() == 3);
@@ -29,8 +30,11 @@ TEST_CASE("entries: parts by their seconds, the whole clip with all of its token
   CHECK(entries[2].lines == lines);
   CHECK(entries[2].captions.size() == 1);
   const auto published = ml::token_entries("c", captions, lines, {.cut_again = true});
+  REQUIRE(published.size() == 4);  // the part of no length alone is left out
   CHECK(published[1].lines == TokenLines{{5, 6}});
+  CHECK(published[2].name == "c_5.000000_6.000000");
   CHECK(published[2].lines == TokenLines{{}});
+  CHECK(published[3].lines == TokenLines{{}});
   CHECK(ml::token_entries("c", std::span(captions).subspan(1), lines).size() == 2);  // no caption of the whole clip
 }
 

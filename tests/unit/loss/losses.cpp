@@ -30,11 +30,14 @@ TEST_CASE("losses of sequences: padding counts in one, not in the other") {
   const ml::Sequences<B> a(Matrix::zeros({4, 2}), ml::Offsets{1, 3});
   const auto b = Matrix::from({1, 1, 2, 0, 0, 2, 0, 0}, {4, 2});
   CHECK(ml::padded_mse(a, b).item() == Approx((2 + 8) / 12.0));  // as if both had 3 frames
+  CHECK(ml::padded_mse(a, b, 5).item() == Approx((2 + 8) / 20.0));
+  CHECK(ml::padded_mse(a, b, 2).item() == Approx((2 + 8) / 12.0));
   const auto each = ml::mse_per_sequence(a, b);
   CHECK(each.shape() == ml::Shape{2});
   CHECK(each.span()[0] == Approx(1));
   CHECK(each.span()[1] == Approx(8 / 6.0));
   CHECK(ml::padded_smooth_l1(a, b).item() == Approx((0.5 + 0.5 + 1.5 + 1.5) / 12.0));
+  CHECK(ml::padded_smooth_l1(a, b, 4).item() == Approx((0.5 + 0.5 + 1.5 + 1.5) / 16.0));
   // each on its own: (0.5 + 0.5) / 2 and (1.5 + 1.5) / 6
   CHECK(ml::smooth_l1_of_sequences(a, b).item() == Approx((0.5 + 0.5) / 2));
   CHECK_ERROR(ml::padded_mse(a, Matrix::zeros({4, 3})), "[motionlang.shape.202]");

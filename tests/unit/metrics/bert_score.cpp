@@ -46,6 +46,20 @@ TEST_CASE("bert_score: rare words weigh more, start and end nothing") {
   CHECK(ml::bert_score(Sentence({2}).view(), b.view(), weights).precision == 0);  // no weight at all
 }
 
+TEST_CASE("bert_score: beside padding no token is less than unlike") {
+  Sentence a({3}), c({4});  // all tokens of one the opposite of all of the other
+  for (std::size_t i = 0; i < a.rows.size(); ++i) a.rows[i] = i % 8 == 5 ? -1 : 0, c.rows[i] = i % 8 == 5 ? 1 : 0;
+  ml::BertWeights weights;
+  weights.add(std::vector<Index>{7});
+  CHECK(ml::bert_score(a.view(), c.view(), weights).precision == Approx(-1));
+  CHECK(ml::bert_score(a.view(), c.view(), weights, {.reference = 3}).precision ==
+        Approx(-1));  // as long as the longest
+  const auto beside_longer = ml::bert_score(a.view(), c.view(), weights, {.reference = 4});
+  CHECK(beside_longer.precision == 0);
+  CHECK(beside_longer.recall == Approx(-1));
+  CHECK(ml::bert_score(a.view(), c.view(), weights, {.candidate = 4}).recall == 0);
+}
+
 TEST_CASE("bert_score: the best of each figure, with a baseline") {
   const Sentence a({2, 3}), b({4, 5}), c({2, 3});
   ml::BertWeights weights;

@@ -83,6 +83,11 @@ TEST_CASE("positions: the table, rows beyond it, gaps") {
   CHECK(table.span()[4] == doctest::Approx(std::sin(1.0)).epsilon(1e-6));
   CHECK(table.span()[7] == doctest::Approx(std::cos(0.01)).epsilon(1e-6));
   CHECK_ERROR(ml::sinusoidal_positions<B>(10, 5), "[motionlang.config.101]");
+  // Figures of torch.exp (1.13, float): the third is one unit above the correctly rounded number, the fourth one below.
+  CHECK(ml::torch_exp(0) == 1);
+  CHECK(ml::torch_exp(-0x1.26bb1cp-4f) == 0x1.dc73fp-1f);
+  CHECK(ml::torch_exp(-0x1.def00ep-1f) == 0x1.91d648p-2f);
+  CHECK(ml::torch_exp(-0x1.01e3b8p+0f) == 0x1.75f034p-2f);
 
   const ml::Sequences<B> zeros(Matrix::zeros({5, 4}), Offsets{2, 3});
   const auto with = ml::add_positions(zeros, table);

@@ -16,6 +16,7 @@ using ml::Index, ml::Offsets, ml::IdSequences;
 using B = ml::ReferenceBackend<double>;
 using A = ml::Autodiff<B>;
 using tensors::distance, tensors::normal;
+using Matrix = ml::Tensor<B, 2>;
 
 namespace {
 
@@ -77,6 +78,40 @@ TEST_CASE("transformer: a one-hot source is its symbols; vectors go where vector
   config.shared_projection = true;
   ml::Philox rng;
   CHECK_ERROR(ml::Seq2SeqTransformer<B>(config, rng), "[motionlang.config.101]");
+}
+
+TEST_CASE("transformer: values of another width than queries and keys") {
+  for (const Index width : {Index{2}, Index{6}}) {
+    auto config = small_config();
+    config.value_width = width;
+    const auto m = small_transformer(config);
+    const auto& layer = m.encoder.layer_stack[0].slf_attn;
+    CHECK(layer.w_vs.weight.shape() == ml::Shape{config.heads * width, config.d_model});
+    CHECK(layer.fc.weight.shape() == ml::Shape{config.d_model, config.heads * width});
+    const ml::Sequences<B> x(normal<B, 2>({5, config.d_model}, 3), Offsets{2, 3});
+    const auto heard = layer(x, x, true);
+    // By definition: a softmax of q k^T / sqrt(head_width) for each head, row by row.
+    const auto q = layer.w_qs(x.rows), k = layer.w_ks(x.rows), v = layer.w_vs(x.rows);
+    std::vector<double> out;
+    for (Index s = 0; s < 2; ++s) {
+      for (Index i = x.offsets.begin(s); i < x.offsets.end(s); ++i) {
+        for (Index h = 0; h < config.heads; ++h) {
+          const Index w = config.head_width;
+          auto part = [](const Matrix& t, Index row, Index rows, Index head, Index size) {
+            return ml::slice(ml::slice(t, 0, row, row + rows), 1, head * size, (head + 1) * size);
+          };
+          const Index first = x.offsets.begin(s), seen = i + 1 - first;
+          const auto share =
+              ml::softmax(ml::matmul(part(q, i, 1, h, w), part(k, first, seen, h, w), {.transpose_b = true}) *
+                          (1 / std::sqrt(static_cast<double>(w))));
+          for (const double value : ml::matmul(share, part(v, first, seen, h, width)).to_vector()) out.push_back(value);
+        }
+      }
+    }
+    const auto expected =
+        layer.layer_norm(layer.fc(Matrix::from(out, {5, config.heads * width}), ml::Activation::none, &x.rows));
+    CHECK(distance(heard, expected) < 1e-12);
+  }
 }
 
 TEST_CASE(

@@ -90,6 +90,8 @@ TEST_CASE("ACTOR: a motion in a batch is encoded and decoded as if it were alone
       // The mean of average_encoder counts padding: there the shorter one is another.
       const bool padded = config.encoder == ActorEncoderKind::average && s == 0;
       CHECK((distance(alone.mu, ml::slice(latent.mu, 0, s, s + 1)) < 1e-5) != padded);
+      const auto beside_a_longer = model.encode(one, action, {}, x.offsets.longest());
+      CHECK(distance(beside_a_longer.mu, ml::slice(latent.mu, 0, s, s + 1)) < 1e-5);
       CHECK(distance(model.decode(ml::slice(latent.mu, 0, s, s + 1), action, one.offsets).rows, together[s]) < 1e-5);
     }
   }

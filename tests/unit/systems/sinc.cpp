@@ -88,12 +88,12 @@ TEST_CASE("the published mask hides the last token of a further text and shows t
   CHECK_ERROR(model.encode_text(without_end), "[motionlang.config.101] SincTextEncoder: the published mask");
 }
 
-TEST_CASE("the published mask, as it lies over the padded batch: shifted by one behind the first text") {
+void check_published_mask(const std::vector<Index>& lengths) {
   const Index words = 4;
   const auto padded = normal<B, 3>({6, words, 5}, 30);
-  const std::vector<Index> lengths{3, 4, 1, 2, 4, 2}, motion{0, 0, 0, 1, 2, 2};
+  const std::vector<Index> motion{0, 0, 0, 1, 2, 2};
   const Texts texts{ml::from_padded(padded, std::span<const Index>(lengths)), motion,
-                    ml::last_row(ml::from_equal(padded))};
+                    ml::last_row(ml::from_equal(padded)), words};
   const auto model = small::sinc<B>(SincMode::separate_texts);
   const auto& encoder = model.textencoder.text;
   const auto table = ml::concat(0, encoder.beginning(), encoder.separation(), ml::Tensor<B, 2>::zeros({1, 8}),
@@ -118,6 +118,11 @@ TEST_CASE("the published mask, as it lies over the padded batch: shifted by one 
   const auto seen = ml::from_padded(sequence, std::span<const unsigned char>(mask));
   CHECK(model.textencoder.joined(texts, true).offsets == seen.offsets);
   CHECK(distance(model.encode_text(texts).mu, encoder.encode(seen).mu) < 1e-13);
+}
+TEST_CASE("the published mask, as it lies over the padded batch: shifted by one behind the first text") {
+  check_published_mask({3, 4, 1, 2, 4, 2});
+  check_published_mask({3, 3, 1, 2, 3, 2});  // no text is as long as the padding
+  check_published_mask({3, 3, 3, 3, 3, 3});
 }
 
 TEST_CASE("texts say in order of which motion they are") {

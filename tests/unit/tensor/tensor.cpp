@@ -1,5 +1,7 @@
 // Tensor handles: making, reading, sharing, and what is refused.
+#include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/backend/reference.hpp>
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
@@ -22,6 +24,24 @@ TEST_CASE("values go in and out in row-major order") {
   CHECK(Tensor<0>(7.0).item() == 7);
   CHECK(Tensor<3>(7.0).shape() == ml::Shape{1, 1, 1});  // one number broadcasts against anything
   CHECK(Tensor<2>::zeros({0, 3}).span().empty());
+}
+
+template <ml::Backend C>
+void check_written() {
+  using S = typename C::scalar;
+  const auto t = ml::Tensor<C, 2>::written({2, 3}, [](S* to) {
+    for (int i = 0; i < 6; ++i) to[i] = static_cast<S>(i);
+  });
+  CHECK(t.shape() == ml::Shape{2, 3});
+  CHECK(t.to_vector() == std::vector<S>{0, 1, 2, 3, 4, 5});
+}
+TEST_CASE("numbers are written where the tensor will have them") {
+  check_written<B>();
+  check_written<ml::ReferenceBackend<double>>();
+  check_written<ml::Autodiff<B>>();
+  const float* place = nullptr;
+  const auto t = Tensor<1>::written({1}, [&](float* to) { *to = 7, place = to; });
+  CHECK(t.data().data() == place);
 }
 
 TEST_CASE("the same seed gives the same random tensor") {
@@ -74,4 +94,6 @@ TEST_CASE("what does not fit is refused") {
   CHECK_ERROR(Tensor<1>::zeros({3}).item(), "[motionlang.shape.205]");
   CHECK_ERROR(Tensor<1>::zeros({3}).size(1), "[motionlang.shape.203]");
   CHECK_ERROR(Tensor<1>::zeros({-1}), "[motionlang.shape.205]");
+  CHECK_ERROR(Tensor<1>::written({-1}, [](float*) {}), "[motionlang.shape.205]");
+  CHECK_ERROR(Tensor<1>::written({2, 3}, [](float*) {}), "[motionlang.shape.206]");
 }

@@ -12,6 +12,7 @@
 #include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
+#include <motionlang/core/thread_object.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -258,7 +259,7 @@ Index KernelOps<S>::rows_in_cache() {
 template <Scalar S>
 void KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
-  thread_local std::weak_ptr<const detail::PreparedPanels<S>> before;
+  auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
       detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>()));
   if (const auto last = before.lock()) {
@@ -460,17 +461,20 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
     if (!d->unique()) *d = Dense<S>::from_span(d->span(), d->shape());
   }
   const double step = static_cast<double>(u.step);
-  const detail::AdamwStep<S> t{.p = parameter.data(),
-                               .m = m.data(),
-                               .v = v.data(),
-                               .g = gradient.data(),
-                               .beta1 = static_cast<S>(u.beta1),
-                               .beta2 = static_cast<S>(u.beta2),
-                               .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
-                               .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
-                               .eps = static_cast<S>(u.eps),
-                               .decay = static_cast<S>(1 - u.lr * u.weight_decay),
-                               .gradient_scale = static_cast<S>(u.gradient_scale)};
+  const detail::AdamwStep<S> t{
+      .p = parameter.data(),
+      .m = m.data(),
+      .v = v.data(),
+      .g = gradient.data(),
+      .beta1 = static_cast<S>(u.beta1),
+      .rest1 = static_cast<S>(1 - u.beta1),  // of doubles: of floats it is wrong in the fifth digit
+      .beta2 = static_cast<S>(u.beta2),
+      .rest2 = static_cast<S>(1 - u.beta2),
+      .step = static_cast<S>(u.lr / (1 - std::pow(u.beta1, step))),
+      .correction = static_cast<S>(1 / std::sqrt(1 - std::pow(u.beta2, step))),
+      .eps = static_cast<S>(u.eps),
+      .decay = static_cast<S>(1 - u.lr * u.weight_decay),
+      .gradient_scale = static_cast<S>(u.gradient_scale)};
   parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 

@@ -89,7 +89,7 @@ template <class S>
 struct AdamwStep {
   S *p = nullptr, *m = nullptr, *v = nullptr;
   const S* g = nullptr;
-  S beta1{}, beta2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
+  S beta1{}, rest1{}, beta2{}, rest2{}, step{}, correction{}, eps{}, decay{}, gradient_scale{};
 };
 
 /// y[i] = op(a[i], b[i]); an operand that is repeated has one number for all i.

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. Failures are told by errno.
+#pragma once
+
+#include <fcntl.h>     // open
+#include <sys/stat.h>  // fstat, mkdir
+#include <unistd.h>    // read, write, close, getpid
+#if defined(_WIN32)
+#include <io.h>  // _get_osfhandle, _commit
+#else
+#include <sys/mman.h>  // mmap
+#endif
+
+#include <cerrno>      // errno
+#include <cstddef>     // byte
+#include <cstdint>     // sizes
+#include <cstdio>      // rename
+#include <cstdlib>     // mkstemp
+#include <filesystem>  // folder of temporary files
+#include <string>      // names
+
+#include <motionlang/version.hpp>
+
+#if defined(_WIN32)
+// As windows.h declares them, which would bring macros named min, max, near and far.
+struct _SECURITY_ATTRIBUTES;
+extern "C" {
+__declspec(dllimport) void* __stdcall CreateFileMappingA(void* file, _SECURITY_ATTRIBUTES*, unsigned long protection,
+                                                         unsigned long size_high, unsigned long size_low,
+                                                         const char* name);
+__declspec(dllimport) void* __stdcall MapViewOfFile(void* mapping, unsigned long access, unsigned long offset_high,
+                                                    unsigned long offset_low, std::size_t size);
+__declspec(dllimport) int __stdcall UnmapViewOfFile(const void* view);
+__declspec(dllimport) int __stdcall CloseHandle(void*);
+__declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
+}
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+
+#if defined(_WIN32)
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
+/// A file that is not there yet, else errno is EEXIST.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_BINARY | O_NOINHERIT, 0666); }
+/// An open file that has no name any more. Windows knows none.
+inline int create_nameless() { return -1; }
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct _stat64 s {};
+  if (::_fstat64(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline bool flush(int file) { return ::_commit(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  constexpr unsigned long page_readonly = 2, file_map_read = 4;
+  void* const mapping =
+      ::CreateFileMappingA(reinterpret_cast<void*>(::_get_osfhandle(file)), nullptr, page_readonly, 0, 0, nullptr);
+  void* const data = mapping == nullptr ? nullptr : ::MapViewOfFile(mapping, file_map_read, 0, 0, size);
+  if (mapping != nullptr) ::CloseHandle(mapping);
+  if (data == nullptr) errno = ENOMEM;
+  return data;
+}
+inline void unmap(void* data, std::size_t) { ::UnmapViewOfFile(data); }
+inline void forget(void*, std::size_t) {}  // the system does it when it needs memory
+inline bool rename_over(const char* from, const char* to) {
+  constexpr unsigned long replace = 1;
+  if (::MoveFileExA(from, to, replace) != 0) return true;
+  errno = EACCES;  // it is open, or mapped
+  return false;
+}
+inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
+
+#else
+
+inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
+/// A file that is not there yet, else errno is EEXIST.
+inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+/// An open file that has no name any more; -1 if there is no place for it.
+inline int create_nameless() {
+  std::error_code none;
+  std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+  const int file = none ? -1 : ::mkstemp(name.data());
+  if (file >= 0) ::unlink(name.c_str());
+  return file;
+}
+inline bool is_regular(int file, std::uint64_t& size) {
+  struct stat s {};
+  if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
+  size = static_cast<std::uint64_t>(s.st_size);
+  return true;
+}
+inline bool flush(int file) { return ::fsync(file) == 0; }
+/// The whole file, for reading; null if that fails. size > 0.
+inline void* map(int file, std::size_t size) {
+  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+  return data == MAP_FAILED ? nullptr : data;
+}
+inline void unmap(void* data, std::size_t size) { ::munmap(data, size); }
+/// Gives memory of a mapping back: whoever reads it gets it from the file once more.
+inline void forget(void* data, std::size_t size) { ::madvise(data, size, MADV_DONTNEED); }
+inline bool rename_over(const char* from, const char* to) { return std::rename(from, to) == 0; }
+inline bool make_folder(const char* path) { return ::mkdir(path, 0777) == 0; }
+
+#endif
+
+inline bool is_folder(const char* path) {
+  struct stat s {};
+  return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail::system
