@@ -8,7 +8,7 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)

@@ -38,7 +38,8 @@
 /// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
 /// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
 
-#include <cmath>  // the functions themselves
+#include <cmath>   // the functions themselves
+#include <limits>  // infinity
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
@@ -50,7 +51,7 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -77,9 +78,11 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
-/// tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
+/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
 inline float torch_exp(float x) {
+  if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
+  if (x > 100.0f) return std::numeric_limits<float>::infinity();
   const float n = std::rint(x * 1.442695040888963407f);
   const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
   constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
@@ -111,7 +114,9 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined: it gets the exception as an object, and must not return.
+/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
+/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
+/// that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -151,7 +156,7 @@ T& thread_object() {
   };
   static const unsigned long key = ::FlsAlloc(&AtEnd::call);
   void* object = ::FlsGetValue(key);
-  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  if (object == nullptr && ::FlsSetValue(key, object = new T) == 0) std::abort();
   return *static_cast<T*>(object);
 #else
   thread_local T object;
@@ -444,8 +449,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
-/// Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
+/// to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -991,15 +996,18 @@ class BufferPool {
     give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
+
+ private:
+  template <class T, class Tag>
+  friend T& thread_object();
   BufferPool() = default;
   ~BufferPool() {
     gone_ = true;
     trim();
   }
-  BufferPool(const BufferPool&) = delete;
-  BufferPool& operator=(const BufferPool&) = delete;
 
- private:
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {
@@ -5189,8 +5197,6 @@ struct Autodiff {
 /// The definition of every primitive, in plain loops. Slow, readable, and what the other backends are tested against.
 ///
 /// Read this file to know what an operation means; read eigen.hpp or detail/kernels.hpp to see how it is made fast.
-
-#include <limits>  // infinity
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
@@ -9782,9 +9788,7 @@ template <Backend B>
 struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-
-  Index padded_tokens =
-      0;  // of the batch, if it is padded beyond its longest text, for models that count padding (MDM-SMPL)
+  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
 
   Index count() const { return tokens.count(); }
 
@@ -15626,7 +15630,8 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts
+  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for more than there are
+  ///                positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
     const Index longest = std::max(padded_frames, x.offsets.longest());
@@ -16348,8 +16353,8 @@ struct SincTextEncoder {
   }
   /// What enters the first layer, for the texts of each motion together.
   /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is shorter than the
-  ///              longest of the batch, the last token is hidden and the last place of its padding seen (`texts.end`: the state of the
-  ///              language model there, distilbert.padding_states(batch, longest - 1)); a motion with fewer texts than another sees one row of zeros for each that it lacks
+  ///              batch is padded to, the last token is hidden and the last place of its padding seen (`texts.end`: the state of the
+  ///              language model there, distilbert.padding_states(batch, last place)); a motion with fewer texts than another sees one row of zeros for each that it lacks
   /// Throws       config_error 101 if `texts.end` is needed and not there
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
@@ -22907,7 +22912,8 @@ class Collage {
         plan_(std::move(plan)),
         layout_(layout),
         texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-               text.end_position},
+               text.end_position,
+               std::max(text.padded_tokens, null.padded_tokens)},
         guidance_(guidance),
         rows_at_once_(rows_at_once) {
     if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
@@ -22940,7 +22946,8 @@ class Collage {
     const BatchMates mates = denoiser_->traits().mates;
     const Offsets& texts = texts_.tokens.offsets;
     return mates == BatchMates::none ||
-           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
+           (mates == BatchMates::longest_text &&
+            (texts_.padded_tokens >= texts.longest() || texts.rows() == texts.count() * texts.longest()));
   }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops

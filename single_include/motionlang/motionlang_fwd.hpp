@@ -30,7 +30,8 @@
 /// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
 /// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
 
-#include <cmath>  // the functions themselves
+#include <cmath>   // the functions themselves
+#include <limits>  // infinity
 
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
@@ -42,7 +43,7 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -69,9 +70,11 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
-/// tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
+/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
 inline float torch_exp(float x) {
+  if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
+  if (x > 100.0f) return std::numeric_limits<float>::infinity();
   const float n = std::rint(x * 1.442695040888963407f);
   const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
   constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
@@ -103,7 +106,9 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined: it gets the exception as an object, and must not return.
+/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
+/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
+/// that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -143,7 +148,7 @@ T& thread_object() {
   };
   static const unsigned long key = ::FlsAlloc(&AtEnd::call);
   void* object = ::FlsGetValue(key);
-  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  if (object == nullptr && ::FlsSetValue(key, object = new T) == 0) std::abort();
   return *static_cast<T*>(object);
 #else
   thread_local T object;
@@ -436,8 +441,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
-/// Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
+/// to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions

@@ -525,7 +525,12 @@ class FilePath {
   std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
-    const std::string name = text_.substr(text_.find_last_of('/') + 1);
+#if defined(_WIN32)
+    constexpr const char* separators = "/\\";
+#else
+    constexpr const char* separators = "/";
+#endif
+    const std::string name = text_.substr(text_.find_last_of(separators) + 1);
     const std::size_t dot = name.find_last_of('.');
     return dot == 0 ? name : name.substr(0, dot);
   }
@@ -676,8 +681,8 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
     temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
     opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
+  int reason = 0;
   auto failed = [&](const char* what) {
-    const int reason = errno;
     if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
@@ -688,9 +693,12 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
       wrong = "write";
     else if (!detail::system::flush(file.get()))
       wrong = "flush";
+    reason = errno;
   }
   if (wrong != nullptr) failed(wrong);
-  if (!detail::system::rename_over(temporary.c_str(), target.c_str())) failed("rename to");
+  if (detail::system::rename_over(temporary.c_str(), target.c_str())) return;
+  reason = errno;
+  failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
@@ -14604,8 +14612,8 @@ inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<co
       continue;
     }
     TokenEntry part{id, {}, {c}};
-    const auto token = [&](double seconds) { return static_cast<Index>(seconds * options.tokens_per_second); };
-    bool any = options.cut_again && token(c.start) < token(c.end);
+    const auto token = [&](double seconds) { return std::floor(seconds * options.tokens_per_second); };
+    bool any = options.cut_again && !lines.empty() && token(c.start) < token(c.end);
     for (const auto& line : lines) {
       auto at = [&](double seconds) {
         return line.begin() + static_cast<Index>(std::min(std::max(0.0, seconds * options.tokens_per_second),
@@ -14813,6 +14821,11 @@ inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& 
   if (width % c.heads != 0)
     raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has queries of ", width, " numbers");
   c.head_width = width / c.heads;
+  const Index values = r.size(encoder + "0.slf_attn.w_vs.weight", 0);
+  if (values % c.heads != 0)
+    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has values of ", values,
+                        " numbers");
+  c.value_width = values / c.heads;
   return c;
 }
 

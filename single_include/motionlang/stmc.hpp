@@ -63,7 +63,9 @@
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined: it gets the exception as an object, and must not return.
+/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
+/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
+/// that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -94,7 +96,7 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts or what an error does, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -127,7 +129,7 @@ T& thread_object() {
   };
   static const unsigned long key = ::FlsAlloc(&AtEnd::call);
   void* object = ::FlsGetValue(key);
-  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  if (object == nullptr && ::FlsSetValue(key, object = new T) == 0) std::abort();
   return *static_cast<T*>(object);
 #else
   thread_local T object;
@@ -420,8 +422,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
-/// Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
+/// to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -599,15 +601,18 @@ class BufferPool {
     give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
+
+ private:
+  template <class T, class Tag>
+  friend T& thread_object();
   BufferPool() = default;
   ~BufferPool() {
     gone_ = true;
     trim();
   }
-  BufferPool(const BufferPool&) = delete;
-  BufferPool& operator=(const BufferPool&) = delete;
 
- private:
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {
@@ -767,7 +772,8 @@ class PoolVector {
 /// Geometry is written once for float, double, dual numbers, SIMD lanes and tensors. Name lookup by argument finds
 /// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
 
-#include <cmath>  // the functions themselves
+#include <cmath>   // the functions themselves
+#include <limits>  // infinity
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -784,9 +790,11 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
-/// tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
+/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
 inline float torch_exp(float x) {
+  if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
+  if (x > 100.0f) return std::numeric_limits<float>::infinity();
   const float n = std::rint(x * 1.442695040888963407f);
   const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
   constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,
@@ -8740,7 +8748,12 @@ class FilePath {
   std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
-    const std::string name = text_.substr(text_.find_last_of('/') + 1);
+#if defined(_WIN32)
+    constexpr const char* separators = "/\\";
+#else
+    constexpr const char* separators = "/";
+#endif
+    const std::string name = text_.substr(text_.find_last_of(separators) + 1);
     const std::size_t dot = name.find_last_of('.');
     return dot == 0 ? name : name.substr(0, dot);
   }
@@ -9323,9 +9336,7 @@ template <Backend B>
 struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-
-  Index padded_tokens =
-      0;  // of the batch, if it is padded beyond its longest text, for models that count padding (MDM-SMPL)
+  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
 
   Index count() const { return tokens.count(); }
 
@@ -11946,7 +11957,6 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 /// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
 /// WeightFile.
 
-#include <limits>     // infinity
 #include <set>        // names
 
 #ifndef MOTIONLANG_HAS_IO_KEY_REPORT_HPP  // <motionlang/io/key_report.hpp>
@@ -12562,8 +12572,8 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
     temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
     opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
+  int reason = 0;
   auto failed = [&](const char* what) {
-    const int reason = errno;
     if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
@@ -12574,9 +12584,12 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
       wrong = "write";
     else if (!detail::system::flush(file.get()))
       wrong = "flush";
+    reason = errno;
   }
   if (wrong != nullptr) failed(wrong);
-  if (!detail::system::rename_over(temporary.c_str(), target.c_str())) failed("rename to");
+  if (detail::system::rename_over(temporary.c_str(), target.c_str())) return;
+  reason = errno;
+  failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));
@@ -14040,7 +14053,8 @@ class Collage {
         plan_(std::move(plan)),
         layout_(layout),
         texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-               text.end_position},
+               text.end_position,
+               std::max(text.padded_tokens, null.padded_tokens)},
         guidance_(guidance),
         rows_at_once_(rows_at_once) {
     if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
@@ -14073,7 +14087,8 @@ class Collage {
     const BatchMates mates = denoiser_->traits().mates;
     const Offsets& texts = texts_.tokens.offsets;
     return mates == BatchMates::none ||
-           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
+           (mates == BatchMates::longest_text &&
+            (texts_.padded_tokens >= texts.longest() || texts.rows() == texts.count() * texts.longest()));
   }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops

@@ -61,16 +61,18 @@ void mdm_forward(Case& c) {
   const auto t = c.values<Index>("in/t");
   const Index frames = shape[3];
   const auto all = ml::reshape<3>(golden::mdm_rows(tensor<B, 4>(c, "in/x")), {shape[0], frames, shape[1] * shape[2]});
-  const auto x = [&] {
-    if (!m.config.mask_frames) return ml::from_equal(all);
+  auto unmasked = [&](const ml::Tensor<B, 3>& padded) {
     const auto mask = c.values<unsigned char>("in/mask");
-    return ml::from_padded(all, std::span<const unsigned char>(mask));
-  }();
+    return ml::from_padded(padded, std::span<const unsigned char>(mask));
+  };
+  const bool recurrent = m.config.arch == ml::MdmArch::gru;  // reads padding too
+  const auto x = m.config.mask_frames && !recurrent ? unmasked(all) : ml::from_equal(all);
   const auto text = golden::mdm_condition<B>(c, m.config, x.count());
   const auto cond = m(x, t, text), null = m(x, t, golden::zero_text(text));
   auto out = [&](const std::string& name, const ml::Sequences<B>& s) {
     if (!c.wants(name)) return;
-    const auto padded = ml::to_padded(s, 0, frames);
+    auto padded = ml::to_padded(s, 0, frames);
+    if (m.config.mask_frames && recurrent) padded = ml::to_padded(unmasked(padded), 0, frames);
     golden::out(c, name, golden::mdm_layout(ml::reshape<2>(padded, {shape[0] * frames, shape[1] * shape[2]}), shape));
   };
   out("output", cond);

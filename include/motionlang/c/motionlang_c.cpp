@@ -24,10 +24,7 @@ struct motionlang_motion {
 
 namespace {
 
-std::string& message() {
-  thread_local std::string text;
-  return text;
-}
+std::string& message() { return ml::thread_object<std::string, motionlang_model>(); }
 
 /// The id of what f throws, whose message is kept; 0 if it throws nothing.
 template <class F>

@@ -39,7 +39,8 @@ class Collage {
         plan_(std::move(plan)),
         layout_(layout),
         texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-               text.end_position},
+               text.end_position,
+               std::max(text.padded_tokens, null.padded_tokens)},
         guidance_(guidance),
         rows_at_once_(rows_at_once) {
     if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
@@ -72,7 +73,8 @@ class Collage {
     const BatchMates mates = denoiser_->traits().mates;
     const Offsets& texts = texts_.tokens.offsets;
     return mates == BatchMates::none ||
-           (mates == BatchMates::longest_text && texts.rows() == texts.count() * texts.longest());
+           (mates == BatchMates::longest_text &&
+            (texts_.padded_tokens >= texts.longest() || texts.rows() == texts.count() * texts.longest()));
   }
 
   /// x (rows, features) at network step t -> composite clean estimate. `to_x0` turns the network's output for the crops

@@ -71,15 +71,18 @@ class BufferPool {
     give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
   }
 
+  BufferPool(const BufferPool&) = delete;
+  BufferPool& operator=(const BufferPool&) = delete;
+
+ private:
+  template <class T, class Tag>
+  friend T& thread_object();
   BufferPool() = default;
   ~BufferPool() {
     gone_ = true;
     trim();
   }
-  BufferPool(const BufferPool&) = delete;
-  BufferPool& operator=(const BufferPool&) = delete;
 
- private:
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
     if (head != nullptr) {

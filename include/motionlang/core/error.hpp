@@ -2,7 +2,9 @@
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined: it gets the exception as an object, and must not return.
+/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
+/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
+/// that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -240,8 +242,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f, and handle(e) with what it throws of type E. Handled (true), or on to the caller (false).
-/// Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
+/// to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions

@@ -5,7 +5,8 @@
 /// `sqrt(Tensor)`, but not `std::sqrt` for a built-in number: hence these overloads, which must be visible first.
 #pragma once
 
-#include <cmath>  // the functions themselves
+#include <cmath>   // the functions themselves
+#include <limits>  // infinity
 
 #include <motionlang/version.hpp>
 
@@ -24,9 +25,11 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch computes it for float tensors (SLEEF's expf_u10), whose last digit often is another than the C library's. For published
-/// tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
+/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
 inline float torch_exp(float x) {
+  if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
+  if (x > 100.0f) return std::numeric_limits<float>::infinity();
   const float n = std::rint(x * 1.442695040888963407f);
   const float f = std::fma(n, -1.428606765330187045e-06f, std::fma(n, -0.693145751953125f, x));
   constexpr float series[] = {0.00139304355252534151077271f, 0.00833336077630519866943359f,

@@ -2,6 +2,8 @@
 /// Objects of which every thread has its own.
 #pragma once
 
+#include <cstdlib>  // abort
+
 #include <motionlang/version.hpp>
 
 // MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
@@ -25,7 +27,7 @@ T& thread_object() {
   };
   static const unsigned long key = ::FlsAlloc(&AtEnd::call);
   void* object = ::FlsGetValue(key);
-  if (object == nullptr) ::FlsSetValue(key, object = new T);
+  if (object == nullptr && ::FlsSetValue(key, object = new T) == 0) std::abort();
   return *static_cast<T*>(object);
 #else
   thread_local T object;

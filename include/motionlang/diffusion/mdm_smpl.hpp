@@ -2,6 +2,8 @@
 /// MDM-SMPL: the denoiser of the STMC paper.
 #pragma once
 
+#include <algorithm>  // max
+
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>

@@ -159,8 +159,8 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
     temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
     opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
+  int reason = 0;
   auto failed = [&](const char* what) {
-    const int reason = errno;
     if (opened >= 0) std::remove(temporary.c_str());
     raise<io_error>(401, "cannot ", what, " ", path.string(), ": ", std::strerror(reason));
   };
@@ -171,9 +171,12 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
       wrong = "write";
     else if (!detail::system::flush(file.get()))
       wrong = "flush";
+    reason = errno;
   }
   if (wrong != nullptr) failed(wrong);
-  if (!detail::system::rename_over(temporary.c_str(), target.c_str())) failed("rename to");
+  if (detail::system::rename_over(temporary.c_str(), target.c_str())) return;
+  reason = errno;
+  failed("rename to");
 }
 inline void write_file(const FilePath& path, std::string_view contents) {
   write_file(path, std::as_bytes(std::span(contents.data(), contents.size())));

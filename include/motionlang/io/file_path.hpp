@@ -24,7 +24,12 @@ class FilePath {
   std::string inside(const std::string& name) const { return text_.empty() ? name : text_ + "/" + name; }
   /// The last part without its extension: "walk" of "clips/walk.bvh".
   std::string stem() const {
-    const std::string name = text_.substr(text_.find_last_of('/') + 1);
+#if defined(_WIN32)
+    constexpr const char* separators = "/\\";
+#else
+    constexpr const char* separators = "/";
+#endif
+    const std::string name = text_.substr(text_.find_last_of(separators) + 1);
     const std::size_t dot = name.find_last_of('.');
     return dot == 0 ? name : name.substr(0, dot);
   }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <charconv>  // ids
+#include <cmath>     // floor
 #include <cstdio>    // names of parts
 
 #include <motionlang/core/numpy_random.hpp>
@@ -77,8 +78,8 @@ inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<co
       continue;
     }
     TokenEntry part{id, {}, {c}};
-    const auto token = [&](double seconds) { return static_cast<Index>(seconds * options.tokens_per_second); };
-    bool any = options.cut_again && token(c.start) < token(c.end);
+    const auto token = [&](double seconds) { return std::floor(seconds * options.tokens_per_second); };
+    bool any = options.cut_again && !lines.empty() && token(c.start) < token(c.end);
     for (const auto& line : lines) {
       auto at = [&](double seconds) {
         return line.begin() + static_cast<Index>(std::min(std::max(0.0, seconds * options.tokens_per_second),

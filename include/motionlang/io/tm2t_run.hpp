@@ -147,6 +147,11 @@ inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& 
   if (width % c.heads != 0)
     raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has queries of ", width, " numbers");
   c.head_width = width / c.heads;
+  const Index values = r.size(encoder + "0.slf_attn.w_vs.weight", 0);
+  if (values % c.heads != 0)
+    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has values of ", values,
+                        " numbers");
+  c.value_width = values / c.heads;
   return c;
 }
 

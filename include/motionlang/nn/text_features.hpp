@@ -10,9 +10,7 @@ template <Backend B>
 struct TextFeatures {
   Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
   std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-
-  Index padded_tokens =
-      0;  // of the batch, if it is padded beyond its longest text, for models that count padding (MDM-SMPL)
+  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
 
   Index count() const { return tokens.count(); }
 

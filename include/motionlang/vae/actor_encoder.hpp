@@ -2,6 +2,8 @@
 /// ACTOR's encoder, and the one without tokens that it is compared with.
 #pragma once
 
+#include <algorithm>  // max
+
 #include <motionlang/nn/sequence_vae.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -72,7 +74,8 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts
+  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for more than there are
+  ///                positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
     const Index longest = std::max(padded_frames, x.offsets.longest());

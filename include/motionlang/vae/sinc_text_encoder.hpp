@@ -2,6 +2,8 @@
 /// SINC's text encoder: one motion, several labels at the same time.
 #pragma once
 
+#include <algorithm>  // max
+
 #include <motionlang/vae/parted_text_encoder.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -62,8 +64,8 @@ struct SincTextEncoder {
   }
   /// What enters the first layer, for the texts of each motion together.
   /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is shorter than the
-  ///              longest of the batch, the last token is hidden and the last place of its padding seen (`texts.end`: the state of the
-  ///              language model there, distilbert.padding_states(batch, longest - 1)); a motion with fewer texts than another sees one row of zeros for each that it lacks
+  ///              batch is padded to, the last token is hidden and the last place of its padding seen (`texts.end`: the state of the
+  ///              language model there, distilbert.padding_states(batch, last place)); a motion with fewer texts than another sees one row of zeros for each that it lacks
   /// Throws       config_error 101 if `texts.end` is needed and not there
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;

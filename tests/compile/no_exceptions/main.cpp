@@ -7,7 +7,8 @@
 #include <exception>
 [[noreturn]] static void leave(const std::exception& e) {
   std::printf("left by the caller: %s\n", e.what());
-  std::exit(0);
+  std::fflush(stdout);
+  std::_Exit(0);
 }
 #define MOTIONLANG_THROW leave
 #endif

@@ -45,6 +45,7 @@ TEST_CASE("respacing: sections, strides, the published rounding") {
   CHECK(ml::respace(10, "5") == Steps{0, 2, 4, 7, 9});  // halves to even
   CHECK(ml::respace(10, "1") == Steps{0});
   CHECK(ml::respace(10, "2,3") == Steps{0, 4, 5, 7, 9});
+  CHECK(ml::respace(10, " 2, 3 ") == Steps{0, 4, 5, 7, 9});
   CHECK(ml::respace(11, "2,2") == Steps{0, 5, 6, 10});  // the first section is the longer one
   CHECK(ml::respace(10, "ddim5") == Steps{0, 2, 4, 6, 8});
   CHECK(ml::respace(1000, "ddim50").size() == 50);

@@ -35,6 +35,7 @@ TEST_CASE("entries: parts by their seconds, the whole clip with all of its token
   CHECK(published[2].name == "c_5.000000_6.000000");
   CHECK(published[2].lines == TokenLines{{}});
   CHECK(published[3].lines == TokenLines{{}});
+  CHECK(ml::token_entries("c", captions, {}, {.cut_again = true}).size() == 1);      // no line of tokens at all
   CHECK(ml::token_entries("c", std::span(captions).subspan(1), lines).size() == 2);  // no caption of the whole clip
 }
 

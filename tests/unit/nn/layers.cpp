@@ -85,6 +85,12 @@ TEST_CASE("positions: the table, rows beyond it, gaps") {
   CHECK_ERROR(ml::sinusoidal_positions<B>(10, 5), "[motionlang.config.101]");
   // Figures of torch.exp (1.13, float): the third is one unit above the correctly rounded number, the fourth one below.
   CHECK(ml::torch_exp(0) == 1);
+  const float infinity = std::numeric_limits<float>::infinity();
+  CHECK(std::isnan(ml::torch_exp(std::numeric_limits<float>::quiet_NaN())));
+  CHECK(ml::torch_exp(infinity) == infinity);
+  CHECK(ml::torch_exp(200) == infinity);
+  CHECK(ml::torch_exp(-infinity) == 0);
+  CHECK(ml::torch_exp(-200) == 0);
   CHECK(ml::torch_exp(-0x1.26bb1cp-4f) == 0x1.dc73fp-1f);
   CHECK(ml::torch_exp(-0x1.def00ep-1f) == 0x1.91d648p-2f);
   CHECK(ml::torch_exp(-0x1.01e3b8p+0f) == 0x1.75f034p-2f);
