@@ -39,6 +39,7 @@ TEST_CASE("TM2T: the recurrent model, the tokenizer beside it, word vectors abov
 TEST_CASE("TM2T: the transformer from motions to texts, its tokenizer, its words") {
   const TemporaryFolder folder;
   auto config = official::small_tm2t();
+  config.motion_to_text.value_width = config.motion_to_text.head_width + 3;
   const fs::path t2m = official::write_tm2t_runs(folder.path, config), run = t2m.parent_path() / "M2T_EL2_DL1_NH2_PS";
   CHECK(ml::is_tm2t_describer(ml::find_run(run)));
   CHECK(!ml::is_tm2t_describer(ml::find_run(t2m)));

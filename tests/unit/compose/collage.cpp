@@ -25,12 +25,14 @@ struct Known {
   ml::DenoiserTraits properties{};
   mutable std::vector<Offsets> seen{};
   mutable std::vector<Index> steps{};
+  mutable Index padded_tokens = 0;
 
   static constexpr auto fields() { return ml::fields(); }
   ml::DenoiserTraits traits() const { return properties; }
   ml::Sequences<B> operator()(const ml::Sequences<B>& x, std::span<const Index> t, const Text& text) const {
     seen.push_back(x.offsets);
     steps.assign(t.begin(), t.end());
+    padded_tokens = text.padded_tokens;
     return says_text ? x.with(ml::repeat_for_rows(text.tokens.rows, x.offsets)) : x;
   }
 };
@@ -156,6 +158,7 @@ TEST_CASE("where a sequence depends on the others, there are the two calls of th
     const Known d{.properties = {.mates = mates}};
     const ml::Collage<B, Known> c(d, ml::plan_timelines(std::span(&timeline, 1)), layout, words, texts({0}), 2.5, 1);
     c.step(Matrix::zeros({30, 5}), 0);
+    CHECK(d.padded_tokens == words.padded_tokens);
     return d.seen.size();
   };
   const Text longer{{Matrix::zeros({4, 5}), Offsets{1, 2, 1}}};
@@ -163,6 +166,11 @@ TEST_CASE("where a sequence depends on the others, there are the two calls of th
   CHECK(calls(ml::BatchMates::none, longer) == 9);
   CHECK(calls(ml::BatchMates::longest_text, texts({1, 2, 3})) == 9);
   CHECK(calls(ml::BatchMates::longest_text, longer) == 2);
+  Text padded = longer;  // wherever it is, a text has as many places
+  padded.padded_tokens = 3;
+  CHECK(calls(ml::BatchMates::longest_text, padded) == 9);
+  padded.padded_tokens = 1;
+  CHECK(calls(ml::BatchMates::longest_text, padded) == 2);
   CHECK(calls(ml::BatchMates::all, texts({1, 2, 3})) == 2);
 }
 

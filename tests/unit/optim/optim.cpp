@@ -67,6 +67,17 @@ TEST_CASE("an optimiser that goes on from its state makes the same steps") {
   CHECK(value(a) == value(b));
 }
 
+TEST_CASE("in float, too, what is new weighs 1 - beta of the decimal number") {
+  using F = ml::EigenBackend<float>;
+  const auto one = ml::Tensor<F, 1>::full({1}, 1);
+  Numbers<ml::Autodiff<F>> model{ml::variable<ml::Autodiff<F>>(one), ml::variable<ml::Autodiff<F>>(one)};
+  ml::AdamW<ml::Autodiff<F>> adam({.beta1 = 0.9, .beta2 = 0.999});
+  adam.step(model, ml::backward(ml::sum(model.used)));
+  const auto& moments = adam.state().at("used");
+  CHECK(F::to_span(moments.m)[0] == 0.1F);
+  CHECK(F::to_span(moments.v)[0] == 0.001F);  // 1 - 0.999F is 0.00099998713
+}
+
 TEST_CASE("moments of another model are refused") {
   auto model = numbers();
   ml::AdamW<A> adam;
