@@ -1,4 +1,7 @@
 // Golden functions: files of weights in every format, to be read bit for bit or to be refused.
+#include <algorithm>
+#include <array>
+
 #include <motionlang/io/options_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 
@@ -47,6 +50,9 @@ void container_read(Case& c) {
   if (config.contains("path")) options.path = config["path"].as<std::string>();
   const auto file = ml::open_weights(path, options);
   expect(file.format() == config["format"].as<std::string>(), "format " + file.format());
+  constexpr std::array<std::string_view, 4> found_unasked{"", "state_dict", "model_state_dict", "model"};
+  if (std::ranges::find(found_unasked, options.path.value_or("")) != found_unasked.end())
+    expect(ml::open_weights(path).names() == file.names(), "without a path other tensors are found");
   for (const ml::TensorView& t : file.tensors()) {
     expect(type_name(t.dtype) == config["dtypes"].value_or(t.name, "nothing"), t.name + " is " + to_string(t.dtype));
     if (t.dtype == ml::DType::U32)
