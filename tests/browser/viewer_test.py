@@ -63,11 +63,19 @@ def drag_and_wheel(browser):
     return problems
 
 
-def start_driver(path):
-    """The program and the port on which it listens."""
-    driver = subprocess.Popen([path, "--port=0"], stdout=subprocess.PIPE, text=True)
-    return driver, next(found.group(1) for line in driver.stdout
-                        if (found := re.search(r"successfully on port (\d+)", line)))
+def start_driver(path, tries=5):
+    """The program and the port on which it listens.
+
+    Chromedriver takes any free port of one address family and then the same port of the other, which somebody may have
+    (a test beside this one): then it ends without a port, and the next try gets another.
+    """
+    for _ in range(tries):
+        driver = subprocess.Popen([path, "--port=0"], stdout=subprocess.PIPE, text=True)
+        for line in driver.stdout:
+            if found := re.search(r"successfully on port (\d+)", line):
+                return driver, found.group(1)
+        driver.wait()
+    raise RuntimeError(f"{path} ended {tries} times without a port")
 
 
 def use_page(port, page, probe, renderer, flags):
