@@ -8,7 +8,13 @@
 
 namespace program {
 
-__attribute__((format(printf, 1, 2))) inline std::string formatted(const char* form, ...) {
+#if defined(__MINGW_PRINTF_FORMAT)
+#define PROGRAM_PRINTF_FORMAT __MINGW_PRINTF_FORMAT  // of the printf that MinGW has chosen, its own or that of Windows
+#else
+#define PROGRAM_PRINTF_FORMAT printf
+#endif
+
+__attribute__((format(PROGRAM_PRINTF_FORMAT, 1, 2))) inline std::string formatted(const char* form, ...) {
   std::va_list values, again;
   va_start(values, form);
   va_copy(again, values);

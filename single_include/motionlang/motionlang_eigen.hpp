@@ -37,8 +37,8 @@ struct KernelOps {
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
   /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards.
-  static void prepare(const Dense<S>& weight);
+  /// afterwards. Whether all its numbers are finite: they are read anyway.
+  static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
 
@@ -331,7 +331,7 @@ struct Kernels {
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
-  void (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
+  bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
@@ -359,7 +359,7 @@ struct Bf16Kernels {
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
-  void (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
+  bool (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
@@ -485,6 +485,18 @@ MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
 template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
+}
+/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
+template <class S>
+MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
+  constexpr auto exponent = std::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  found |= (~(Mask<S>)x & exponent) - 1;
+}
+template <class S>
+MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
+  bool any = false;
+  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
+  return any;
 }
 /// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
 template <class S, int half, int... l>
@@ -737,9 +749,11 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+/// Whether all numbers are finite.
 template <class S>
-void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
+  Mask<S> found{};
   for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
@@ -752,12 +766,14 @@ void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
+          find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
       }
     }
   }
+  return !any_negative<S>(found);
 }
 
 /// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
@@ -770,15 +786,17 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
+/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
+/// by itself (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
-  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
-    const Index step = line_bytes / tiles;
-    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  /// Share t of `tiles` of so many rows of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index row_bytes, Index rows, Index t, Index tiles) {
+    const Index step = std::min<Index>(64, row_bytes / tiles);
+    return {static_cast<const std::byte*>(next) + t * step * rows, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
@@ -1537,11 +1555,13 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+/// Whether all numbers are finite.
 template <class Tile>
-void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  Mask<float> found{};
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride;
@@ -1549,7 +1569,10 @@ void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        const float* row = in + c * stride + i0;
+        const Index there = c < columns ? std::min(k - i0, length) : 0;
+        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -1562,6 +1585,7 @@ void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       }
     }
   }
+  return !any_negative<float>(found);
 }
 
 /// Bytes of a pair of k in a panel.
@@ -1928,6 +1952,18 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
+/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
+template <class S>
+MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
+  constexpr auto exponent = std::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  found |= (~(Mask<S>)x & exponent) - 1;
+}
+template <class S>
+MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
+  bool any = false;
+  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
+  return any;
+}
 /// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
 template <class S, int half, int... l>
 MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
@@ -2179,9 +2215,11 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+/// Whether all numbers are finite.
 template <class S>
-void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
+  Mask<S> found{};
   for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
@@ -2194,12 +2232,14 @@ void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
+          find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
       }
     }
   }
+  return !any_negative<S>(found);
 }
 
 /// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
@@ -2212,15 +2252,17 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
+/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
+/// by itself (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
-  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
-    const Index step = line_bytes / tiles;
-    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  /// Share t of `tiles` of so many rows of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index row_bytes, Index rows, Index t, Index tiles) {
+    const Index step = std::min<Index>(64, row_bytes / tiles);
+    return {static_cast<const std::byte*>(next) + t * step * rows, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
@@ -2979,11 +3021,13 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+/// Whether all numbers are finite.
 template <class Tile>
-void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  Mask<float> found{};
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride;
@@ -2991,7 +3035,10 @@ void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        const float* row = in + c * stride + i0;
+        const Index there = c < columns ? std::min(k - i0, length) : 0;
+        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -3004,6 +3051,7 @@ void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       }
     }
   }
+  return !any_negative<float>(found);
 }
 
 /// Bytes of a pair of k in a panel.
@@ -3368,6 +3416,18 @@ template <class S>
 MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
   return a < b ? a : b;
 }
+/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
+template <class S>
+MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
+  constexpr auto exponent = std::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  found |= (~(Mask<S>)x & exponent) - 1;
+}
+template <class S>
+MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
+  bool any = false;
+  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
+  return any;
+}
 /// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
 template <class S, int half, int... l>
 MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
@@ -3619,9 +3679,11 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+/// Whether all numbers are finite.
 template <class S>
-void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
+  Mask<S> found{};
   for (Index j = first; j < last; ++j) {
     S* out = panels + j * k * w;
     const Index columns = n - j * w;
@@ -3634,12 +3696,14 @@ void pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
+          find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
       }
     }
   }
+  return !any_negative<S>(found);
 }
 
 /// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
@@ -3652,15 +3716,17 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every line of the panel.
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
+/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
+/// by itself (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share t of `tiles` of so many lines of a panel, whose bytes begin at `next`.
-  MOTIONLANG_INLINE static Ahead share(const void* next, Index line_bytes, Index lines, Index t, Index tiles) {
-    const Index step = line_bytes / tiles;
-    return {static_cast<const std::byte*>(next) + t * step * lines, step};
+  /// Share t of `tiles` of so many rows of a panel, whose bytes begin at `next`.
+  MOTIONLANG_INLINE static Ahead share(const void* next, Index row_bytes, Index rows, Index t, Index tiles) {
+    const Index step = std::min<Index>(64, row_bytes / tiles);
+    return {static_cast<const std::byte*>(next) + t * step * rows, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
@@ -4419,11 +4485,13 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
+/// Whether all numbers are finite.
 template <class Tile>
-void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  Mask<float> found{};
   for (Index j = first; j < last; ++j) {
     std::uint16_t* out = panels + j * depth * bf16_columns;
     const float* in = b + j * bf16_columns * stride;
@@ -4431,7 +4499,10 @@ void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
     for (Index i0 = 0; i0 < depth; i0 += block) {
       const Index length = std::min(block, depth - i0);
       for (Index c = 0; c < bf16_columns; ++c) {
-        Tile::round_row(in + c * stride + i0, c < columns ? k - i0 : 0, length, lines + c * pitch);
+        const float* row = in + c * stride + i0;
+        const Index there = c < columns ? std::min(k - i0, length) : 0;
+        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
         for (Index c = 0; c < bf16_columns; c += l) {
@@ -4444,6 +4515,7 @@ void bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       }
     }
   }
+  return !any_negative<float>(found);
 }
 
 /// Bytes of a pair of k in a panel.

@@ -429,6 +429,14 @@ __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::system {
 
+/// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
+inline int create_temporary(std::string& name) {
+  std::error_code none;
+  name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+  if (none) return errno = none.value(), -1;
+  return ::mkstemp(name.data());
+}
+
 #if defined(_WIN32)
 
 inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_BINARY | O_NOINHERIT); }
@@ -470,9 +478,8 @@ inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLO
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
 /// An open file that has no name any more; -1 if there is no place for it.
 inline int create_nameless() {
-  std::error_code none;
-  std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-  const int file = none ? -1 : ::mkstemp(name.data());
+  std::string name;
+  const int file = create_temporary(name);
   if (file >= 0) ::unlink(name.c_str());
   return file;
 }
@@ -1357,18 +1364,17 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight that lies in a mapped file and gives its memory there back: who still reads it gets it from the file
-/// again. False, and nothing done, for a weight that lies elsewhere in memory, where it would be twice.
+/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
+/// Whether all its numbers are finite.
 template <Backend B>
-bool pack_mapped(Tensor<B, 2>& weight) {
+bool pack_loaded(Tensor<B, 2>& weight) {
   if constexpr (requires { B::prepare(weight.data()); }) {
-    const auto bytes = std::as_bytes(weight.span());
-    const MappedFile* const file = MappedFile::that_holds(bytes);
-    if (file == nullptr) return false;
-    B::prepare(weight.data());
-    file->forget(bytes);
+    const bool finite = B::prepare(weight.data());
+    MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
+    return finite;
+  } else {
+    return all_finite(weight.span());
   }
-  return true;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
@@ -1406,22 +1412,25 @@ struct PrepareLoaded {
   std::atomic<bool>* finite;  // false from the first number on that is not; null: not looked at
 
   template <Backend B, int R>
-  void operator()(const std::string& name, Tensor<B, R>& t) const {
+  void operator()(const std::string&, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
-    if (finite != nullptr && !all_finite(t.span())) finite->store(false);
-    if constexpr (R == 2) {
-      if (!pack_mapped(t)) PrepareWeights{}(name, t);
-    }
+    bool good = true;
+    if constexpr (R == 2)
+      good = pack_loaded(t);
+    else if (finite != nullptr)
+      good = all_finite(t.span());
+    if (finite != nullptr && !good) finite->store(false);
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice; where there is no place for
+/// it, it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if constexpr (R == 2) {
       put_aside(t);
-      pack_mapped(t);
+      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
     }
     copy_small(t);
   }
@@ -14817,15 +14826,15 @@ inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& 
     const auto numbers = [&](const std::string& name) { return values_of<float>(weights.tensor(r.prefix() + name)); };
     c.shared_projection = numbers(projection) == numbers(target);
   }
-  const Index width = r.size(encoder + "0.slf_attn.w_qs.weight", 0);
-  if (width % c.heads != 0)
-    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has queries of ", width, " numbers");
-  c.head_width = width / c.heads;
-  const Index values = r.size(encoder + "0.slf_attn.w_vs.weight", 0);
-  if (values % c.heads != 0)
-    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has values of ", values,
-                        " numbers");
-  c.value_width = values / c.heads;
+  const auto of_a_head = [&](const char* layer, const char* what) {
+    const Index width = r.size(encoder + "0.slf_attn." + layer + ".weight", 0);
+    if (width % c.heads != 0)
+      raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has ", what, " of ", width,
+                          " numbers");
+    return width / c.heads;
+  };
+  c.head_width = of_a_head("w_qs", "queries");
+  c.value_width = of_a_head("w_vs", "values");
   return c;
 }
 
@@ -15942,11 +15951,9 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
 class ScratchFile {
  public:
   ScratchFile() {
-    std::string name = (std::filesystem::temp_directory_path() / "motionlang-graph-XXXXXX").string();
-    const int fd = ::mkstemp(name.data());
-    if (fd < 0) raise<io_error>(401, "cannot make ", name, ": ", std::strerror(errno));
-    ::close(fd);
-    path_ = name;
+    const int file = system::create_temporary(path_);
+    if (file < 0) raise<io_error>(401, "cannot make ", path_, ": ", std::strerror(errno));
+    ::close(file);
   }
   ~ScratchFile() { std::remove(path_.c_str()); }
   ScratchFile(const ScratchFile&) = delete;

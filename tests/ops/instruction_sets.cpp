@@ -2,11 +2,17 @@
 // reference, and the same bits whatever the batch and the number of threads.
 #include <motionlang/backend/eigen.hpp>
 
+#include <limits>
+#include <set>
+#include <utility>
+#include <vector>
+
 #include "../laws/backend_laws.hpp"
 #include "../support/kernel_sets.hpp"
 #include "checks.hpp"
 
 namespace ml = motionlang;
+using ml::Index;
 
 namespace {
 
@@ -20,7 +26,37 @@ void check_every_kernel(double tolerance) {
   });
 }
 
+/// Preparing a weight finds the one number that is not finite, wherever it stands, and takes no other for it.
+template <class S>
+void check_prepare_looks() {
+  constexpr S largest = std::numeric_limits<S>::max(), infinity = std::numeric_limits<S>::infinity();
+  const auto finite = [](const std::vector<S>& numbers, Index n, Index k) {
+    return ml::EigenBackend<S>::prepare(ml::Dense<S>::from_span(numbers, ml::Shape{n, k}));
+  };
+  for (const auto& [n, k] : {std::pair<Index, Index>{1, 1}, {1, 40}, {40, 1}, {33, 17}, {70, 300}}) {
+    std::vector<S> numbers(static_cast<std::size_t>(n * k), largest);
+    numbers.back() = -largest;
+    REQUIRE(finite(numbers, n, k));
+    std::set<std::size_t> places{0, numbers.size() - 1, numbers.size() / 2};
+    for (Index i = 0; i < 20; ++i) places.insert(numbers.size() * static_cast<std::size_t>(i) / 20);
+    for (const std::size_t place : places) {
+      for (const S odd : {infinity, -infinity, std::numeric_limits<S>::quiet_NaN()}) {
+        CAPTURE(place);
+        const S before = std::exchange(numbers[place], odd);
+        REQUIRE(!finite(numbers, n, k));
+        numbers[place] = before;
+      }
+    }
+  }
+}
+
 }  // namespace
+
+TEST_CASE("preparing a weight says whether its numbers are finite, for all kernels") {
+  kernel_sets::with_every_kernel<float>([] { check_prepare_looks<float>(); });
+  kernel_sets::with_every_kernel<double>([] { check_prepare_looks<double>(); });
+  kernel_sets::with_every_bf16_kernel([] { check_prepare_looks<float>(); });
+}
 
 TEST_CASE("portable, AVX2 and AVX-512 kernels agree with the reference") {
   check_every_kernel<float>(3e-5);

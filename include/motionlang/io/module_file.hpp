@@ -183,18 +183,17 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight that lies in a mapped file and gives its memory there back: who still reads it gets it from the file
-/// again. False, and nothing done, for a weight that lies elsewhere in memory, where it would be twice.
+/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
+/// Whether all its numbers are finite.
 template <Backend B>
-bool pack_mapped(Tensor<B, 2>& weight) {
+bool pack_loaded(Tensor<B, 2>& weight) {
   if constexpr (requires { B::prepare(weight.data()); }) {
-    const auto bytes = std::as_bytes(weight.span());
-    const MappedFile* const file = MappedFile::that_holds(bytes);
-    if (file == nullptr) return false;
-    B::prepare(weight.data());
-    file->forget(bytes);
+    const bool finite = B::prepare(weight.data());
+    MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
+    return finite;
+  } else {
+    return all_finite(weight.span());
   }
-  return true;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
@@ -232,22 +231,25 @@ struct PrepareLoaded {
   std::atomic<bool>* finite;  // false from the first number on that is not; null: not looked at
 
   template <Backend B, int R>
-  void operator()(const std::string& name, Tensor<B, R>& t) const {
+  void operator()(const std::string&, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
-    if (finite != nullptr && !all_finite(t.span())) finite->store(false);
-    if constexpr (R == 2) {
-      if (!pack_mapped(t)) PrepareWeights{}(name, t);
-    }
+    bool good = true;
+    if constexpr (R == 2)
+      good = pack_loaded(t);
+    else if (finite != nullptr)
+      good = all_finite(t.span());
+    if (finite != nullptr && !good) finite->store(false);
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice; where there is no place for
+/// it, it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if constexpr (R == 2) {
       put_aside(t);
-      pack_mapped(t);
+      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
     }
     copy_small(t);
   }

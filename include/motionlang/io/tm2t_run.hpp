@@ -143,15 +143,15 @@ inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& 
     const auto numbers = [&](const std::string& name) { return values_of<float>(weights.tensor(r.prefix() + name)); };
     c.shared_projection = numbers(projection) == numbers(target);
   }
-  const Index width = r.size(encoder + "0.slf_attn.w_qs.weight", 0);
-  if (width % c.heads != 0)
-    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has queries of ", width, " numbers");
-  c.head_width = width / c.heads;
-  const Index values = r.size(encoder + "0.slf_attn.w_vs.weight", 0);
-  if (values % c.heads != 0)
-    raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has values of ", values,
-                        " numbers");
-  c.value_width = values / c.heads;
+  const auto of_a_head = [&](const char* layer, const char* what) {
+    const Index width = r.size(encoder + "0.slf_attn." + layer + ".weight", 0);
+    if (width % c.heads != 0)
+      raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has ", what, " of ", width,
+                          " numbers");
+    return width / c.heads;
+  };
+  c.head_width = of_a_head("w_qs", "queries");
+  c.value_width = of_a_head("w_vs", "values");
   return c;
 }
 

@@ -133,11 +133,9 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
 class ScratchFile {
  public:
   ScratchFile() {
-    std::string name = (std::filesystem::temp_directory_path() / "motionlang-graph-XXXXXX").string();
-    const int fd = ::mkstemp(name.data());
-    if (fd < 0) raise<io_error>(401, "cannot make ", name, ": ", std::strerror(errno));
-    ::close(fd);
-    path_ = name;
+    const int file = system::create_temporary(path_);
+    if (file < 0) raise<io_error>(401, "cannot make ", path_, ": ", std::strerror(errno));
+    ::close(file);
   }
   ~ScratchFile() { std::remove(path_.c_str()); }
   ScratchFile(const ScratchFile&) = delete;

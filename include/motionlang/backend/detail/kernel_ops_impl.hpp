@@ -4,7 +4,7 @@
 /// Work is split over rows or columns of the result only, never over a summed index.
 #pragma once
 
-#include <atomic>   // the weight prepared next
+#include <atomic>  // a finding of several threads
 #include <memory>   // shared_ptr
 #include <utility>  // move
 
@@ -71,16 +71,17 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite` becomes false where a number of a
+/// transposed B (stride_k is 1) is not.
 template <class S>
 Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
-                      Precision precision = Precision::fp32) {
+                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
   const Kernels<S>& kernel = kernels<S>();
   const bool bf16 = precision == Precision::bf16;
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
-  const bool as_it_lies = stride_n == 1;
+  const bool as_it_lies = stride_k != 1;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
   const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, each) / step) * step;
@@ -89,8 +90,8 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
       const Index first = i * at_once, last = std::min(count, first + at_once);
       if (as_it_lies)
         with.pack_rows(b, k, n, stride_k, first, last, out);
-      else
-        with.pack_transposed(b, k, n, stride_n, first, last, out);
+      else if (!with.pack_transposed(b, k, n, stride_n, first, last, out) && finite != nullptr)
+        *finite = false;
     });
   };
   if constexpr (std::is_same_v<S, float>) {
@@ -257,17 +258,19 @@ Index KernelOps<S>::rows_in_cache() {
 }
 
 template <Scalar S>
-void KernelOps<S>::prepare(const Dense<S>& weight) {
+bool KernelOps<S>::prepare(const Dense<S>& weight) {
   const Index n = weight.shape()[0], k = weight.shape()[1];
+  std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>()));
+      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite));
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
   }
   before = prepared;
   weight.attach(prepared);
+  return finite;
 }
 
 template <Scalar S>

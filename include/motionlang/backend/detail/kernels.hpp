@@ -9,10 +9,12 @@
 #pragma once
 
 #include <algorithm>    // min, max
+#include <bit>          // bit_cast
 #include <cmath>        // sqrt, erf, tanh
 #include <cstddef>      // byte
 #include <cstdint>      // bit patterns
 #include <cstring>      // memcpy
+#include <limits>       // infinity
 #include <type_traits>  // conditional
 #include <utility>      // integer_sequence
 
@@ -111,7 +113,7 @@ struct Kernels {
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels);
-  void (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
+  bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
@@ -139,7 +141,7 @@ struct Bf16Kernels {
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
-  void (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
+  bool (*pack_transposed)(const float* b, Index k, Index n, Index stride, Index first, Index last,
                           std::uint16_t* panels);
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);

@@ -11,13 +11,14 @@
 #include <sys/mman.h>  // mmap
 #endif
 
-#include <cerrno>      // errno
-#include <cstddef>     // byte
-#include <cstdint>     // sizes
-#include <cstdio>      // rename
-#include <cstdlib>     // mkstemp
-#include <filesystem>  // folder of temporary files
-#include <string>      // names
+#include <cerrno>        // errno
+#include <cstddef>       // byte
+#include <cstdint>       // sizes
+#include <cstdio>        // rename
+#include <cstdlib>       // mkstemp
+#include <filesystem>    // folder of temporary files
+#include <string>        // names
+#include <system_error>  // no folder of temporary files
 
 #include <motionlang/version.hpp>
 
@@ -37,6 +38,14 @@ __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+
+/// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
+inline int create_temporary(std::string& name) {
+  std::error_code none;
+  name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
+  if (none) return errno = none.value(), -1;
+  return ::mkstemp(name.data());
+}
 
 #if defined(_WIN32)
 
@@ -79,9 +88,8 @@ inline int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLO
 inline int create(const char* path) { return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
 /// An open file that has no name any more; -1 if there is no place for it.
 inline int create_nameless() {
-  std::error_code none;
-  std::string name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-  const int file = none ? -1 : ::mkstemp(name.data());
+  std::string name;
+  const int file = create_temporary(name);
   if (file >= 0) ::unlink(name.c_str());
   return file;
 }
