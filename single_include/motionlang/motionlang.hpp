@@ -677,6 +677,15 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
+/// A backend with a layout of its own for the weights of linear layers: prepare(weight) keeps the weight (out, in) in it beside the tensor,
+/// which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// Laws     `linear` of a prepared weight gives the same bits (tests/unit/tensor/module.cpp)
+/// Models   EigenBackend<S>, XtensorBackend<S>
+template <class B>
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
+  { B::prepare(weight) } -> std::same_as<bool>;
+};
+
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
 /// Saving, loading, optimising, counting and conversion between backends all follow from it (core/fields.hpp).
 /// Laws     names are unique; visiting twice gives the same paths in the same order
@@ -3887,7 +3896,7 @@ namespace detail {
 struct PrepareWeights {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && requires { B::prepare(t.data()); }) B::prepare(t.data());
+    if constexpr (R == 2 && PackingBackend<B>) B::prepare(t.data());
   }
 };
 
@@ -6573,7 +6582,7 @@ struct BodyModel {
       made.rest = regressed();
       for (Index i = 0; i < blocks(); ++i) {
         made.blocks.push_back(block(i));
-        if constexpr (requires { B::prepare(made.blocks[0].directions.data()); }) B::prepare(made.blocks.back().directions.data());
+        if constexpr (PackingBackend<B>) B::prepare(made.blocks.back().directions.data());
       }
       packed = std::make_shared<const Surface>(std::move(made));
     }
@@ -29817,8 +29826,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -29834,7 +29843,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -29854,9 +29863,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -30208,7 +30217,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -30623,8 +30632,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -30639,7 +30648,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -30838,7 +30849,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -30872,7 +30883,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -30890,7 +30901,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -31283,8 +31294,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -31300,7 +31311,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -31320,9 +31331,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -31674,7 +31685,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -32089,8 +32100,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -32105,7 +32116,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -32304,7 +32317,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -32338,7 +32351,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -32356,7 +32369,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -32747,8 +32760,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -32764,7 +32777,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -32784,9 +32797,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -33138,7 +33151,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -33553,8 +33566,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -33569,7 +33582,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -33768,7 +33783,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -33802,7 +33817,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -33820,7 +33835,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -34130,7 +34145,7 @@ struct KernelOps {
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
   /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Whether all its numbers are finite: they are read anyway.
+  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -34231,8 +34246,8 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite` becomes false where a number of a
-/// transposed B (stride_k is 1) is not.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
+/// transposed B (stride_k is 1), becomes false if a number is not.
 template <class S>
 Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
                       Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
@@ -34241,7 +34256,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
-  const bool as_it_lies = stride_k != 1;
+  const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
   const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, each) / step) * step;

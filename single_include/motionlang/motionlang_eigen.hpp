@@ -37,7 +37,7 @@ struct KernelOps {
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
   /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Whether all its numbers are finite: they are read anyway.
+  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -749,8 +749,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -766,7 +766,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -786,9 +786,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -1140,7 +1140,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -1555,8 +1555,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -1571,7 +1571,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -1770,7 +1772,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -1804,7 +1806,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -1822,7 +1824,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -2215,8 +2217,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -2232,7 +2234,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -2252,9 +2254,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -2606,7 +2608,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -3021,8 +3023,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -3037,7 +3039,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -3236,7 +3240,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -3270,7 +3274,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -3288,7 +3292,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -3679,8 +3683,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -3696,7 +3700,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -3716,9 +3720,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -4070,7 +4074,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -4485,8 +4489,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -4501,7 +4505,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -4700,7 +4706,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -4734,7 +4740,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -4752,7 +4758,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,

@@ -431,9 +431,10 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::system {
 
 /// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
 inline int create_temporary(std::string& name) {
-  std::error_code none;
-  name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-  if (none) return errno = none.value(), -1;
+  std::error_code problem;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
+  name = problem ? "a temporary file" : (folder / "motionlang-XXXXXX").string();
+  if (problem) return errno = problem.default_error_condition().value(), -1;
   return ::mkstemp(name.data());
 }
 
@@ -1366,29 +1367,23 @@ class TensorStore {
 namespace detail {
 /// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
 /// Whether all its numbers are finite.
-template <Backend B>
-bool pack_loaded(Tensor<B, 2>& weight) {
-  if constexpr (requires { B::prepare(weight.data()); }) {
-    const bool finite = B::prepare(weight.data());
-    MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
-    return finite;
-  } else {
-    return all_finite(weight.span());
-  }
+template <PackingBackend B>
+bool pack_loaded(const Tensor<B, 2>& weight) {
+  const bool finite = B::prepare(weight.data());
+  MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
+  return finite;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
-template <Backend B>
+template <PackingBackend B>
 void put_aside(Tensor<B, 2>& weight) {
-  if constexpr (requires { B::prepare(weight.data()); }) {
-    const auto bytes = std::as_bytes(weight.span());
-    if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
-    const auto aside = MappedFile::put_aside(bytes);
-    if (aside == nullptr) return;
-    const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-    weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
-    BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
-  }
+  const auto bytes = std::as_bytes(weight.span());
+  if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
+  const auto aside = MappedFile::put_aside(bytes);
+  if (aside == nullptr) return;
+  const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+  weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
 }
 
 /// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
@@ -1415,7 +1410,7 @@ struct PrepareLoaded {
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
     bool good = true;
-    if constexpr (R == 2)
+    if constexpr (R == 2 && PackingBackend<B>)
       good = pack_loaded(t);
     else if (finite != nullptr)
       good = all_finite(t.span());
@@ -1423,12 +1418,11 @@ struct PrepareLoaded {
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice; where there is no place for
-/// it, it is not packed.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be, it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2) {
+    if constexpr (R == 2 && PackingBackend<B>) {
       put_aside(t);
       if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
     }

@@ -991,6 +991,15 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
+/// A backend with a layout of its own for the weights of linear layers: prepare(weight) keeps the weight (out, in) in it beside the tensor,
+/// which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// Laws     `linear` of a prepared weight gives the same bits (tests/unit/tensor/module.cpp)
+/// Models   EigenBackend<S>, XtensorBackend<S>
+template <class B>
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
+  { B::prepare(weight) } -> std::same_as<bool>;
+};
+
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
 /// Saving, loading, optimising, counting and conversion between backends all follow from it (core/fields.hpp).
 /// Laws     names are unique; visiting twice gives the same paths in the same order
@@ -2383,7 +2392,7 @@ struct KernelOps {
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
   /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Whether all its numbers are finite: they are read anyway.
+  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -3049,8 +3058,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -3066,7 +3075,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -3086,9 +3095,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -3440,7 +3449,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -3855,8 +3864,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -3871,7 +3880,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -4070,7 +4081,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -4104,7 +4115,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -4122,7 +4133,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -4515,8 +4526,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -4532,7 +4543,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -4552,9 +4563,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -4906,7 +4917,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -5321,8 +5332,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -5337,7 +5348,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -5536,7 +5549,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -5570,7 +5583,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -5588,7 +5601,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -5979,8 +5992,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class S>
+/// Whether all numbers are finite, if it looks.
+template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
   Mask<S> found{};
@@ -5996,7 +6009,7 @@ bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, In
         for (int q = 0; q < lanes<S>; ++q) {
           const S* from = in + (c + q) * stride + i;
           square[q] = load_first(from, c + q < columns ? rows : 0);
-          find_not_finite<S>(square[q], found);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
         }
         transpose_lanes<S>(square);
         for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
@@ -6016,9 +6029,9 @@ struct Rows {
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes for every row of the panel. A tile alone
-/// fetches half of the next panel: every other line of it all would confuse the processor, which fetches lines that follow each other
-/// by itself (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
+/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
+/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
@@ -6370,7 +6383,7 @@ struct FloatProducts {
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
     if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
   static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
@@ -6785,8 +6798,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
   }
 }
 /// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite.
-template <class Tile>
+/// Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
 bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
@@ -6801,7 +6814,9 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
       for (Index c = 0; c < bf16_columns; ++c) {
         const float* row = in + c * stride + i0;
         const Index there = c < columns ? std::min(k - i0, length) : 0;
-        for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
         Tile::round_row(row, there, length, lines + c * pitch);
       }
       for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
@@ -7000,7 +7015,7 @@ struct Bf16Products {
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
     if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
   static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
                        bool whole_panels) {
@@ -7034,7 +7049,7 @@ const Bf16Kernels& bf16_table() {
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
                                  .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
@@ -7052,7 +7067,7 @@ const Kernels<S>& table() {
       .gemm_rows = &gemm_rows<S>,
       .gemm_scratch = &gemm_scratch<S>,
       .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S>,
+      .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
       .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
@@ -7628,8 +7643,8 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite` becomes false where a number of a
-/// transposed B (stride_k is 1) is not.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
+/// transposed B (stride_k is 1), becomes false if a number is not.
 template <class S>
 Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
                       Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
@@ -7638,7 +7653,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
-  const bool as_it_lies = stride_k != 1;
+  const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
   const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, each) / step) * step;
@@ -9987,7 +10002,7 @@ namespace detail {
 struct PrepareWeights {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && requires { B::prepare(t.data()); }) B::prepare(t.data());
+    if constexpr (R == 2 && PackingBackend<B>) B::prepare(t.data());
   }
 };
 
@@ -12435,9 +12450,10 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::system {
 
 /// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
 inline int create_temporary(std::string& name) {
-  std::error_code none;
-  name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-  if (none) return errno = none.value(), -1;
+  std::error_code problem;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
+  name = problem ? "a temporary file" : (folder / "motionlang-XXXXXX").string();
+  if (problem) return errno = problem.default_error_condition().value(), -1;
   return ::mkstemp(name.data());
 }
 
@@ -13376,29 +13392,23 @@ class TensorStore {
 namespace detail {
 /// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
 /// Whether all its numbers are finite.
-template <Backend B>
-bool pack_loaded(Tensor<B, 2>& weight) {
-  if constexpr (requires { B::prepare(weight.data()); }) {
-    const bool finite = B::prepare(weight.data());
-    MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
-    return finite;
-  } else {
-    return all_finite(weight.span());
-  }
+template <PackingBackend B>
+bool pack_loaded(const Tensor<B, 2>& weight) {
+  const bool finite = B::prepare(weight.data());
+  MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
+  return finite;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
-template <Backend B>
+template <PackingBackend B>
 void put_aside(Tensor<B, 2>& weight) {
-  if constexpr (requires { B::prepare(weight.data()); }) {
-    const auto bytes = std::as_bytes(weight.span());
-    if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
-    const auto aside = MappedFile::put_aside(bytes);
-    if (aside == nullptr) return;
-    const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-    weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
-    BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
-  }
+  const auto bytes = std::as_bytes(weight.span());
+  if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
+  const auto aside = MappedFile::put_aside(bytes);
+  if (aside == nullptr) return;
+  const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+  weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
 }
 
 /// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
@@ -13425,7 +13435,7 @@ struct PrepareLoaded {
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
     bool good = true;
-    if constexpr (R == 2)
+    if constexpr (R == 2 && PackingBackend<B>)
       good = pack_loaded(t);
     else if (finite != nullptr)
       good = all_finite(t.span());
@@ -13433,12 +13443,11 @@ struct PrepareLoaded {
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice; where there is no place for
-/// it, it is not packed.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be, it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2) {
+    if constexpr (R == 2 && PackingBackend<B>) {
       put_aside(t);
       if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
     }

@@ -74,6 +74,7 @@ def start_driver(path, tries=5):
         for line in driver.stdout:
             if found := re.search(r"successfully on port (\d+)", line):
                 return driver, found.group(1)
+        driver.stdout.close()
         driver.wait()
     raise RuntimeError(f"{path} ended {tries} times without a port")
 

@@ -33,12 +33,12 @@ void check_prepare_looks() {
   const auto finite = [](const std::vector<S>& numbers, Index n, Index k) {
     return ml::EigenBackend<S>::prepare(ml::Dense<S>::from_span(numbers, ml::Shape{n, k}));
   };
-  for (const auto& [n, k] : {std::pair<Index, Index>{1, 1}, {1, 40}, {40, 1}, {33, 17}, {70, 300}}) {
+  for (const auto& [n, k] : {std::pair<Index, Index>{1, 1}, {1, 40}, {40, 1}, {33, 17}, {70, 300}, {2200, 64}}) {
     std::vector<S> numbers(static_cast<std::size_t>(n * k), largest);
     numbers.back() = -largest;
     REQUIRE(finite(numbers, n, k));
     std::set<std::size_t> places{0, numbers.size() - 1, numbers.size() / 2};
-    for (Index i = 0; i < 20; ++i) places.insert(numbers.size() * static_cast<std::size_t>(i) / 20);
+    for (std::size_t i = 0; i < numbers.size(); i += numbers.size() / 20 + 1) places.insert(i);
     for (const std::size_t place : places) {
       for (const S odd : {infinity, -infinity, std::numeric_limits<S>::quiet_NaN()}) {
         CAPTURE(place);

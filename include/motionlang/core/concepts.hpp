@@ -92,6 +92,15 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
+/// A backend with a layout of its own for the weights of linear layers: prepare(weight) keeps the weight (out, in) in it beside the tensor,
+/// which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// Laws     `linear` of a prepared weight gives the same bits (tests/unit/tensor/module.cpp)
+/// Models   EigenBackend<S>, XtensorBackend<S>
+template <class B>
+concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
+  { B::prepare(weight) } -> std::same_as<bool>;
+};
+
 /// A type with parameters: `fields()` lists pairs (name, pointer to member); names are the official state-dict keys.
 /// Saving, loading, optimising, counting and conversion between backends all follow from it (core/fields.hpp).
 /// Laws     names are unique; visiting twice gives the same paths in the same order

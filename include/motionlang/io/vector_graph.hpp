@@ -16,6 +16,7 @@
 
 #include <motionlang/core/progress.hpp>
 #include <motionlang/io/detail/bytes.hpp>
+#include <motionlang/io/detail/system_file.hpp>
 #include <motionlang/io/motion_index_file.hpp>
 #include <motionlang/search/motion_search.hpp>
 

@@ -183,7 +183,7 @@ struct BodyModel {
       made.rest = regressed();
       for (Index i = 0; i < blocks(); ++i) {
         made.blocks.push_back(block(i));
-        if constexpr (requires { B::prepare(made.blocks[0].directions.data()); }) B::prepare(made.blocks.back().directions.data());
+        if constexpr (PackingBackend<B>) B::prepare(made.blocks.back().directions.data());
       }
       packed = std::make_shared<const Surface>(std::move(made));
     }

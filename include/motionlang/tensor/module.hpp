@@ -99,7 +99,7 @@ namespace detail {
 struct PrepareWeights {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && requires { B::prepare(t.data()); }) B::prepare(t.data());
+    if constexpr (R == 2 && PackingBackend<B>) B::prepare(t.data());
   }
 };
 

@@ -4,7 +4,7 @@
 /// Work is split over rows or columns of the result only, never over a summed index.
 #pragma once
 
-#include <atomic>  // a finding of several threads
+#include <atomic>  // a finding of several threads, the weight prepared next
 #include <memory>   // shared_ptr
 #include <utility>  // move
 
@@ -71,8 +71,8 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
-/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite` becomes false where a number of a
-/// transposed B (stride_k is 1) is not.
+/// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
+/// transposed B (stride_k is 1), becomes false if a number is not.
 template <class S>
 Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
                       Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
@@ -81,7 +81,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
-  const bool as_it_lies = stride_k != 1;
+  const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
   const Index at_once = std::max<Index>(1, 65536 / std::max<Index>(1, each) / step) * step;

@@ -41,9 +41,10 @@ namespace motionlang::inline MOTIONLANG_ABI::detail::system {
 
 /// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
 inline int create_temporary(std::string& name) {
-  std::error_code none;
-  name = (std::filesystem::temp_directory_path(none) / "motionlang-XXXXXX").string();
-  if (none) return errno = none.value(), -1;
+  std::error_code problem;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
+  name = problem ? "a temporary file" : (folder / "motionlang-XXXXXX").string();
+  if (problem) return errno = problem.default_error_condition().value(), -1;
   return ::mkstemp(name.data());
 }
 
