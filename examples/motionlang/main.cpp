@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, on_interrupt);
 
   CLI::App app{"motionlang " MOTIONLANG_VERSION ": 3D human motion from language", "motionlang"};
+  app.allow_windows_style_options(false);  // the same command line everywhere: /name is a file
   app.require_subcommand(1);
   app.set_version_flag("--version", MOTIONLANG_VERSION);
   app.footer(

@@ -6,7 +6,10 @@
 #include <sys/stat.h>  // fstat, mkdir
 #include <unistd.h>    // read, write, close, getpid
 #if defined(_WIN32)
-#include <io.h>  // _get_osfhandle, _commit
+#include <io.h>      // _commit
+#include <malloc.h>  // _aligned_malloc
+
+#include <algorithm>  // min
 #else
 #include <sys/mman.h>  // mmap
 #endif
@@ -23,18 +26,8 @@
 #include <motionlang/version.hpp>
 
 #if defined(_WIN32)
-// As windows.h declares them, which would bring macros named min, max, near and far.
-struct _SECURITY_ATTRIBUTES;
-extern "C" {
-__declspec(dllimport) void* __stdcall CreateFileMappingA(void* file, _SECURITY_ATTRIBUTES*, unsigned long protection,
-                                                         unsigned long size_high, unsigned long size_low,
-                                                         const char* name);
-__declspec(dllimport) void* __stdcall MapViewOfFile(void* mapping, unsigned long access, unsigned long offset_high,
-                                                    unsigned long offset_low, std::size_t size);
-__declspec(dllimport) int __stdcall UnmapViewOfFile(const void* view);
-__declspec(dllimport) int __stdcall CloseHandle(void*);
-__declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
-}
+// As windows.h declares it, which would bring macros named min, max, near and far.
+extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI::detail::system {
@@ -62,22 +55,27 @@ inline bool is_regular(int file, std::uint64_t& size) {
   return true;
 }
 inline bool flush(int file) { return ::_commit(file) == 0; }
-/// The whole file, for reading; null if that fails. size > 0.
+inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
+/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
+/// from which a training goes on.
 inline void* map(int file, std::size_t size) {
-  constexpr unsigned long page_readonly = 2, file_map_read = 4;
-  void* const mapping =
-      ::CreateFileMappingA(reinterpret_cast<void*>(::_get_osfhandle(file)), nullptr, page_readonly, 0, 0, nullptr);
-  void* const data = mapping == nullptr ? nullptr : ::MapViewOfFile(mapping, file_map_read, 0, 0, size);
-  if (mapping != nullptr) ::CloseHandle(mapping);
-  if (data == nullptr) errno = ENOMEM;
+  auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
+  if (data == nullptr) return errno = ENOMEM, nullptr;
+  for (std::size_t done = 0; done < size;) {
+    const int n = ::read(file, data + done, static_cast<unsigned>(std::min<std::size_t>(size - done, 1u << 30)));
+    if (n <= 0) {
+      if (n == 0) errno = EIO;  // it has become shorter
+      return unmap(data, size), nullptr;
+    }
+    done += static_cast<std::size_t>(n);
+  }
   return data;
 }
-inline void unmap(void* data, std::size_t) { ::UnmapViewOfFile(data); }
-inline void forget(void*, std::size_t) {}  // the system does it when it needs memory
+inline void forget(void*, std::size_t) {}  // there is no other copy
 inline bool rename_over(const char* from, const char* to) {
   constexpr unsigned long replace = 1;
   if (::MoveFileExA(from, to, replace) != 0) return true;
-  errno = EACCES;  // it is open, or mapped
+  errno = EACCES;  // it is open
   return false;
 }
 inline bool make_folder(const char* path) { return ::mkdir(path) == 0; }
