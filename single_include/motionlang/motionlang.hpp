@@ -34255,7 +34255,8 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   const bool bf16 = precision == Precision::bf16;
   Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
   p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B.
+  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
+  // as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;

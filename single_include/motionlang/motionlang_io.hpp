@@ -587,7 +587,7 @@ class Descriptor {
 
 }  // namespace detail
 
-/// A file mapped into memory for reading. Pages are loaded when they are touched.
+/// A file mapped into memory for reading. Pages are loaded when they are touched (on Windows, all when it is opened).
 class MappedFile {
  public:
   /// Throws io_error 401.
